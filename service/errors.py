@@ -1,0 +1,111 @@
+"""What can go wrong, in one short tree. Knows no HTTP; `service.api.problems` maps kinds to statuses.
+
+Every error says what is wrong, where, and how to mend it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where in the input: a file, a line and a column (both from 1), an element or its address."""
+
+    file: str | None = None
+    line: int | None = None
+    column: int | None = None
+    element: str | None = None
+
+    def __str__(self) -> str:
+        spot = self.file or ""
+        if self.line is not None:
+            spot = f"{spot}:{self.line}" if spot else f"line {self.line}"
+        if self.column is not None:
+            spot = f"{spot}:{self.column}" if self.line is not None else f"{spot} column {self.column}".strip()
+        if self.element:
+            spot = f"{spot} ({self.element})" if spot else self.element
+        return spot
+
+
+class McmlError(Exception):
+    """The root of the tree.
+
+    what: one sentence, without the place. at: where. remedy: how to mend it, an imperative sentence.
+    details: further facts for programs (plain JSON values).
+    """
+
+    def __init__(self, what: str, *, at: Place | None = None, remedy: str | None = None, **details: Any) -> None:
+        super().__init__(what)
+        self.what = what
+        self.at = at
+        self.remedy = remedy
+        self.details = details
+
+    def in_file(self, name: str) -> McmlError:
+        """The same error with the file named, for a reader that knows only its stream."""
+        if self.at is None or self.at.file is None:
+            self.at = replace(self.at or Place(), file=name)
+        return self
+
+    def __str__(self) -> str:
+        where = f"{self.at}: " if self.at and str(self.at) else ""
+        return f"{where}{self.what}" + (f" {self.remedy}" if self.remedy else "")
+
+
+class FormatError(McmlError):
+    """A file is not what its format's specification says."""
+
+
+class UnsupportedError(McmlError):
+    """A format, variant or feature that the repository knows and does not read or write."""
+
+
+class DocumentError(McmlError):
+    """An MCML document, or an edit of one, breaks `mcml.dtd` or the rules beyond it."""
+
+
+class ConversionError(McmlError):
+    """A motion that the target format cannot hold."""
+
+
+class VocabularyError(McmlError):
+    """A motion name that no body can perform, or that is not in the vocabulary where it must be."""
+
+
+class QueryError(McmlError):
+    """An XPath expression that does not parse, has no such function, or mixes types."""
+
+
+class LimitError(McmlError):
+    """More bytes, frames, depth, time or memory than the settings allow."""
+
+
+class NotFoundError(McmlError):
+    """No such document, frame, element or name."""
+
+
+class ConflictError(McmlError):
+    """The stored state is not the one the request was made for."""
+
+
+class StoreError(McmlError):
+    """The store is damaged or not at the schema this program needs."""
+
+
+class AccessError(McmlError):
+    """The request lacks the right to do this."""
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """One line of a receipt: what a reader guessed, repaired or could not keep, and why.
+
+    kind: "guess" (a value the file does not state), "repair" (the file was mended), "warning" (something the
+    user should know) or "note".
+    """
+
+    kind: str
+    what: str
+    at: Place | None = None

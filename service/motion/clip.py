@@ -1,0 +1,124 @@
+"""Clips: a head, and blocks of frames that stream.
+
+The source's own numbers and units are kept; nothing is scaled or turned here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.errors import Notice
+from service.motion.skeleton import Array, Skeleton
+
+Shape: TypeAlias = tuple[tuple[int, int], ...]
+"""Which frame_bones a frame has, in order: (joint index, bits of the channels it has). Bit i stands for
+`CHANNELS[i]`; no bits: the source listed the joint but has no sample (a missing marker)."""
+
+
+@dataclass(frozen=True)
+class SourcePart:
+    """One file of the source (BVH: one; ASF/AMC: two), for what its format writes beside motion.
+
+    part: the format's part name ("bvh", "asf", "amc", "htr"). name: file name without folders.
+    encoding: Python codec name. keywords: header keywords in the file's order and spelling ("FileType" …).
+    flags: AMC's `:FULLY-SPECIFIED`, `:DEGREES` lines, verbatim, in order.
+    comments: comment lines verbatim, without line end. sections: (keyword line, verbatim text) of sections that the
+    model has no place for, such as ASF's `:documentation` and `:skin`.
+    missing: how the source writes a missing sample (HTR: "9999999"), "" if it has none.
+    """
+
+    part: str
+    name: str = ""
+    encoding: str = "utf-8"
+    keywords: tuple[str, ...] = ()
+    flags: tuple[str, ...] = ()
+    comments: tuple[str, ...] = ()
+    sections: tuple[tuple[str, str], ...] = ()
+    missing: str = ""
+
+
+@dataclass(frozen=True)
+class ClipHead:
+    """All of a clip but its frames.
+
+    fields: header values as lexemes, by MCML's header element names: filetype datatype filename version skeleton_name
+        num_segments num_frames dataframe_rate euler_rotation_order calibration_unit global_axis_of_gravity
+        bone_length_axis scale_factor; and units_mass units_length units_angle (the attributes of `units`).
+        Only what the source states.
+    format: the catalogue name of the source format ("bvh", "asf-amc", "htr", …).
+    frame_time: seconds a frame as the file writes it, None where the source has none (AMC, and HTR with its rate).
+    number_style: "shortest", "fixed:N" or "general:N": how the source writes motion numbers; only for writing the
+        source format again, and only where it gives the same double.
+    description, properties: set by people; properties are (name, value, unit or "").
+    """
+
+    format: str
+    skeleton: Skeleton
+    fields: dict[str, str] = field(default_factory=dict)
+    frame_time: str | None = None
+    number_style: str = "shortest"
+    sources: tuple[SourcePart, ...] = ()
+    description: str = ""
+    properties: tuple[tuple[str, str, str], ...] = ()
+
+    def seconds_per_frame(self) -> float | None:
+        """Frame time as a number, from `frame_time` or else 1 / dataframe_rate; None where neither is usable."""
+        if self.frame_time is not None:
+            value = float(self.frame_time)
+            return value if value > 0 else None
+        rate = self.fields.get("dataframe_rate")
+        if rate is not None and float(rate) > 0:
+            return 1.0 / float(rate)
+        return None
+
+
+@dataclass(frozen=True)
+class FrameBlock:
+    """Consecutive frames.
+
+    values: (n, D) float64, NaN where a frame's shape has no such channel, finite everywhere else.
+    columns: (joint, channel) of each of the D columns.
+    shapes, shape_of: frame i has the shape `shapes[shape_of[i]]`; shape_of None: all have `shapes[0]`.
+    ids: frame ids as written: (n,) int64 where each is a plain decimal integer, else a list of texts.
+    motion_names: for each frame its motion names in order, or None where no frame of the block has any.
+    """
+
+    values: Array
+    columns: tuple[tuple[int, int], ...]
+    shapes: tuple[Shape, ...]
+    ids: NDArray[np.int64] | list[str]
+    shape_of: NDArray[np.intp] | None = None
+    motion_names: Sequence[tuple[str, ...]] | None = None
+
+    def __len__(self) -> int:
+        return int(self.values.shape[0])
+
+
+@dataclass
+class ClipStream:
+    """A clip whose frames are read in blocks, each time `blocks()` is called, from the first frame on.
+
+    frames: the number of frames if it is known before reading, else None.
+    notices: what the reader guessed or repaired; complete once the blocks were read to the end.
+    """
+
+    head: ClipHead
+    blocks: Callable[[], Iterator[FrameBlock]]
+    frames: int | None = None
+    notices: list[Notice] = field(default_factory=list)
+
+    def with_head(self, head: ClipHead) -> ClipStream:
+        return ClipStream(head, self.blocks, self.frames, self.notices)
+
+
+def full_shape(columns: Sequence[tuple[int, int]]) -> Shape:
+    """The shape of a frame that has every column, frame_bones in the order in which the columns name them."""
+    bits: dict[int, int] = {}
+    for joint, channel in columns:
+        bits[joint] = bits.get(joint, 0) | 1 << channel
+    return tuple(bits.items())
