@@ -1,0 +1,20 @@
+"""Runs migrations on the connection that `Database.migrate` hands over, or on `MCML_DATABASE` for `alembic` itself."""
+
+from __future__ import annotations
+
+from alembic import context
+
+from service.storage.tables import metadata
+
+connection = context.config.attributes.get("connection")
+if connection is None:
+    from service.settings import Settings
+    from service.storage.database import Database
+
+    with Database(Settings().database_url).dialect.writing() as connection:
+        context.configure(connection=connection, target_metadata=metadata, render_as_batch=False)
+        with context.begin_transaction():
+            context.run_migrations()
+else:
+    context.configure(connection=connection, target_metadata=metadata, render_as_batch=False)
+    context.run_migrations()

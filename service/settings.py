@@ -1,0 +1,46 @@
+"""Settings: the only reader of the environment. Made once by `app` or `cli` and passed on."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+MIB = 1 << 20
+
+
+def data_folder() -> Path:
+    """The user's data folder for this program (XDG on Linux, the platform's own elsewhere)."""
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "mcml"
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", str(Path.home()))) / "mcml"
+    return Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "mcml"
+
+
+class Settings(BaseSettings):
+    """Every setting: environment variable `MCML_` and the name in capitals."""
+
+    model_config = SettingsConfigDict(env_prefix="MCML_", extra="ignore")
+
+    database: str | None = Field(None, description="SQLAlchemy URL; default: an SQLite file in the user's data folder")
+    host: str = Field("127.0.0.1", description="Address to listen on; any other than loopback needs a token")
+    port: int = Field(8000, ge=0, le=65535, description="Port to listen on")
+    token: str | None = Field(None, description="Token that the command line sends to a server (`--server`)")
+    max_upload_bytes: int = Field(2048 * MIB, ge=1, description="Largest upload, all files of a request together")
+    max_zip_ratio: float = Field(200.0, ge=1, description="A zip whose content is larger by more than this is refused")
+    max_zip_files: int = Field(2000, ge=1, description="Most files in one zip")
+    max_frames: int = Field(50_000_000, ge=1, description="Most frames in one document")
+    max_values: int = Field(4_000_000_000, ge=1, description="Most motion values in one document")
+    max_joints: int = Field(10_000, ge=1, description="Most joints in one skeleton")
+    query_seconds: float = Field(10.0, gt=0, description="Longest time one XPath query may take")
+    query_memory_mib: int = Field(1024, ge=64, description="Most memory one projected XPath query may take")
+    query_elements: int = Field(3_000_000, ge=1000, description="Most elements that a projected query may touch")
+    page_limit: int = Field(1000, ge=1, description="Most items on one page of a list")
+
+    @property
+    def database_url(self) -> str:
+        return self.database or f"sqlite:///{data_folder() / 'mcml.db'}"

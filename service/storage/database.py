@@ -1,0 +1,201 @@
+"""The store as transactions.
+
+    with database.read() as tx: ...
+    with database.write("kim") as tx: ...      # committed at the end, or nothing happened
+
+A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.heads`, `tx.tracks`,
+`tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cached_property
+from typing import Any
+
+from alembic import command
+from alembic.config import Config
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from sqlalchemy import Connection, Table, and_, func, insert, make_url, select, text
+from sqlalchemy.exc import ArgumentError
+from sqlalchemy.sql import ColumnElement
+
+from service.errors import StoreError
+from service.resources import migrations_path
+from service.storage import tables
+from service.storage.dialects import DIALECTS, Dialect
+from service.storage.documents import Documents
+from service.storage.heads import Heads
+from service.storage.identifiers import now
+from service.storage.projects import Projects, Tokens
+from service.storage.spans import Spans
+from service.storage.tables import CURRENT
+from service.storage.tracks import Tracks
+from service.storage.uploads import Uploads
+
+LATEST = CURRENT - 1
+"""Read at this commit to see what is current."""
+
+
+class Transaction:
+    """A read or write transaction on one connection.
+
+    at: the commit whose state is read; `LATEST` by default, and always in write transactions.
+    """
+
+    def __init__(self, connection: Connection, dialect: Dialect, at: int = LATEST, author: str | None = None) -> None:
+        self.connection = connection
+        self.dialect = dialect
+        self.at = at
+        self._author = author
+
+    @cached_property
+    def commit(self) -> int:
+        """The number of this write transaction, taken when first asked for; later writers wait from then on."""
+        if self._author is None:
+            raise StoreError("A read transaction cannot write.")
+        self.dialect.order_commits(self.connection)
+        newest = self.newest_commit()
+        self.connection.execute(insert(tables.commit).values(number=newest + 1, time=now(), author=self._author))
+        return newest + 1
+
+    def newest_commit(self) -> int:
+        """The number of the last commit that this transaction sees, 0 in an empty store."""
+        return int(self.connection.execute(select(func.coalesce(func.max(tables.commit.c.number), 0))).scalar_one())
+
+    def valid(self, table: Table) -> ColumnElement[bool]:
+        """The condition that a row of a table with `from_commit` and `to_commit` is valid at `self.at`."""
+        return and_(table.c.from_commit <= self.at, table.c.to_commit > self.at)
+
+    def at_commit(self, commit: int) -> Transaction:
+        """The same transaction, reading the state of an earlier commit."""
+        return Transaction(self.connection, self.dialect, commit, self._author)
+
+    def insert_rows(self, table: Table, rows: list[dict[str, Any]]) -> None:
+        if rows:
+            self.connection.execute(insert(table), rows)
+
+    @cached_property
+    def documents(self) -> Documents:
+        return Documents(self)
+
+    @cached_property
+    def heads(self) -> Heads:
+        return Heads(self)
+
+    @cached_property
+    def tracks(self) -> Tracks:
+        return Tracks(self)
+
+    @cached_property
+    def spans(self) -> Spans:
+        return Spans(self)
+
+    @cached_property
+    def uploads(self) -> Uploads:
+        return Uploads(self)
+
+    @cached_property
+    def projects(self) -> Projects:
+        return Projects(self)
+
+    @cached_property
+    def tokens(self) -> Tokens:
+        return Tokens(self)
+
+
+class Database:
+    """A store by its SQLAlchemy URL: `sqlite:///path` or `postgresql+psycopg://…`."""
+
+    def __init__(self, url: str) -> None:
+        try:
+            parsed = make_url(url)
+        except ArgumentError as error:
+            raise StoreError(
+                f"{url!r} is not a database address.",
+                remedy="Write sqlite:///path/to/file.db or postgresql+psycopg://user:password@host/name.",
+            ) from error
+        name = parsed.get_backend_name()
+        if name not in DIALECTS:
+            raise StoreError(f"Unknown kind of database {name!r}.", remedy=f"Use one of: {', '.join(DIALECTS)}.")
+        self.url = url
+        self.dialect = DIALECTS[name](DIALECTS[name].create_engine(url))
+
+    @property
+    def name(self) -> str:
+        """The kind of database: "sqlite" or "postgresql"."""
+        return self.dialect.engine.dialect.name
+
+    @contextmanager
+    def read(self, at: int = LATEST) -> Iterator[Transaction]:
+        """A snapshot: what other transactions commit meanwhile is not seen."""
+        with self.dialect.reading() as connection:
+            yield Transaction(connection, self.dialect, at)
+
+    @contextmanager
+    def write(self, author: str = "local") -> Iterator[Transaction]:
+        """A write transaction: committed when the block ends, rolled back when it raises."""
+        with self.dialect.writing() as connection:
+            yield Transaction(connection, self.dialect, author=author)
+
+    def migrate(self) -> None:
+        """Bring the schema to this program's version (a new store gets it whole)."""
+        with self.dialect.writing() as connection:
+            self.dialect.order_commits(connection)
+            config = _alembic_config()
+            config.attributes["connection"] = connection
+            command.upgrade(config, "head")
+
+    def schema_versions(self) -> tuple[str | None, str | None]:
+        """(the store's schema version, this program's)."""
+        with self.dialect.reading() as connection:
+            found = MigrationContext.configure(connection).get_current_revision()
+        return found, ScriptDirectory.from_config(_alembic_config()).get_current_head()
+
+    def require_schema(self) -> None:
+        """StoreError unless the schema is this program's."""
+        found, wanted = self.schema_versions()
+        if found != wanted:
+            raise StoreError(
+                f"The store's schema is {found or 'empty'}, this program needs {wanted}.",
+                remedy="Run `mcml db upgrade`.",
+            )
+
+    def sweep(self, lease_before: float | None = None) -> int:
+        """Remove what broken imports left behind; returns the number of documents removed.
+
+        lease_before: imports whose lease ended before this time (seconds since 1970; default now) are broken.
+        """
+        limit = time.time() if lease_before is None else lease_before
+        with self.write() as tx:
+            removed = tx.documents.remove_broken_imports(limit)
+            tx.uploads.remove_orphans(limit)
+            return removed
+
+    def check(self) -> list[str]:
+        """Faults found in the store, in words; empty when it is sound."""
+        from service.storage.checks import faults
+
+        with self.read() as tx:
+            return faults(tx)
+
+    def size(self) -> dict[str, int]:
+        with self.dialect.reading() as connection:
+            return self.dialect.size(connection)
+
+    def ping(self) -> None:
+        """One round trip to the database."""
+        with self.dialect.reading() as connection:
+            connection.execute(text("SELECT 1"))
+
+    def close(self) -> None:
+        self.dialect.engine.dispose()
+
+
+def _alembic_config() -> Config:
+    config = Config()
+    config.set_main_option("script_location", str(migrations_path()))
+    return config

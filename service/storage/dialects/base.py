@@ -1,0 +1,36 @@
+"""The interface of a database dialect."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from contextlib import AbstractContextManager
+
+from sqlalchemy import Connection, Engine
+
+
+class Dialect(ABC):
+    """Connection settings and locks of one kind of database."""
+
+    @classmethod
+    @abstractmethod
+    def create_engine(cls, url: str) -> Engine:
+        """An engine whose read transactions see one snapshot and whose commits survive a power cut."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine = engine
+
+    @abstractmethod
+    def writing(self) -> AbstractContextManager[Connection]:
+        """A connection in a write transaction, committed at the end or rolled back on any exception."""
+
+    @abstractmethod
+    def reading(self) -> AbstractContextManager[Connection]:
+        """A connection in a read transaction: every statement sees the same snapshot."""
+
+    @abstractmethod
+    def order_commits(self, connection: Connection) -> None:
+        """Let no other writer number a commit until this transaction has ended: numbers follow visibility."""
+
+    @abstractmethod
+    def size(self, connection: Connection) -> dict[str, int]:
+        """Bytes of the whole store ("total") and of the kept uploads ("uploads")."""

@@ -1,0 +1,40 @@
+"""PostgreSQL: for teams."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from sqlalchemy import Connection, Engine, create_engine, text
+
+from service.storage.dialects.base import Dialect
+
+COMMIT_LOCK = 0x4D434D4C
+"""Key of the advisory lock that orders commits: "MCML" in ASCII."""
+
+
+class PostgreSQL(Dialect):
+    """A server, through psycopg 3. Reads are repeatable, writes read committed rows and lock what they change."""
+
+    @classmethod
+    def create_engine(cls, url: str) -> Engine:
+        return create_engine(url, pool_size=16, max_overflow=32, pool_pre_ping=True)
+
+    @contextmanager
+    def writing(self) -> Iterator[Connection]:
+        with self.engine.connect() as connection, connection.begin():
+            yield connection
+
+    @contextmanager
+    def reading(self) -> Iterator[Connection]:
+        options = {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
+        with self.engine.connect().execution_options(**options) as connection, connection.begin():
+            yield connection
+
+    def order_commits(self, connection: Connection) -> None:
+        connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": COMMIT_LOCK})
+
+    def size(self, connection: Connection) -> dict[str, int]:
+        total = connection.execute(text("SELECT pg_database_size(current_database())")).scalar_one()
+        uploads = connection.execute(text("SELECT pg_total_relation_size('upload_block')")).scalar_one()
+        return {"total": int(total), "uploads": int(uploads)}

@@ -1,0 +1,83 @@
+"""SQLite: the embedded default. Write-ahead log, full synchronisation, one writer at a time."""
+
+from __future__ import annotations
+
+import sqlite3
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from sqlalchemy import Connection, Engine, create_engine, event, text
+from sqlalchemy.pool import QueuePool
+
+from service.storage.dialects.base import Dialect
+
+BUSY_SECONDS = 60
+
+
+class SQLite(Dialect):
+    """One file. Writers of one process queue on a lock, writers of several on SQLite's own."""
+
+    def __init__(self, engine: Engine) -> None:
+        super().__init__(engine)
+        self._writer = threading.Lock()
+
+    @classmethod
+    def create_engine(cls, url: str) -> Engine:
+        engine = create_engine(
+            url,
+            poolclass=QueuePool,
+            pool_size=16,
+            max_overflow=48,
+            connect_args={"timeout": BUSY_SECONDS, "check_same_thread": False},
+        )
+
+        @event.listens_for(engine, "connect")
+        def _configure(connection: sqlite3.Connection, _record: Any) -> None:
+            # The driver's own transaction handling would begin deferred transactions, which cannot be upgraded safely.
+            connection.isolation_level = None
+            for pragma in (
+                "journal_mode=WAL",
+                "synchronous=FULL",
+                "foreign_keys=ON",
+                "cache_size=-16384",
+                "mmap_size=268435456",
+                "temp_store=MEMORY",
+                "journal_size_limit=67108864",
+            ):
+                connection.execute(f"PRAGMA {pragma}")
+
+        @event.listens_for(engine, "begin")
+        def _begin(connection: Connection) -> None:
+            writes = connection.get_execution_options().get("writes", False)
+            connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+        return engine
+
+    @contextmanager
+    def writing(self) -> Iterator[Connection]:
+        with self._writer, self.engine.connect().execution_options(writes=True) as connection, connection.begin():
+            yield connection
+
+    @contextmanager
+    def reading(self) -> Iterator[Connection]:
+        with self.engine.connect() as connection, connection.begin():
+            yield connection
+
+    def order_commits(self, connection: Connection) -> None:
+        """Nothing to do: BEGIN IMMEDIATE already holds the one write lock."""
+
+    def size(self, connection: Connection) -> dict[str, int]:
+        pages = connection.execute(text("SELECT page_count * page_size FROM pragma_page_count, pragma_page_size"))
+        uploads = connection.execute(
+            text("SELECT COALESCE(SUM(pgsize), 0) FROM dbstat WHERE name = 'upload_block'")
+            if _has_dbstat(connection)
+            else text("SELECT COALESCE(SUM(LENGTH(data)), 0) FROM upload_block")
+        )
+        return {"total": int(pages.scalar_one()), "uploads": int(uploads.scalar_one())}
+
+
+def _has_dbstat(connection: Connection) -> bool:
+    options = connection.execute(text("PRAGMA compile_options")).scalars()
+    return "ENABLE_DBSTAT_VTAB" in set(options)

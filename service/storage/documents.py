@@ -1,0 +1,314 @@
+"""Documents and their revisions: what exists, since when, in which state."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import Select, and_, delete, func, insert, select, update
+
+from service.errors import NotFoundError
+from service.storage import tables
+from service.storage.identifiers import new_uuid
+from service.storage.tables import CURRENT, commit, content, document, project, property_, revision, span
+from service.storage.uploads import LEASE_SECONDS
+
+if TYPE_CHECKING:
+    from service.storage.database import Transaction
+
+
+@dataclass(frozen=True)
+class StoredDocument:
+    """A document at one revision. key: its number inside the store; uuid: its name outside."""
+
+    key: int
+    uuid: str
+    project: str
+    project_key: int
+    name: str
+    format: str
+    version: str
+    skeleton: int
+    frames: int
+    frame_time: str | None
+    intact: bool
+    revision: int
+    created: str
+    modified: str
+    next_slot: int
+
+
+@dataclass(frozen=True)
+class StoredRevision:
+    number: int
+    commit: int
+    parent: int | None
+    operation: str
+    message: str
+    time: str
+    author: str
+
+
+@dataclass(frozen=True)
+class DocumentFilter:
+    """Which documents a list holds; every condition that is given must hold.
+
+    text: part of the name, any case. properties: (name, least, greatest, text): numbers within bounds, or equal text.
+    """
+
+    project: str | None = None
+    text: str | None = None
+    motion_name: str | None = None
+    format: str | None = None
+    skeleton: int | None = None
+    properties: tuple[tuple[str, float | None, float | None, str | None], ...] = ()
+
+
+class Documents:
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    def begin(self, project_key: int, name: str, format_name: str) -> tuple[int, str]:
+        """A document in state "importing", which no read sees. Returns (key, uuid)."""
+        uuid = new_uuid()
+        row = {
+            "uuid": uuid,
+            "project": project_key,
+            "state": "importing",
+            "lease": time.time() + LEASE_SECONDS,
+            "name": name,
+            "format": format_name,
+            "deleted_commit": CURRENT,
+            "next_slot": 0,
+            "receipt": "{}",
+        }
+        result = self._tx.connection.execute(insert(document).values(row))
+        return int(result.inserted_primary_key[0]), uuid
+
+    def renew_lease(self, key: int) -> None:
+        self._tx.connection.execute(
+            update(document).where(document.c.id == key).values(lease=time.time() + LEASE_SECONDS)
+        )
+
+    def publish(self, key: int, *, next_slot: int, receipt: str, message: str, operation: str = "import") -> None:
+        """Make an imported document visible, as revision 1 of this transaction's commit."""
+        number = self._tx.commit
+        done = self._tx.connection.execute(
+            update(document)
+            .where(document.c.id == key, document.c.state == "importing")
+            .values(state="ready", lease=None, created_commit=number, next_slot=next_slot, receipt=receipt)
+        )
+        if done.rowcount != 1:
+            raise NotFoundError("The import took too long and was swept away.", remedy="Import the file again.")
+        row = {"document": key, "number": 1, "commit": number, "operation": operation, "message": message}
+        self._tx.connection.execute(insert(revision).values(row))
+
+    def write_content(
+        self, key: int, from_commit: int, *, skeleton: int, version: str, frames: int, frame_time: str | None, intact: bool
+    ) -> None:
+        """Set the values that a document has once a revision."""
+        self._tx.connection.execute(
+            update(content)
+            .where(content.c.document == key, content.c.to_commit == CURRENT)
+            .values(to_commit=from_commit)
+        )
+        row = {
+            "document": key,
+            "from_commit": from_commit,
+            "to_commit": CURRENT,
+            "skeleton": skeleton,
+            "version": version,
+            "frames": frames,
+            "frame_time": frame_time,
+            "intact": intact,
+        }
+        self._tx.connection.execute(insert(content).values(row))
+
+    def add_revision(self, stored: StoredDocument, operation: str, message: str = "") -> int:
+        """Note that this transaction made a revision; returns its number. The caller checked `stored` is newest."""
+        row = {
+            "document": stored.key,
+            "number": stored.revision + 1,
+            "commit": self._tx.commit,
+            "parent": stored.revision,
+            "operation": operation,
+            "message": message,
+        }
+        self._tx.connection.execute(insert(revision).values(row))
+        return stored.revision + 1
+
+    def lock(self, key: int) -> None:
+        """Let no other transaction change this document until this one ends."""
+        self._tx.connection.execute(select(document.c.id).where(document.c.id == key).with_for_update())
+
+    def find(self, uuid: str, *, deleted: bool = False) -> StoredDocument | None:
+        """The document as it is at the transaction's commit; `deleted` lets a deleted one be found."""
+        query = self._select(deleted=deleted).where(document.c.uuid == uuid)
+        row = self._tx.connection.execute(query).one_or_none()
+        return None if row is None else StoredDocument(**row._mapping)
+
+    def get(self, uuid: str, *, deleted: bool = False) -> StoredDocument:
+        """As `find`; NotFoundError where there is none."""
+        found = self.find(uuid, deleted=deleted)
+        if found is None:
+            raise NotFoundError(f"There is no document {uuid}.", remedy="List the documents to see their ids.")
+        return found
+
+    def by_keys(self, keys: list[int]) -> dict[int, StoredDocument]:
+        rows = self._tx.connection.execute(self._select().where(document.c.id.in_(keys)))
+        return {row.key: StoredDocument(**row._mapping) for row in rows}
+
+    def _select(self, *, deleted: bool = False) -> Select[Any]:
+        at = self._tx.at
+        newest = (
+            select(func.max(revision.c.number))
+            .where(revision.c.document == document.c.id, revision.c.commit <= at)
+            .scalar_subquery()
+        )
+        made = select(commit.c.time).where(commit.c.number == document.c.created_commit).scalar_subquery()
+        changed = (
+            select(func.max(commit.c.time))
+            .join(revision, revision.c.commit == commit.c.number)
+            .where(revision.c.document == document.c.id, revision.c.commit <= at)
+            .scalar_subquery()
+        )
+        query = (
+            select(
+                document.c.id.label("key"),
+                document.c.uuid,
+                project.c.name.label("project"),
+                project.c.id.label("project_key"),
+                document.c.name,
+                document.c.format,
+                content.c.version,
+                content.c.skeleton,
+                content.c.frames,
+                content.c.frame_time,
+                content.c.intact,
+                newest.label("revision"),
+                made.label("created"),
+                changed.label("modified"),
+                document.c.next_slot,
+            )
+            .join(project, project.c.id == document.c.project)
+            .join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
+            .where(self.visible())
+        )
+        return query if deleted else query.where(document.c.deleted_commit > at)
+
+    def visible(self) -> Any:
+        """The condition that a document's import was complete at the transaction's commit."""
+        return and_(document.c.state == "ready", document.c.created_commit <= self._tx.at)
+
+    def list(
+        self, wanted: DocumentFilter, *, after: tuple[str, int] | None, limit: int, newest_first: bool = False
+    ) -> list[StoredDocument]:
+        """Documents by name and key after (name, key), or newest first after (_, key)."""
+        query = _filtered(self._select(), wanted, self._tx)
+        if newest_first:
+            query = query.order_by(document.c.id.desc())
+            if after is not None:
+                query = query.where(document.c.id < after[1])
+        else:
+            query = query.order_by(document.c.name, document.c.id)
+            if after is not None:
+                name, key = after
+                query = query.where((document.c.name > name) | (document.c.name == name) & (document.c.id > key))
+        return [StoredDocument(**row._mapping) for row in self._tx.connection.execute(query.limit(limit))]
+
+    def count(self, wanted: DocumentFilter) -> int:
+        query = _filtered(select(func.count()).select_from(document).join(project), wanted, self._tx)
+        query = query.where(self.visible(), document.c.deleted_commit > self._tx.at)
+        if wanted.skeleton is not None:
+            query = query.join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
+        return int(self._tx.connection.execute(query).scalar_one())
+
+    def receipt(self, key: int) -> str:
+        return str(self._tx.connection.execute(select(document.c.receipt).where(document.c.id == key)).scalar_one())
+
+    def set_receipt(self, key: int, receipt: str) -> None:
+        self._tx.connection.execute(update(document).where(document.c.id == key).values(receipt=receipt))
+
+    def rename(self, key: int, name: str) -> None:
+        self._tx.connection.execute(update(document).where(document.c.id == key).values(name=name))
+
+    def move(self, key: int, project_key: int) -> None:
+        self._tx.connection.execute(update(document).where(document.c.id == key).values(project=project_key))
+
+    def set_next_slot(self, key: int, slot: int) -> None:
+        self._tx.connection.execute(update(document).where(document.c.id == key).values(next_slot=slot))
+
+    def delete(self, key: int) -> None:
+        """Hide the document from this transaction's commit on; nothing is lost."""
+        self._set_deleted(key, self._tx.commit)
+
+    def undelete(self, key: int) -> None:
+        self._set_deleted(key, CURRENT)
+
+    def _set_deleted(self, key: int, number: int) -> None:
+        self._tx.connection.execute(update(document).where(document.c.id == key).values(deleted_commit=number))
+
+    def revisions(self, key: int, *, before: int | None = None, limit: int = 100) -> list[StoredRevision]:
+        """Newest first, those with numbers below `before`."""
+        query = (
+            select(
+                revision.c.number,
+                revision.c.commit,
+                revision.c.parent,
+                revision.c.operation,
+                revision.c.message,
+                commit.c.time,
+                commit.c.author,
+            )
+            .join(commit, commit.c.number == revision.c.commit)
+            .where(revision.c.document == key)
+            .order_by(revision.c.number.desc())
+            .limit(limit)
+        )
+        if before is not None:
+            query = query.where(revision.c.number < before)
+        return [StoredRevision(*row) for row in self._tx.connection.execute(query)]
+
+    def commit_of(self, key: int, number: int) -> int:
+        """The commit that made a revision; NotFoundError."""
+        query = select(revision.c.commit).where(revision.c.document == key, revision.c.number == number)
+        found = self._tx.connection.execute(query).scalar_one_or_none()
+        if found is None:
+            raise NotFoundError(f"The document has no revision {number}.", remedy="List its revisions.")
+        return int(found)
+
+    def remove_broken_imports(self, lease_before: float) -> int:
+        """Delete all rows of imports that never became visible and whose lease has ended."""
+        query = select(document.c.id).where(document.c.state == "importing", document.c.lease < lease_before)
+        keys = list(self._tx.connection.execute(query).scalars())
+        for key in keys:
+            for table in reversed(tables.metadata.sorted_tables):
+                if "document" in table.c and table is not document:
+                    self._tx.connection.execute(delete(table).where(table.c.document == key))
+            self._tx.connection.execute(delete(document).where(document.c.id == key))
+        return len(keys)
+
+
+def _filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Select[Any]:
+    if wanted.project is not None:
+        query = query.where(project.c.name == wanted.project)
+    if wanted.text:
+        query = query.where(func.lower(document.c.name).contains(wanted.text.lower(), autoescape=True))
+    if wanted.format is not None:
+        query = query.where(document.c.format == wanted.format)
+    if wanted.skeleton is not None:
+        query = query.where(content.c.skeleton == wanted.skeleton)
+    if wanted.motion_name is not None:
+        named = select(span.c.document).where(span.c.name == wanted.motion_name, tx.valid(span))
+        query = query.where(document.c.id.in_(named))
+    for name, least, greatest, text in wanted.properties:
+        having = select(property_.c.document).where(property_.c.name == name)
+        if text is not None:
+            having = having.where(property_.c.text == text)
+        if least is not None:
+            having = having.where(property_.c.number >= least)
+        if greatest is not None:
+            having = having.where(property_.c.number <= greatest)
+        query = query.where(document.c.id.in_(having))
+    return query

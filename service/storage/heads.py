@@ -1,0 +1,150 @@
+"""The light part of documents: header, root, skeleton, bone names, properties. Element by element, as rows."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import and_, delete, func, insert, or_, select, update
+
+from service.mcml.elements import Element
+from service.storage.rows import digest, to_elements, to_rows
+from service.storage.tables import CURRENT, bone, content, document, header, property_, skeleton, skeleton_element
+
+if TYPE_CHECKING:
+    from service.storage.database import Transaction
+    from service.storage.documents import StoredDocument
+
+
+class Heads:
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    def header(self, document_key: int) -> Element:
+        """The `header` element."""
+        rows = self._tx.connection.execute(
+            select(header.c.level, header.c.tag, header.c.attributes, header.c.text)
+            .where(header.c.document == document_key, self._tx.valid(header))
+            .order_by(header.c.pre)
+        )
+        return to_elements(rows)[0]
+
+    def skeleton(self, skeleton_key: int) -> list[Element]:
+        """The `root` element, if there is one, and the `skeleton` element."""
+        rows = self._tx.connection.execute(
+            select(
+                skeleton_element.c.level,
+                skeleton_element.c.tag,
+                skeleton_element.c.attributes,
+                skeleton_element.c.text,
+            )
+            .where(skeleton_element.c.skeleton == skeleton_key)
+            .order_by(skeleton_element.c.pre)
+        )
+        return to_elements(rows)
+
+    def document(self, stored: StoredDocument) -> Element:
+        """The `mcml` element without its motion: header, root, skeleton."""
+        children = [self.header(stored.key), *self.skeleton(stored.skeleton)]
+        return Element("mcml", {"version": stored.version}, "", children)
+
+    def bone_names(self, document_key: int) -> dict[int, str]:
+        """Name of each bone number, the root's among them."""
+        query = select(bone.c.bone, bone.c.name).where(bone.c.document == document_key, self._tx.valid(bone))
+        return {row.bone: row.name for row in self._tx.connection.execute(query.order_by(bone.c.bone))}
+
+    def documents_with_bone(self, name: str) -> dict[int, int]:
+        """Bone number in each document that has a bone of this name, by document key."""
+        query = select(bone.c.document, bone.c.bone).where(bone.c.name == name, self._tx.valid(bone))
+        return {row.document: row.bone for row in self._tx.connection.execute(query)}
+
+    def write_header(self, document_key: int, element: Element, from_commit: int) -> None:
+        """Make this the header from a commit on; the one before it is closed there."""
+        self._tx.connection.execute(
+            update(header)
+            .where(header.c.document == document_key, header.c.to_commit == CURRENT)
+            .values(to_commit=from_commit)
+        )
+        rows = to_rows([element], level=1)
+        self._tx.insert_rows(
+            header,
+            [row | {"document": document_key, "from_commit": from_commit, "to_commit": CURRENT} for row in rows],
+        )
+        self._tx.connection.execute(delete(property_).where(property_.c.document == document_key))
+        self._tx.insert_rows(property_, _properties(document_key, element))
+
+    def add_skeleton(self, project_key: int, forest: list[Element], joints: int) -> int:
+        """The key of this skeleton in the project: the stored one where an equal one is stored."""
+        rows = to_rows(forest, level=1)
+        key_hash = digest(rows)
+        query = select(skeleton.c.id).where(skeleton.c.project == project_key, skeleton.c.hash == key_hash)
+        found = self._tx.connection.execute(query).scalar_one_or_none()
+        if found is not None:
+            return int(found)
+        result = self._tx.connection.execute(
+            insert(skeleton).values(project=project_key, hash=key_hash, joints=joints)
+        )
+        key = int(result.inserted_primary_key[0])
+        self._tx.insert_rows(skeleton_element, [row | {"skeleton": key} for row in rows])
+        return key
+
+    def write_bones(self, document_key: int, names: list[str], from_commit: int) -> None:
+        """Number the bones of a new document in skeleton order, root first."""
+        rows = [
+            {"document": document_key, "bone": number, "from_commit": from_commit, "to_commit": CURRENT, "name": name}
+            for number, name in enumerate(names)
+        ]
+        self._tx.insert_rows(bone, rows)
+
+    def rename_bone(self, document_key: int, number: int, name: str) -> None:
+        """Give a bone another name from this transaction's commit on."""
+        commit = self._tx.commit
+        valid = and_(bone.c.document == document_key, bone.c.bone == number, bone.c.to_commit == CURRENT)
+        self._tx.connection.execute(update(bone).where(valid).values(to_commit=commit))
+        row = {"document": document_key, "bone": number, "from_commit": commit, "to_commit": CURRENT, "name": name}
+        self._tx.connection.execute(insert(bone).values(row))
+
+    def skeletons(self, project_key: int | None, after: int, limit: int) -> list[Any]:
+        """Rows (id, hash, joints, project, documents) of skeletons in use, by key, after a key."""
+        used = and_(content.c.document == document.c.id, content.c.to_commit == CURRENT)
+        query = (
+            select(
+                skeleton.c.id,
+                skeleton.c.hash,
+                skeleton.c.joints,
+                skeleton.c.project,
+                func.count(document.c.id).label("documents"),
+            )
+            .join(content, content.c.skeleton == skeleton.c.id)
+            .join(document, used)
+            .where(document.c.state == "ready", document.c.deleted_commit == CURRENT, skeleton.c.id > after)
+            .where(or_(project_key is None, skeleton.c.project == project_key))  # type: ignore[arg-type]
+            .group_by(skeleton.c.id, skeleton.c.hash, skeleton.c.joints, skeleton.c.project)
+            .order_by(skeleton.c.id)
+            .limit(limit)
+        )
+        return list(self._tx.connection.execute(query))
+
+
+def _properties(document_key: int, element: Element) -> list[dict[str, Any]]:
+    rows: dict[str, dict[str, Any]] = {}
+    for child in element.children:
+        if child.tag == "property":
+            value = child.attributes["value"]
+            rows[child.attributes["name"]] = {
+                "document": document_key,
+                "name": child.attributes["name"],
+                "number": _number(value),
+                "text": value,
+                "unit": child.attributes.get("unit", ""),
+            }
+    return list(rows.values())
+
+
+@lru_cache(maxsize=4096)
+def _number(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if abs(value) < float("inf") else None

@@ -1,0 +1,114 @@
+"""Motion names as spans of frames, indexed by name: what makes `//frame[motion_name='…']` cheap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import func, insert, select, update
+
+from service.storage.tables import CURRENT, document, project, span
+
+if TYPE_CHECKING:
+    from service.storage.database import Transaction
+
+
+@dataclass(frozen=True, order=True)
+class StoredSpan:
+    """Frames `first` to `last` (positions from 1, inclusive) carry a motion_name.
+
+    rank: orders the motion_names of one frame. key: the row's number, new with every change.
+    """
+
+    first: int
+    last: int
+    rank: int
+    name: str
+    key: int = 0
+
+
+class Spans:
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    def of(self, document_key: int, first: int = 1, last: int | None = None) -> list[StoredSpan]:
+        """Spans of a document that touch the frames first to last, in order of their first frame and rank."""
+        query = select(span.c.first, span.c.last, span.c.rank, span.c.name, span.c.id).where(
+            span.c.document == document_key, self._tx.valid(span), span.c.last >= first
+        )
+        if last is not None:
+            query = query.where(span.c.first <= last)
+        query = query.order_by(span.c.first, span.c.rank, span.c.id)
+        return [StoredSpan(*row) for row in self._tx.connection.execute(query)]
+
+    def named(
+        self, names: list[str], documents: list[int] | None = None, project_key: int | None = None
+    ) -> dict[int, list[tuple[int, int]]]:
+        """Ranges (first, last) of frames that carry one of the names, by document key.
+
+        Ranges are ascending and neither overlap nor touch. documents, project_key: narrow the search.
+        """
+        query = (
+            select(span.c.document, span.c.first, span.c.last)
+            .join(document, document.c.id == span.c.document)
+            .where(span.c.name.in_(names), self._tx.valid(span))
+            .where(self._tx.documents.visible(), document.c.deleted_commit > self._tx.at)
+            .order_by(span.c.document, span.c.first)
+        )
+        if documents is not None:
+            query = query.where(span.c.document.in_(documents))
+        if project_key is not None:
+            query = query.where(document.c.project == project_key)
+        ranges: dict[int, list[tuple[int, int]]] = {}
+        for key, first, last in self._tx.connection.execute(query):
+            found = ranges.setdefault(key, [])
+            if found and first <= found[-1][1] + 1:
+                found[-1] = (found[-1][0], max(found[-1][1], last))
+            else:
+                found.append((first, last))
+        return ranges
+
+    def write(self, document_key: int, rows: list[dict[str, Any]], from_commit: int) -> None:
+        """Add spans ({name, first, last, rank}) that hold from a commit on."""
+        self._tx.insert_rows(
+            span,
+            [row | {"document": document_key, "from_commit": from_commit, "to_commit": CURRENT} for row in rows],
+        )
+
+    def add(self, document_key: int, name: str, first: int, last: int) -> StoredSpan:
+        """A new span, ranked behind all that it overlaps, from this transaction's commit on."""
+        overlapping = self.of(document_key, first, last)
+        rank = max((other.rank for other in overlapping), default=-1) + 1
+        row = {
+            "document": document_key,
+            "from_commit": self._tx.commit,
+            "to_commit": CURRENT,
+            "name": name,
+            "first": first,
+            "last": last,
+            "rank": rank,
+        }
+        result = self._tx.connection.execute(insert(span).values(row))
+        return StoredSpan(first, last, rank, name, int(result.inserted_primary_key[0]))
+
+    def close(self, keys: list[int]) -> None:
+        """End spans with this transaction's commit."""
+        if keys:
+            self._tx.connection.execute(update(span).where(span.c.id.in_(keys)).values(to_commit=self._tx.commit))
+
+    def counts(self, project_name: str | None = None) -> list[tuple[str, int, int]]:
+        """(motion name, documents, frames) of every name in use."""
+        query = (
+            select(
+                span.c.name,
+                func.count(span.c.document.distinct()),
+                func.sum(span.c.last - span.c.first + 1),
+            )
+            .join(document, document.c.id == span.c.document)
+            .where(self._tx.valid(span), self._tx.documents.visible(), document.c.deleted_commit > self._tx.at)
+            .group_by(span.c.name)
+            .order_by(span.c.name)
+        )
+        if project_name is not None:
+            query = query.join(project, project.c.id == document.c.project).where(project.c.name == project_name)
+        return [(name, int(documents), int(frames)) for name, documents, frames in self._tx.connection.execute(query)]

@@ -1,0 +1,277 @@
+"""Frames: written as chunk rows, read as blocks of arrays for any range of positions and any bones."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sqlalchemy import and_, func, insert, select, update
+
+from service.errors import NotFoundError, StoreError
+from service.motion.clip import FrameBlock, Shape
+from service.motion.skeleton import Array
+from service.storage.encoding import channels_of, decompress, pack_shape, track_row, unpack_shape
+from service.storage.tables import CHUNK, CURRENT, frame_run, shape, shape_run, timeline, track
+
+if TYPE_CHECKING:
+    from service.storage.database import Transaction
+
+BLOCK_FRAMES = 8 * CHUNK
+"""Frames read with one query; bounds the memory of a stream."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """`count` frames at positions from `first` lie in slots from `slot`."""
+
+    first: int
+    slot: int
+    count: int
+
+
+class Tracks:
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    # -- writing ---------------------------------------------------------------------------------------------------
+
+    def write_chunks(self, document_key: int, rows: list[dict[str, Any]], from_commit: int) -> None:
+        """Add track rows as `ClipEncoder` makes them."""
+        for row in rows:
+            row["document"] = document_key
+            row["from_commit"] = from_commit
+            row["to_commit"] = CURRENT
+        self._tx.insert_rows(track, rows)
+
+    def write_shapes(self, document_key: int, shapes: dict[Shape, int]) -> None:
+        rows = [{"document": document_key, "shape": n, "bones": pack_shape(s)} for s, n in shapes.items()]
+        self._tx.insert_rows(shape, rows)
+
+    def write_shape_runs(self, document_key: int, rows: list[dict[str, Any]], from_commit: int) -> None:
+        self._write(shape_run, document_key, rows, from_commit)
+
+    def write_frame_runs(self, document_key: int, rows: list[dict[str, Any]], from_commit: int) -> None:
+        self._write(frame_run, document_key, rows, from_commit)
+
+    def write_timeline(self, document_key: int, pieces: Sequence[Piece], from_commit: int) -> None:
+        self._write(timeline, document_key, [vars(piece) for piece in pieces], from_commit)
+
+    def _write(self, table: Any, document_key: int, rows: list[dict[str, Any]], from_commit: int) -> None:
+        self._tx.insert_rows(
+            table,
+            [row | {"document": document_key, "from_commit": from_commit, "to_commit": CURRENT} for row in rows],
+        )
+
+    def close(self, table: Any, document_key: int) -> None:
+        """End all rows of the document in `timeline`, `frame_run` or `shape_run` with this commit."""
+        self._tx.connection.execute(
+            update(table)
+            .where(table.c.document == document_key, table.c.to_commit == CURRENT)
+            .values(to_commit=self._tx.commit)
+        )
+
+    def shape_number(self, document_key: int, wanted: Shape) -> int:
+        """The number of a shape in the document, a new one where it has none like it."""
+        packed = pack_shape(wanted)
+        query = select(shape.c.shape).where(shape.c.document == document_key, shape.c.bones == packed)
+        found = self._tx.connection.execute(query).scalar_one_or_none()
+        if found is not None:
+            return int(found)
+        newest = select(func.coalesce(func.max(shape.c.shape), -1)).where(shape.c.document == document_key)
+        number = int(self._tx.connection.execute(newest).scalar_one()) + 1
+        self._tx.connection.execute(insert(shape).values(document=document_key, shape=number, bones=packed))
+        return number
+
+    def rewrite_chunk(self, document_key: int, chunk: int, bone: int, channels: list[int], columns: Array) -> int:
+        """Replace one track row from this commit on; returns the bytes written. Empty columns leave no row."""
+        commit = self._tx.commit
+        valid = and_(track.c.document == document_key, track.c.chunk == chunk, track.c.bone == bone)
+        self._tx.connection.execute(
+            update(track).where(valid, track.c.to_commit == CURRENT).values(to_commit=commit)
+        )
+        row = track_row(chunk, bone, channels, columns)
+        if row is None:
+            return 0
+        self.write_chunks(document_key, [row], commit)
+        return len(row["data"])
+
+    def chunk(self, document_key: int, chunk: int, bone: int) -> tuple[list[int], Array] | None:
+        """(channels, (k, n) columns) of one track row, None where the bone has none in that chunk."""
+        query = select(track.c.channels, track.c.codec, track.c.data).where(
+            track.c.document == document_key, track.c.chunk == chunk, track.c.bone == bone, self._tx.valid(track)
+        )
+        row = self._tx.connection.execute(query).one_or_none()
+        if row is None:
+            return None
+        channels = channels_of(row.channels)
+        return channels, decompress(row.data, len(channels), row.codec).copy()
+
+    # -- reading ---------------------------------------------------------------------------------------------------
+
+    def pieces(self, document_key: int, first: int, last: int) -> list[Piece]:
+        """The timeline from frame first to last, cut to it."""
+        query = select(timeline.c.first, timeline.c.slot, timeline.c.count).where(
+            timeline.c.document == document_key,
+            self._tx.valid(timeline),
+            timeline.c.first <= last,
+            timeline.c.first + timeline.c.count > first,
+        )
+        result = []
+        for start, slot, count in self._tx.connection.execute(query.order_by(timeline.c.first)):
+            begin, end = max(start, first), min(start + count - 1, last)
+            result.append(Piece(begin, slot + begin - start, end - begin + 1))
+        return result
+
+    def slot_of(self, document_key: int, position: int) -> int:
+        """Where the values of a frame lie; NotFoundError."""
+        pieces = self.pieces(document_key, position, position)
+        if not pieces:
+            raise NotFoundError(f"The document has no frame {position}.")
+        return pieces[0].slot
+
+    def blocks(
+        self,
+        document_key: int,
+        first: int,
+        last: int,
+        *,
+        columns: Sequence[tuple[int, int]] = (),
+        bones: Sequence[int] | None = None,
+        step: int = 1,
+    ) -> Iterator[FrameBlock]:
+        """Frames first to last (positions) in blocks of bounded size, without motion names.
+
+        columns: (bone, channel) that every block has, in this order; further channels that occur follow.
+        bones: read these only (shapes keep the others out too). step: every step-th frame, counted from `first`.
+        """
+        for piece in self.pieces(document_key, first, last):
+            start = piece.slot
+            while start < piece.slot + piece.count:
+                # End at a multiple of the block size, so that no chunk is read twice.
+                end = min((start // BLOCK_FRAMES + 1) * BLOCK_FRAMES, piece.slot + piece.count)
+                position = piece.first + start - piece.slot
+                skip = -(position - first) % step
+                block = self._block(document_key, start, end, position, columns, bones)
+                if step > 1:
+                    block = _every(block, skip, step)
+                if len(block):
+                    yield block
+                start = end
+
+    def _block(
+        self,
+        document_key: int,
+        start: int,
+        end: int,
+        position: int,
+        columns: Sequence[tuple[int, int]],
+        bones: Sequence[int] | None,
+    ) -> FrameBlock:
+        """The frames in slots start to end - 1, which are neighbours on the timeline."""
+        first_chunk, last_chunk = start // CHUNK, (end - 1) // CHUNK
+        query = select(track.c.chunk, track.c.bone, track.c.channels, track.c.codec, track.c.data).where(
+            track.c.document == document_key,
+            track.c.chunk >= first_chunk,
+            track.c.chunk <= last_chunk,
+            self._tx.valid(track),
+        )
+        if bones is not None:
+            query = query.where(track.c.bone.in_(bones))
+        rows = self._tx.connection.execute(query).all()
+        place = {column: index for index, column in enumerate(columns)}
+        for row in rows:
+            for channel in channels_of(row.channels):
+                place.setdefault((row.bone, channel), len(place))
+        values = np.full((len(place), end - start), np.nan)
+        for row in rows:
+            channels = channels_of(row.channels)
+            data = decompress(row.data, len(channels), row.codec)
+            offset = row.chunk * CHUNK - start
+            a, b = max(offset, 0), min(offset + data.shape[1], end - start)
+            indices = [place[row.bone, channel] for channel in channels]
+            values[indices, a:b] = data[:, a - offset : b - offset]
+        shapes, shape_of = self._shapes(document_key, start, end, bones)
+        ids = self.frame_ids(document_key, position, position + end - start - 1)
+        return FrameBlock(np.ascontiguousarray(values.T), tuple(place), shapes, ids, shape_of)
+
+    def _shapes(
+        self, document_key: int, start: int, end: int, bones: Sequence[int] | None
+    ) -> tuple[tuple[Shape, ...], NDArray[np.intp] | None]:
+        query = (
+            select(shape_run.c.slot, shape_run.c.count, shape_run.c.shape, shape.c.bones)
+            .join(shape, and_(shape.c.document == shape_run.c.document, shape.c.shape == shape_run.c.shape))
+            .where(
+                shape_run.c.document == document_key,
+                self._tx.valid(shape_run),
+                shape_run.c.slot < end,
+                shape_run.c.slot + shape_run.c.count > start,
+            )
+            .order_by(shape_run.c.slot)
+        )
+        numbers: dict[int, int] = {}
+        shapes: list[Shape] = []
+        runs: list[tuple[int, int]] = []
+        wanted = None if bones is None else set(bones)
+        for slot, count, number, packed in self._tx.connection.execute(query):
+            if number not in numbers:
+                numbers[number] = len(shapes)
+                whole = unpack_shape(packed)
+                shapes.append(whole if wanted is None else tuple(pair for pair in whole if pair[0] in wanted))
+            runs.append((numbers[number], min(slot + count, end) - max(slot, start)))
+        if sum(count for _, count in runs) != end - start:
+            raise StoreError("The store has no shape for some frames.", remedy="Run `mcml db check`.")
+        if len(shapes) == 1:
+            return tuple(shapes), None
+        indices = np.repeat([number for number, _ in runs], [count for _, count in runs])
+        return tuple(shapes), indices.astype(np.intp)
+
+    def frame_ids(self, document_key: int, first: int, last: int) -> NDArray[np.int64] | list[str]:
+        """The ids of frames first to last: integers, or texts where one of them is not a plain integer."""
+        query = select(
+            frame_run.c.first, frame_run.c.count, frame_run.c.first_id, frame_run.c.step, frame_run.c.texts
+        ).where(
+            frame_run.c.document == document_key,
+            self._tx.valid(frame_run),
+            frame_run.c.first <= last,
+            frame_run.c.first + frame_run.c.count > first,
+        )
+        parts: list[NDArray[np.int64] | list[str]] = []
+        for row in self._tx.connection.execute(query.order_by(frame_run.c.first)):
+            a, b = max(first, row.first) - row.first, min(last + 1, row.first + row.count) - row.first
+            if row.texts is not None:
+                parts.append(json.loads(row.texts)[a:b])
+            else:
+                parts.append(row.first_id + row.step * np.arange(a, b, dtype=np.int64))
+        if all(isinstance(part, np.ndarray) for part in parts):
+            return np.concatenate([*parts, np.empty(0, np.int64)])
+        return [str(item) for part in parts for item in part]
+
+    def positions_of_id(self, document_key: int, text: str) -> list[int]:
+        """Positions of the frames with this id, ascending."""
+        query = select(frame_run).where(frame_run.c.document == document_key, self._tx.valid(frame_run))
+        found = []
+        for row in self._tx.connection.execute(query.order_by(frame_run.c.first)):
+            if row.texts is not None:
+                found += [row.first + i for i, other in enumerate(json.loads(row.texts)) if other == text]
+                continue
+            ids = row.first_id + row.step * np.arange(row.count, dtype=np.int64)
+            found += [row.first + int(i) for i in np.flatnonzero(ids == int(text))] if _is_plain(text) else []
+        return found
+
+
+def _is_plain(text: str) -> bool:
+    return text.isascii() and text.removeprefix("-").isdigit() and str(int(text)) == text and len(text) < 19
+
+
+def _every(block: FrameBlock, skip: int, step: int) -> FrameBlock:
+    return FrameBlock(
+        block.values[skip::step],
+        block.columns,
+        block.shapes,
+        block.ids[skip::step],
+        None if block.shape_of is None else block.shape_of[skip::step],
+    )

@@ -1,0 +1,127 @@
+"""The bytes of uploads, kept as they came: blocks of at most 1 MiB, compressed, equal files once."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import zstandard
+from sqlalchemy import delete, insert, select, update
+
+from service.errors import StoreError
+from service.storage.tables import document, document_upload, upload, upload_block
+
+if TYPE_CHECKING:
+    from service.storage.database import Transaction
+
+BLOCK_BYTES = 1 << 20
+LEASE_SECONDS = 120.0
+"""How long an import may be silent before it counts as broken."""
+
+
+@dataclass(frozen=True)
+class StoredUpload:
+    """A kept file of a document. part: the format's part name."""
+
+    part: str
+    file_name: str
+    size: int
+    sha256: str
+
+
+def compress_block(data: bytes) -> bytes:
+    """One block as it is stored; thread-safe."""
+    return zstandard.ZstdCompressor(level=3).compress(data)
+
+
+class Uploads:
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    def find(self, sha256: str, size: int) -> int | None:
+        """The key of the complete upload with these bytes, if it is kept already."""
+        query = select(upload.c.id).where(upload.c.sha256 == sha256, upload.c.size == size, upload.c.complete)
+        return self._tx.connection.execute(query.limit(1)).scalar_one_or_none()
+
+    def begin(self, sha256: str, size: int) -> int:
+        lease = time.time() + LEASE_SECONDS
+        result = self._tx.connection.execute(
+            insert(upload).values(sha256=sha256, size=size, complete=False, lease=lease)
+        )
+        return int(result.inserted_primary_key[0])
+
+    def add_blocks(self, key: int, first: int, blocks: Iterable[bytes]) -> None:
+        """Append compressed blocks, numbered from `first`, and renew the lease."""
+        rows = [{"upload": key, "number": first + index, "data": data} for index, data in enumerate(blocks)]
+        self._tx.insert_rows(upload_block, rows)
+        self._tx.connection.execute(
+            update(upload).where(upload.c.id == key).values(lease=time.time() + LEASE_SECONDS)
+        )
+
+    def complete(self, key: int) -> None:
+        self._tx.connection.execute(update(upload).where(upload.c.id == key).values(complete=True, lease=None))
+
+    def attach(self, document_key: int, part: str, file_name: str, key: int) -> None:
+        row = {"document": document_key, "part": part, "file_name": file_name, "upload": key}
+        self._tx.connection.execute(insert(document_upload).values(row))
+
+    def of(self, document_key: int) -> list[StoredUpload]:
+        query = (
+            select(document_upload.c.part, document_upload.c.file_name, upload.c.size, upload.c.sha256)
+            .join(upload, upload.c.id == document_upload.c.upload)
+            .where(document_upload.c.document == document_key)
+            .order_by(document_upload.c.part)
+        )
+        return [StoredUpload(*row) for row in self._tx.connection.execute(query)]
+
+    def twins(self, digests: dict[str, str], project_key: int) -> list[str]:
+        """UUIDs of ready documents of the project made from exactly these files ({part: sha256})."""
+        candidates: set[str] | None = None
+        for part, sha256 in digests.items():
+            query = (
+                select(document.c.uuid)
+                .join(document_upload, document_upload.c.document == document.c.id)
+                .join(upload, upload.c.id == document_upload.c.upload)
+                .where(document_upload.c.part == part, upload.c.sha256 == sha256)
+                .where(document.c.project == project_key, document.c.state == "ready")
+            )
+            found = set(self._tx.connection.execute(query).scalars())
+            candidates = found if candidates is None else candidates & found
+        return sorted(candidates or ())
+
+    def read(self, document_key: int, part: str) -> Iterator[bytes] | None:
+        """The bytes of a kept file in blocks, or None where it is not kept. StoreError where they are damaged."""
+        query = select(document_upload.c.upload).where(
+            document_upload.c.document == document_key, document_upload.c.part == part
+        )
+        key = self._tx.connection.execute(query).scalar_one_or_none()
+        return None if key is None else self._blocks(key)
+
+    def _blocks(self, key: int) -> Iterator[bytes]:
+        number = 0
+        while True:
+            query = select(upload_block.c.data).where(upload_block.c.upload == key, upload_block.c.number == number)
+            data = self._tx.connection.execute(query).scalar_one_or_none()
+            if data is None:
+                return
+            try:
+                yield zstandard.ZstdDecompressor().decompress(data, max_output_size=BLOCK_BYTES)
+            except zstandard.ZstdError as error:
+                raise StoreError(f"A kept upload is damaged: {error}", remedy="Run `mcml db check`.") from error
+            number += 1
+
+    def forget(self, document_key: int) -> None:
+        """Drop the kept files of a document; exports are then written from the elements."""
+        self._tx.connection.execute(delete(document_upload).where(document_upload.c.document == document_key))
+        self.remove_orphans(0)
+
+    def remove_orphans(self, lease_before: float) -> None:
+        """Delete files that no document names and no running import holds."""
+        orphan = upload.c.id.not_in(select(document_upload.c.upload))
+        query = select(upload.c.id).where(orphan, upload.c.complete | (upload.c.lease < lease_before))
+        keys = list(self._tx.connection.execute(query).scalars())
+        for key in keys:
+            self._tx.connection.execute(delete(upload_block).where(upload_block.c.upload == key))
+            self._tx.connection.execute(delete(upload).where(upload.c.id == key))
