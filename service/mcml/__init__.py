@@ -1,0 +1,1 @@
+"""MCML, the Motion Capture Markup Language: documents, their elements and names."""

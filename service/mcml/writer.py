@@ -1,0 +1,220 @@
+"""A document as XML bytes, streamed.
+
+Three layouts. LINES, the default: the head on one line, then each frame on a line of its own, so that an error can name a
+line and tools can compare two exports. COMPACT: no white space between elements at all, which is how XPath sees a
+document. PRETTY: every element on its own line, indented. The order of the attributes of a frame_bone is always
+name Tx Ty Tz Rx Ry Rz SF residual. Numbers are in the shortest form that reads back as the same double (orjson's).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from enum import Enum
+from functools import lru_cache
+
+import numpy as np
+import orjson
+from numpy.typing import NDArray
+
+from service.errors import DocumentError
+from service.mcml.element import Element
+from service.mcml.lexical import escape
+from service.mcml.vocabulary import PUBLIC_NAME
+from service.motion.clip import FrameBlock, Shape
+from service.motion.skeleton import CHANNELS, Array
+
+PROLOGUE = f'<?xml version="1.0" encoding="UTF-8"?>\n<!DOCTYPE mcml SYSTEM "{PUBLIC_NAME}">\n'.encode()
+VALUES_AT_A_TIME = 1 << 17
+"""Numbers written in one go: enough for speed, a few megabytes of text."""
+
+
+class Layout(Enum):
+    """Where white space stands between elements."""
+
+    COMPACT = "compact"
+    LINES = "lines"
+    PRETTY = "pretty"
+
+
+_TEXT = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"})
+_ATTRIBUTE = str.maketrans(
+    {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\r": "&#13;", "\n": "&#10;", "\t": "&#9;"}
+)
+
+
+def text_bytes(text: str) -> bytes:
+    """The text of a leaf as XML."""
+    return text.translate(_TEXT).encode()
+
+
+def attribute_bytes(text: str) -> bytes:
+    """The value of an attribute as XML, without the quotes."""
+    return text.translate(_ATTRIBUTE).encode()
+
+
+def write_document(
+    document: Element,
+    frames: int,
+    frame_time: str | None,
+    blocks: Iterable[FrameBlock],
+    names: Sequence[str],
+    *,
+    pretty: bool = False,
+    layout: Layout | None = None,
+) -> Iterator[bytes]:
+    """A whole document.
+
+    document: the `mcml` element without its motion (a motion it has is left out). frames: how many frames the blocks
+    hold, for motion/frames. frame_time: text of motion/frametime, None to leave it out. names: of each joint, as
+    `Joint.name` gives it. layout: LINES if not given; `pretty` is short for PRETTY.
+    Raises DocumentError where a frame has a value that is not finite.
+    """
+    layout = layout or (Layout.PRETTY if pretty else Layout.LINES)
+    indented = layout is Layout.PRETTY
+    line = b"" if layout is Layout.COMPACT else b"\n"
+    inner = b"\n    " if indented else b""
+    yield PROLOGUE
+    yield _start_tag(document) + b">" + line
+    for child in document.children:
+        if child.tag != "motion":
+            yield write_element(child, pretty=indented, depth=1) + line
+    yield (b"  " if indented else b"") + b"<motion>" + inner + b"<frames>" + str(frames).encode() + b"</frames>"
+    if frame_time is not None:
+        yield inner + b"<frametime>" + text_bytes(frame_time) + b"</frametime>"
+    yield line
+    for block in blocks:
+        yield from write_frames(block, names, layout=layout)
+    yield (b"  " if indented else b"") + b"</motion>" + line + b"</mcml>" + line
+
+
+def write_element(element: Element, *, pretty: bool = False, depth: int = 0) -> bytes:
+    """One element with all it holds. depth: how far a pretty one is indented, two spaces a level."""
+    parts: list[bytes] = []
+    stack: list[tuple[Element | bytes, int]] = [(element, depth)]
+    while stack:
+        current, level = stack.pop()
+        if isinstance(current, bytes):
+            parts.append(current)
+            continue
+        indent = b"  " * level if pretty else b""
+        end = b"\n" if pretty and (level > depth) else b""
+        parts.append(indent + _start_tag(current))
+        if current.children:
+            parts.append(b">\n" if pretty else b">")
+            stack.append((indent + b"</" + current.tag.encode() + b">" + end, level))
+            stack.extend((child, level + 1) for child in reversed(current.children))
+        elif current.text:
+            parts.append(b">" + text_bytes(current.text) + b"</" + current.tag.encode() + b">" + end)
+        else:
+            parts.append(b"/>" + end)
+    return b"".join(parts)
+
+
+def write_frames(
+    block: FrameBlock,
+    names: Sequence[str],
+    *,
+    first: int = 0,
+    last: int | None = None,
+    layout: Layout = Layout.LINES,
+) -> Iterator[bytes]:
+    """Frames first … last - 1 (from 0) of a block as `frame` elements. Raises DocumentError for NaN and infinity."""
+    last = len(block) if last is None else min(last, len(block))
+    shape_of = block.shape_of
+    start = first
+    while start < last:
+        shape = block.shapes[0 if shape_of is None else int(shape_of[start])]
+        stop = last
+        if shape_of is not None:
+            changes = np.flatnonzero(shape_of[start:last] != shape_of[start])
+            stop = start + int(changes[0]) if changes.size else last
+        step = max(1, VALUES_AT_A_TIME // max(1, len(block.columns)))
+        for piece in range(start, stop, step):
+            yield _write_run(block, shape, tuple(names), piece, min(stop, piece + step), layout)
+        start = max(stop, start + 1)
+
+
+def write_frame_bone(name: str, channels: int, values: Sequence[float] | Array) -> bytes:
+    """One `frame_bone`. channels: bits as in `Shape`; values: one a bit, lowest bit first."""
+    if channels.bit_count() != len(values):
+        raise ValueError(f"{channels.bit_count()} channels, {len(values)} values")
+    literals, tail = _template(((0, channels),), (name,), Layout.COMPACT)
+    tokens = _tokens(np.asarray(values, dtype=np.float64))
+    return b"".join([text for pair in zip(literals, tokens, strict=True) for text in pair]) + tail
+
+
+def _write_run(block: FrameBlock, shape: Shape, names: tuple[str, ...], first: int, last: int, layout: Layout) -> bytes:
+    """Frames of one shape. The numbers of all of them become text at once and are set between the literal parts."""
+    literals, tail = _template(shape, names, layout)
+    heads = _frame_heads(block, first, last, layout)
+    tail += b"\n    </frame>\n" if layout is Layout.PRETTY else b"</frame>\n" if layout is Layout.LINES else b"</frame>"
+    if not literals:
+        return b"".join([head + tail for head in heads])
+    values = block.values[first:last, _columns_of(shape, block.columns)]
+    width, count = len(literals), last - first
+    parts = [b""] * (2 * width * count)
+    parts[0::2] = literals * count
+    parts[1::2] = _tokens(values)
+    opening = literals[0]
+    # The first literal of a frame follows the end of the frame before it and this frame's own head.
+    parts[0 :: 2 * width] = [(tail if place else b"") + head + opening for place, head in enumerate(heads)]
+    parts.append(tail)
+    return b"".join(parts)
+
+
+def _tokens(values: Array) -> list[bytes]:
+    text = orjson.dumps(np.ascontiguousarray(values).reshape(-1), option=orjson.OPT_SERIALIZE_NUMPY)
+    if b"n" in text:
+        raise DocumentError(
+            "a channel is not a finite number", remedy="Leave the attribute out where there is no sample."
+        )
+    return text[1:-1].split(b",") if values.size else []
+
+
+def _frame_heads(block: FrameBlock, first: int, last: int, layout: Layout) -> list[bytes]:
+    indented = layout is Layout.PRETTY
+    before = b'    <frame id="' if indented else b'<frame id="'
+    ids: NDArray[np.int64] | list[str] = block.ids[first:last]
+    texts = ids if isinstance(ids, list) else list(map(str, ids.tolist()))
+    labels = block.motion_names
+    heads = []
+    for place, text in enumerate(texts):
+        named = b"" if labels is None else _motion_names(tuple(labels[first + place]), indented)
+        heads.append(before + attribute_bytes(text) + b'">' + named)
+    return heads
+
+
+@lru_cache(maxsize=1024)
+def _motion_names(names: tuple[str, ...], indented: bool) -> bytes:
+    before = b"\n      " if indented else b""
+    return b"".join([before + b"<motion_name>" + text_bytes(escape(name)) + b"</motion_name>" for name in names])
+
+
+@lru_cache(maxsize=256)
+def _template(shape: Shape, names: tuple[str, ...], layout: Layout) -> tuple[list[bytes], bytes]:
+    """The literal text before each number of a frame of that shape, and the text after its last number."""
+    literals: list[bytes] = []
+    pending = b""
+    before = b"\n      " if layout is Layout.PRETTY else b""
+    for joint, bits in shape:
+        pending += before + b'<frame_bone name="' + attribute_bytes(escape(names[joint])) + b'"'
+        for index, channel in enumerate(CHANNELS):
+            if bits >> index & 1:
+                literals.append(pending + b" " + channel.encode() + b'="')
+                pending = b'"'
+        pending += b"/>"
+    return literals, pending
+
+
+@lru_cache(maxsize=256)
+def _columns_of(shape: Shape, columns: tuple[tuple[int, int], ...]) -> list[int] | slice:
+    place = {column: index for index, column in enumerate(columns)}
+    wanted = [place[joint, channel] for joint, bits in shape for channel in range(len(CHANNELS)) if bits >> channel & 1]
+    return slice(None) if wanted == list(range(len(columns))) else wanted
+
+
+def _start_tag(element: Element) -> bytes:
+    attributes = b"".join(
+        [b" " + name.encode() + b'="' + attribute_bytes(value) + b'"' for name, value in element.attributes.items()]
+    )
+    return b"<" + element.tag.encode() + attributes

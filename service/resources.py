@@ -1,0 +1,48 @@
+"""Where files that are not Python lie: beside the packages in a checkout, inside the package in a wheel."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from service.errors import StoreError
+
+_PACKAGE = Path(__file__).resolve().parent
+
+
+@cache
+def dtd_path() -> Path:
+    """The definition of the language, `mcml.dtd`."""
+    return _find("mcml.dtd")
+
+
+@cache
+def migrations_path() -> Path:
+    """The folder of database migrations."""
+    return _find("migrations")
+
+
+@cache
+def joint_names_path() -> Path:
+    """Table 1 as data."""
+    return _PACKAGE / "mcml" / "joint_names.csv"
+
+
+@cache
+def motion_names_path() -> Path:
+    """Parts of the body and the movements they can perform."""
+    return _PACKAGE / "mcml" / "motion_names.csv"
+
+
+def web_path() -> Path | None:
+    """The folder of the built browser files, None if they were not built."""
+    folder = _PACKAGE / "web" / "static"
+    return folder if (folder / "index.html").is_file() else None
+
+
+def _find(name: str) -> Path:
+    # A wheel carries the files of the top level in service/_data, where pyproject.toml puts them.
+    for candidate in (_PACKAGE.parent / name, _PACKAGE / "_data" / name):
+        if candidate.exists():
+            return candidate
+    raise StoreError(f"{name} is missing from this installation.", remedy="Install the package again.")
