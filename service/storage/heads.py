@@ -70,6 +70,10 @@ class Heads:
             header,
             [row | {"document": document_key, "from_commit": from_commit, "to_commit": CURRENT} for row in rows],
         )
+        self.refresh_properties(document_key, element)
+
+    def refresh_properties(self, document_key: int, element: Element) -> None:
+        """Make the searchable properties those of the current header."""
         self._tx.connection.execute(delete(property_).where(property_.c.document == document_key))
         self._tx.insert_rows(property_, _properties(document_key, element))
 

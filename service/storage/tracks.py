@@ -14,7 +14,7 @@ from sqlalchemy import and_, func, insert, select, update
 from service.errors import NotFoundError, StoreError
 from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import Array
-from service.storage.encoding import channels_of, decompress, pack_shape, track_row, unpack_shape
+from service.storage.encoding import FrameIdRuns, channels_of, decompress, pack_shape, track_row, unpack_shape
 from service.storage.tables import CHUNK, CURRENT, frame_run, shape, shape_run, timeline, track
 
 if TYPE_CHECKING:
@@ -98,6 +98,45 @@ class Tracks:
             return 0
         self.write_chunks(document_key, [row], commit)
         return len(row["data"])
+
+    def close_run(self, table: Any, document_key: int, start: Any, position: int) -> Any:
+        """End the run that holds a position (or slot) with this commit, and answer its row."""
+        holds = and_(table.c.document == document_key, table.c.to_commit == CURRENT, start <= position)
+        row = self._tx.connection.execute(select(table).where(holds, start + table.c.count > position)).one()
+        self._tx.connection.execute(
+            update(table)
+            .where(table.c.document == document_key, start == row._mapping[start], table.c.to_commit == CURRENT)
+            .values(to_commit=self._tx.commit)
+        )
+        return row
+
+    def rewrite_frame_ids(self, document_key: int, parts: Sequence[NDArray[np.int64] | list[str]]) -> None:
+        """Replace the ids of all frames from this commit on. Texts that are plain integers are kept as such."""
+        runs = FrameIdRuns()
+        for part in parts:
+            plain = isinstance(part, np.ndarray) or all(_is_plain(text) for text in part)
+            runs.add(np.array(part, dtype=np.int64) if plain else part)
+        self.close(frame_run, document_key)
+        self.write_frame_runs(document_key, runs.rows, self._tx.commit)
+
+    def shapes_in_use(self, document_key: int) -> list[Shape]:
+        """Every distinct shape that a current frame has."""
+        query = (
+            select(shape.c.bones)
+            .join(shape_run, and_(shape_run.c.document == shape.c.document, shape_run.c.shape == shape.c.shape))
+            .where(shape.c.document == document_key, self._tx.valid(shape_run))
+            .distinct()
+        )
+        return [unpack_shape(packed) for packed in self._tx.connection.execute(query).scalars()]
+
+    def shape_at(self, document_key: int, slot: int) -> Shape:
+        """The shape of the frame in a slot."""
+        return self._shapes(document_key, slot, slot + 1, None)[0][0]
+
+    def chunk_length(self, document_key: int, chunk: int) -> int:
+        """How many slots of a chunk hold frames."""
+        query = select(func.max(track.c.count)).where(track.c.document == document_key, track.c.chunk == chunk)
+        return int(self._tx.connection.execute(query).scalar_one() or CHUNK)
 
     def chunk(self, document_key: int, chunk: int, bone: int) -> tuple[list[int], Array] | None:
         """(channels, (k, n) columns) of one track row, None where the bone has none in that chunk."""

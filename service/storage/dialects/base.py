@@ -34,3 +34,7 @@ class Dialect(ABC):
     @abstractmethod
     def size(self, connection: Connection) -> dict[str, int]:
         """Bytes of the whole store ("total") and of the kept uploads ("uploads")."""
+
+    @abstractmethod
+    def after_copy(self, connection: Connection) -> None:
+        """Let automatic keys go on behind rows that were copied in with theirs."""

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, Engine, create_engine, text
 
 from service.storage.dialects.base import Dialect
+from service.storage.tables import metadata
 
 COMMIT_LOCK = 0x4D434D4C
 """Key of the advisory lock that orders commits: "MCML" in ASCII."""
@@ -38,3 +39,14 @@ class PostgreSQL(Dialect):
         total = connection.execute(text("SELECT pg_database_size(current_database())")).scalar_one()
         uploads = connection.execute(text("SELECT pg_total_relation_size('upload_block')")).scalar_one()
         return {"total": int(total), "uploads": int(uploads)}
+
+    def after_copy(self, connection: Connection) -> None:
+        for table in metadata.sorted_tables:
+            key = next(iter(table.primary_key.columns))
+            if len(table.primary_key.columns) == 1 and key.autoincrement is not False and not key.foreign_keys:
+                connection.execute(
+                    text(
+                        f"SELECT setval(pg_get_serial_sequence('\"{table.name}\"', '{key.name}'), "
+                        f"GREATEST((SELECT MAX({key.name}) FROM \"{table.name}\"), 1))"
+                    )
+                )

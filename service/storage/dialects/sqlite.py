@@ -77,6 +77,9 @@ class SQLite(Dialect):
         )
         return {"total": int(pages.scalar_one()), "uploads": int(uploads.scalar_one())}
 
+    def after_copy(self, connection: Connection) -> None:
+        """Nothing to do: SQLite numbers on from the greatest key."""
+
 
 def _has_dbstat(connection: Connection) -> bool:
     options = connection.execute(text("PRAGMA compile_options")).scalars()

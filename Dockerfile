@@ -1,0 +1,16 @@
+FROM python:3.12-slim AS build
+WORKDIR /src
+COPY . .
+RUN pip wheel --no-cache-dir --wheel-dir /wheels .
+
+FROM python:3.12-slim
+RUN useradd --create-home --uid 10001 mcml
+COPY --from=build /wheels /wheels
+RUN pip install --no-cache-dir --no-index --find-links /wheels mcml-repository && rm -rf /wheels
+USER mcml
+ENV MCML_HOST=0.0.0.0 MCML_PORT=8000 XDG_DATA_HOME=/home/mcml/data
+VOLUME /home/mcml/data
+EXPOSE 8000
+HEALTHCHECK --interval=10s --timeout=3s --start-period=20s \
+  CMD ["python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:8000/readyz', timeout=2)"]
+CMD ["mcml", "serve"]

@@ -1,0 +1,54 @@
+# The only commands to learn. `make` alone prints them.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+
+.DEFAULT_GOAL := help
+.PHONY: help install run test check fix bench fuzz docs migration clean
+
+help: ## Print this list
+	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+
+$(STAMP): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed: make PYTHON=python3.11 …") if sys.version_info < (3, 11) else None'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable . --group dev
+	@touch $(STAMP)
+
+install: $(STAMP) ## Make .venv with the program and what its tests need
+
+run: $(STAMP) ## Serve the repository on 127.0.0.1:8000, with a demo library on first start
+	$(BIN)/mcml serve --demo
+
+test: $(STAMP) ## Run all tests, on SQLite and PostgreSQL
+	$(BIN)/python -m pytest
+
+check: $(STAMP) ## Style, types, layers, spelling
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/codespell service schemas docs tests README.md CHANGELOG.md
+
+fix: $(STAMP) ## Mend style, and make generated files again
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+fuzz: $(STAMP) ## Long campaigns: kill tests, random documents, random files
+	$(BIN)/python -m pytest -m fuzz --timeout=3600
+
+bench: $(STAMP) ## Measure speed against named peers (installs them)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group bench
+	$(BIN)/python -m benchmarks
+
+docs: $(STAMP) ## Make the tables in docs/ that come from catalogues again
+	$(BIN)/python -m tests.docs.generate
+
+migration: $(STAMP) ## Make a migration from the difference of tables.py and a fresh store: make migration NAME=what_changed
+	MCML_DATABASE=sqlite:///$(VENV)/migration.db $(BIN)/mcml db upgrade
+	MCML_DATABASE=sqlite:///$(VENV)/migration.db $(BIN)/alembic revision --autogenerate -m "$(NAME)"
+
+clean: ## Remove the environment and everything that is made
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis dist

@@ -1,0 +1,1 @@
+"""The wire: pydantic models of every request and answer. Imports nothing of `service`."""

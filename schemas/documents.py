@@ -1,0 +1,259 @@
+"""Documents, their receipts, labels and revisions."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from schemas.problem import Problem
+
+_ID = "01a1fd5b-63fa-7af5-9027-3f8ccdfe4736"
+
+
+class Property(BaseModel):
+    """An attribute of the clip, such as the age of the actor."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"name": "age", "value": "23", "unit": "year"}]})
+
+    name: str = Field(min_length=1, max_length=256)
+    value: str = Field(max_length=4096)
+    unit: str = Field("", max_length=64)
+
+
+class Fact(BaseModel):
+    """A value, whether the file states it, and why."""
+
+    value: str | None = None
+    stated: bool
+    why: str
+
+
+class Rate(BaseModel):
+    seconds: float | None = Field(None, description="Seconds a frame")
+    frames_per_second: float | None = None
+    stated: bool
+    why: str
+
+
+class KeptName(BaseModel):
+    """A joint that keeps its own name, and why."""
+
+    source: str
+    name: str
+    why: str
+
+
+class Naming(BaseModel):
+    """How joints got their MCML names."""
+
+    rig: str = Field(description="The naming convention that was recognised; any: none, so only plain names map")
+    mapped: dict[str, str] = Field(description="Source name to MCML name")
+    unmapped: list[KeptName]
+
+
+class NoticeLine(BaseModel):
+    kind: Literal["guess", "repair", "warning", "note"]
+    what: str
+    at: str | None = None
+
+
+class Receipt(BaseModel):
+    """What an import found, guessed and mended."""
+
+    format: str
+    frames: int
+    joints: int
+    channels: int
+    naming: Naming | None = None
+    unit: Fact
+    frame_rate: Rate
+    up_axis: Fact
+    rotation_orders: dict[str, int] = Field(description="Joints by rotation order")
+    conventions: list[str]
+    translation: list[str] = Field(description="Whether position channels replace offsets (absolute) or add to them")
+    encoding: dict[str, str] = Field(description="Text encoding of each source file")
+    number_style: str
+    markers: bool = False
+    notices: list[NoticeLine]
+    twins: list[str] = Field(description="Documents made from equal files")
+
+
+class StoredFile(BaseModel):
+    """A kept source file."""
+
+    part: str
+    name: str
+    bytes: int
+    sha256: str
+
+
+class DocumentSummary(BaseModel):
+    """A document as lists show it."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "id": _ID,
+                    "name": "salsa_60_10",
+                    "project": "default",
+                    "format": "bvh",
+                    "frames": 1197,
+                    "seconds_per_frame": 0.008333,
+                    "duration": 9.974601,
+                    "skeleton": 3,
+                    "revision": 1,
+                    "created": "2026-01-31T14:02:11.120Z",
+                    "modified": "2026-01-31T14:02:11.120Z",
+                }
+            ]
+        }
+    )
+
+    id: str
+    name: str
+    project: str
+    format: str
+    frames: int
+    seconds_per_frame: float | None = Field(None, description="None where neither file nor user stated a rate")
+    duration: float | None = Field(None, description="Seconds: frames times seconds_per_frame")
+    skeleton: int = Field(description="Number of the skeleton, shared by documents with equal ones")
+    revision: int
+    created: str
+    modified: str
+
+
+class Bone(BaseModel):
+    """A joint of the skeleton, root first, parents before children."""
+
+    name: str
+    source_name: str
+    parent: str | None = None
+    mapped: bool | None = Field(None, description="Whether the name is one of MCML's own")
+    channels: list[str]
+    rotation_order: str
+    convention: str
+
+
+class Label(BaseModel):
+    """A motion name on frames first to last: positions from 1, both ends included."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"id": 12, "name": "left-arm-abduction", "first": 100, "last": 142, "rank": 0}]}
+    )
+
+    id: int
+    name: str
+    first: int
+    last: int
+    rank: int = Field(description="Orders the motion_name elements of one frame")
+
+
+class DocumentDetail(DocumentSummary):
+    """Everything about a document but its frames."""
+
+    description: str
+    properties: list[Property]
+    unit: str | None = Field(None, description="Length unit, where one is stated")
+    up: str | None = Field(None, description="Axis that points up, where one is stated")
+    header: dict[str, str] = Field(description="Header values as the source wrote them")
+    bones: list[Bone]
+    labels: list[Label]
+    files: list[StoredFile] = Field(description="Kept source files")
+    original: bool = Field(description="Whether an export in the source's format answers the kept bytes")
+    receipt: Receipt
+    links: dict[str, str]
+
+
+class ImportedDocument(BaseModel):
+    id: str
+    name: str
+    skipped: bool = Field(False, description="It was stored already (on_duplicate=skip)")
+    receipt: Receipt
+
+
+class FileProblem(BaseModel):
+    file: str
+    problem: Problem
+
+
+class UploadResult(BaseModel):
+    """Each document is stored whole or not at all; one bad file stops no other."""
+
+    documents: list[ImportedDocument]
+    problems: list[FileProblem]
+
+
+class DocumentPage(BaseModel):
+    items: list[DocumentSummary]
+    next_cursor: str | None = None
+    total: int = Field(description="Documents that match, on all pages")
+
+
+class DocumentChange(BaseModel):
+    """What to change; what is left out stays. An empty text removes description, unit or up axis."""
+
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"examples": [{"name": "salsa, lady", "unit": "cm", "up": "Y"}]}
+    )
+
+    name: Annotated[str, Field(min_length=1, max_length=1024)] | None = None
+    project: Annotated[str, Field(min_length=1, max_length=256)] | None = None
+    description: Annotated[str, Field(max_length=100_000)] | None = None
+    properties: list[Property] | None = None
+    unit: str | None = None
+    up: str | None = None
+    frame_time: str | None = Field(None, description="Seconds a frame, as a decimal text")
+    message: str = Field("", max_length=4096, description="Why, for the history")
+
+
+class LabelRequest(BaseModel):
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"examples": [{"name": "left-arm-abduction", "first": 100, "last": 142}]}
+    )
+
+    name: str = Field(min_length=1, max_length=1024)
+    first: int = Field(ge=1)
+    last: int = Field(ge=1)
+
+
+class LabelPage(BaseModel):
+    items: list[Label]
+    next_cursor: str | None = None
+
+
+class Revision(BaseModel):
+    number: int
+    parent: int | None = None
+    operation: str
+    message: str
+    time: str
+    author: str
+
+
+class RevisionPage(BaseModel):
+    items: list[Revision]
+    next_cursor: str | None = None
+
+
+class FrameRow(BaseModel):
+    """One frame: its position, its id, and values[bone][channel]; a missing sample is absent."""
+
+    frame: int
+    id: str
+    values: dict[str, dict[str, float]]
+
+
+class FramePage(BaseModel):
+    """Frames as JSON; `format=npy` answers one array instead."""
+
+    items: list[FrameRow]
+    next_cursor: str | None = None
+
+
+class InspectResult(BaseModel):
+    """What an upload would find; nothing is stored."""
+
+    clips: list[dict[str, Any]]
+    problems: list[FileProblem]

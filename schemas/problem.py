@@ -1,0 +1,43 @@
+"""Errors as problem details (RFC 9457)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Where(BaseModel):
+    """Where in the input; what does not apply is left out."""
+
+    file: str | None = None
+    line: int | None = Field(None, description="From 1")
+    column: int | None = Field(None, description="From 1")
+    element: str | None = Field(None, description="Address of an element")
+
+
+class Problem(BaseModel):
+    """What is wrong, where, and how to mend it."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "/docs/problems#format-error",
+                    "title": "Format error",
+                    "status": 422,
+                    "detail": "CHANNELS announces 6 names, 5 follow.",
+                    "where": {"file": "walk.bvh", "line": 4},
+                    "remedy": "Add the missing channel name.",
+                }
+            ]
+        }
+    )
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    where: Where | None = None
+    remedy: str | None = None
+    errors: list[dict[str, Any]] | None = None

@@ -1,0 +1,100 @@
+"""XPath questions and answers."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class NodeItem(BaseModel):
+    """One node of a result. address: a canonical XPath that finds it in its document."""
+
+    kind: Literal["document", "element", "attribute", "text", "comment", "processing-instruction", "namespace"]
+    document: str
+    revision: int
+    address: str
+    value: str = Field(description="The element as XML, or the value of the attribute or text")
+
+
+class ScalarItem(BaseModel):
+    """One value a document. NaN and infinities are texts."""
+
+    document: str
+    revision: int
+    value: str | float | bool
+
+
+class RunItem(BaseModel):
+    """A maximal range of frames (positions from 1, both ends included)."""
+
+    document: str
+    name: str
+    revision: int
+    first: int
+    last: int
+    first_id: str
+    last_id: str
+    frames: int
+
+
+class Explain(BaseModel):
+    """How the query ran."""
+
+    way: Literal["index", "projection"] = Field(description="Answered from rows and indexes, or on projected documents")
+    plan: list[str]
+    documents: int
+    milliseconds: float
+
+
+class QueryAnswer(BaseModel):
+    """type: nodes, runs, or the type of the scalar. For one scalar `value`; else `items`, a page."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "nodes",
+                    "items": [
+                        {
+                            "kind": "attribute",
+                            "document": "01a1fd5b-63fa-7af5-9027-3f8ccdfe4736",
+                            "revision": 1,
+                            "address": "/mcml/motion/frame[100]/frame_bone[3]/@Rx",
+                            "value": "45.1942",
+                        }
+                    ],
+                    "next_cursor": None,
+                    "complete": True,
+                    "warnings": [],
+                }
+            ]
+        }
+    )
+
+    type: Literal["nodes", "runs", "number", "string", "boolean"]
+    value: str | float | bool | None = None
+    items: list[NodeItem | RunItem | ScalarItem] | None = None
+    next_cursor: str | None = None
+    total: int | None = Field(None, description="All items on all pages, where it is known without more work")
+    complete: bool = Field(True, description="False where a limit ended the query early")
+    warnings: list[str] = Field(default_factory=list)
+    explain: Explain | None = None
+
+
+class QueryRequest(BaseModel):
+    """An XPath question in a body, for long expressions."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        populate_by_name=True,
+        json_schema_extra={"examples": [{"q": "//frame[motion_name='left-arm-abduction']", "as": "runs"}]},
+    )
+
+    q: str = Field(min_length=1, max_length=10_000)
+    document: list[str] = Field(default_factory=list, description="Documents to ask; none: all")
+    project: str | None = None
+    as_: Literal["json", "xml", "runs"] = Field("json", alias="as")
+    limit: int = Field(100, ge=1)
+    cursor: str | None = None
+    explain: bool = False

@@ -1,0 +1,95 @@
+"""The receipt of an import: what was found in the file, what was guessed and why, what was mended."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from service.errors import Notice
+from service.mcml.joint_names import NamingReport
+from service.motion.clip import ClipHead
+from service.motion.kinematics import rest_height, rest_positions
+from service.motion.skeleton import Convention
+
+_HEIGHTS = (("m", 0.8, 3.0), ("ft", 3.5, 8.0), ("inch", 40.0, 95.0), ("cm", 95.0, 260.0), ("mm", 800.0, 2600.0))
+
+
+def unit_facts(head: ClipHead) -> dict[str, Any]:
+    """{value, stated, why}: the length unit that the clip states, or None and what its size looks like."""
+    unit = head.fields.get("calibration_unit")
+    if unit:
+        return {"value": unit, "stated": True, "why": "the header says so"}
+    length = head.fields.get("units_length")
+    if length:
+        return {
+            "value": None,
+            "stated": False,
+            "why": f"the ASF states the factor `length {length}`, not a unit; values divided by it are local units "
+            "(inches in CMU and HDM05 files)",
+        }
+    height = rest_height(head.skeleton)
+    likely = [name for name, low, high in _HEIGHTS if low <= height <= high]
+    looks = f", which would be a person in {' or '.join(likely)}" if likely else ""
+    return {"value": None, "stated": False, "why": f"the file names no unit; the rest pose is {height:.4g} tall{looks}"}
+
+
+def rate_facts(head: ClipHead) -> dict[str, Any]:
+    """{seconds, frames_per_second, stated, why}."""
+    seconds = head.seconds_per_frame()
+    if seconds is None:
+        return {
+            "seconds": None,
+            "frames_per_second": None,
+            "stated": False,
+            "why": "the file states no frame time; say it with frame_time (CMU and HDM05 record at 120 a second)",
+        }
+    why = "Frame time as the file writes it" if head.frame_time is not None else "the header's frame rate"
+    return {"seconds": seconds, "frames_per_second": 1.0 / seconds, "stated": True, "why": why}
+
+
+def up_facts(head: ClipHead) -> dict[str, Any]:
+    """{value, stated, why}: the axis that points up."""
+    axis = head.fields.get("global_axis_of_gravity")
+    if axis:
+        return {"value": axis.upper(), "stated": True, "why": "the header says so"}
+    positions = rest_positions(head.skeleton)
+    extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(3)
+    axis = "XYZ"[int(np.argmax(extent))] if extent.any() else "Y"
+    return {"value": None, "stated": False, "why": f"the file names no up axis; the rest pose is longest along {axis}"}
+
+
+def receipt(head: ClipHead, frames: int, names: NamingReport | None, notices: list[Notice]) -> dict[str, Any]:
+    """The whole receipt as plain JSON values."""
+    orders: dict[str, int] = {}
+    for joint in head.skeleton.joints:
+        if joint.rotation_order and any(channel.startswith("R") for channel in joint.channels):
+            orders[joint.rotation_order] = orders.get(joint.rotation_order, 0) + 1
+    conventions = {joint.convention for joint in head.skeleton.joints}
+    return {
+        "format": head.format,
+        "frames": frames,
+        "joints": len(head.skeleton),
+        "channels": len(head.skeleton.columns()),
+        "naming": None
+        if names is None
+        else {
+            "rig": names.convention,
+            "mapped": dict(names.mapped),
+            "unmapped": [{"source": source, "name": name, "why": why} for source, name, why in names.unmapped],
+        },
+        "unit": unit_facts(head),
+        "frame_rate": rate_facts(head),
+        "up_axis": up_facts(head),
+        "rotation_orders": orders,
+        "conventions": sorted(convention.value for convention in conventions),
+        "translation": sorted({joint.translation for joint in head.skeleton.joints if joint.translation}),
+        "encoding": {part.part: part.encoding for part in head.sources},
+        "number_style": head.number_style,
+        "markers": Convention.MARKER in conventions,
+        "notices": [
+            {"kind": notice.kind, "what": notice.what, "at": None if notice.at is None else str(notice.at)}
+            for notice in notices
+        ],
+        "twins": [],
+    }

@@ -1,0 +1,75 @@
+"""A stored document as the wire shows it."""
+
+from __future__ import annotations
+
+import json
+
+from schemas.documents import Bone, DocumentDetail, DocumentSummary, Label, Property, Receipt, StoredFile
+from service.mcml.elements import to_head
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+
+
+def summary(stored: StoredDocument) -> DocumentSummary:
+    seconds = float(stored.frame_time) if stored.frame_time is not None else None
+    seconds = seconds if seconds and seconds > 0 else None
+    return DocumentSummary(
+        id=stored.uuid,
+        name=stored.name,
+        project=stored.project,
+        format=stored.format,
+        frames=stored.frames,
+        seconds_per_frame=seconds,
+        duration=None if seconds is None else stored.frames * seconds,
+        skeleton=stored.skeleton,
+        revision=stored.revision,
+        created=stored.created,
+        modified=stored.modified,
+    )
+
+
+def detail(tx: Transaction, stored: StoredDocument) -> DocumentDetail:
+    head = to_head(tx.heads.document(stored), stored.frame_time)
+    joints = head.skeleton.joints
+    address = f"/api/v1/documents/{stored.uuid}"
+    fields = summary(stored).model_dump()
+    seconds = head.seconds_per_frame()
+    fields["seconds_per_frame"] = seconds
+    fields["duration"] = None if seconds is None else stored.frames * seconds
+    return DocumentDetail(
+        **fields,
+        description=head.description,
+        properties=[Property(name=name, value=value, unit=unit) for name, value, unit in head.properties],
+        unit=head.fields.get("calibration_unit"),
+        up=head.fields.get("global_axis_of_gravity"),
+        header=head.fields,
+        bones=[
+            Bone(
+                name=joint.name,
+                source_name=joint.source_name,
+                parent=joints[joint.parent].name if joint.parent >= 0 else None,
+                mapped=joint.mapped,
+                channels=list(joint.channels),
+                rotation_order=joint.rotation_order,
+                convention=joint.convention.value,
+            )
+            for joint in joints
+        ],
+        labels=[
+            Label(id=span.key, name=span.name, first=span.first, last=span.last, rank=span.rank)
+            for span in tx.spans.of(stored.key)
+        ],
+        files=[
+            StoredFile(part=kept.part, name=kept.file_name, bytes=kept.size, sha256=kept.sha256)
+            for kept in tx.uploads.of(stored.key)
+        ],
+        original=stored.intact and bool(tx.uploads.of(stored.key)),
+        receipt=Receipt(**json.loads(tx.documents.receipt(stored.key))),
+        links={
+            "mcml": f"{address}/mcml",
+            "export": f"{address}/export?format={stored.format}",
+            "frames": f"{address}/frames",
+            "labels": f"{address}/labels",
+            "revisions": f"{address}/revisions",
+        },
+    )

@@ -1,0 +1,56 @@
+"""Errors as problem details (RFC 9457): the whole mapping on one screen."""
+
+from __future__ import annotations
+
+import re
+
+from schemas.problem import Problem, Where
+from service import errors
+
+STATUS_OF: dict[type[errors.McmlError], int] = {
+    errors.FormatError: 422,
+    errors.UnsupportedError: 415,
+    errors.DocumentError: 422,
+    errors.ConversionError: 422,
+    errors.VocabularyError: 422,
+    errors.QueryError: 422,
+    errors.LimitError: 422,
+    errors.NotFoundError: 404,
+    errors.ConflictError: 409,
+    errors.StoreError: 500,
+    errors.AccessError: 403,
+}
+
+
+class PreconditionError(errors.McmlError):
+    """If-Match is missing (428) or names another revision (412)."""
+
+    def __init__(self, what: str, status: int, remedy: str) -> None:
+        super().__init__(what, remedy=remedy)
+        self.status = status
+
+
+def status_of(error: errors.McmlError) -> int:
+    if isinstance(error, PreconditionError):
+        return error.status
+    return next((STATUS_OF[kind] for kind in type(error).__mro__ if kind in STATUS_OF), 500)
+
+
+def slug(kind: type[errors.McmlError]) -> str:
+    """FormatError becomes "format-error": the anchor of the kind on the page of problems."""
+    return re.sub(r"(?<!^)(?=[A-Z])", "-", kind.__name__).lower()
+
+
+def problem_of(error: errors.McmlError) -> Problem:
+    """An error of ours as a problem."""
+    where = None
+    if error.at is not None:
+        where = Where(file=error.at.file, line=error.at.line, column=error.at.column, element=error.at.element)
+    return Problem(
+        type=f"/docs/problems#{slug(type(error))}",
+        title=slug(type(error)).replace("-", " ").capitalize(),
+        status=status_of(error),
+        detail=error.what,
+        where=where,
+        remedy=error.remedy,
+    )

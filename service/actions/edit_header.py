@@ -1,0 +1,58 @@
+"""Facts that people state of a document, put into its header: description, properties, unit, up axis."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from service.errors import DocumentError
+from service.mcml.elements import Element, leaf
+from service.motion.units import UNITS
+
+UP_AXES = ("X", "Y", "Z")
+
+_ORDER = (
+    "filetype datatype filename version skeleton_name units num_segments num_frames dataframe_rate "
+    "euler_rotation_order calibration_unit global_axis_of_gravity bone_length_axis scale_factor description property "
+    "source section comment"
+).split()
+"""The children of `header` in the order of `mcml.dtd`."""
+
+
+def with_facts(
+    document: Element,
+    *,
+    description: str | None = None,
+    properties: Iterable[tuple[str, str, str]] | None = None,
+    unit: str | None = None,
+    up: str | None = None,
+) -> Element:
+    """The document with these facts; None leaves one as it is, "" and () remove it. DocumentError for nonsense."""
+    changes: dict[str, list[Element]] = {}
+    if description is not None:
+        changes["description"] = [leaf("description", description.strip())] if description.strip() else []
+    if properties is not None:
+        changes["property"] = [_property(*item) for item in properties]
+    if unit is not None:
+        if unit and unit.lower() not in UNITS:
+            raise DocumentError(f"Unknown unit {unit!r}.", remedy=f"Use one of: {', '.join(UNITS)}.")
+        changes["calibration_unit"] = [leaf("calibration_unit", unit)] if unit else []
+    if up is not None:
+        if up and up.upper() not in UP_AXES:
+            raise DocumentError(f"Unknown axis {up!r}.", remedy="The up axis is X, Y or Z.")
+        changes["global_axis_of_gravity"] = [leaf("global_axis_of_gravity", up.upper())] if up else []
+    if not changes:
+        return document
+    header = document.children[0]
+    kept = [child for child in header.children if child.tag not in changes]
+    children = sorted(
+        [*kept, *(child for new in changes.values() for child in new)], key=lambda child: _ORDER.index(child.tag)
+    )
+    changed = Element(header.tag, dict(header.attributes), header.text, children)
+    return Element(document.tag, document.attributes, document.text, [changed, *document.children[1:]])
+
+
+def _property(name: str, value: str, unit: str) -> Element:
+    if not name.strip():
+        raise DocumentError("A property has no name.", remedy='Write name=value, such as "age=23".')
+    attributes = {"name": name.strip(), "value": value.strip()}
+    return Element("property", attributes | ({"unit": unit.strip()} if unit.strip() else {}))

@@ -1,0 +1,183 @@
+"""From files as they arrive to complete clips: zips opened, formats recognised, AMC files given their ASF."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+import tempfile
+import zipfile
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from typing import BinaryIO, TypeAlias
+
+from service.errors import FormatError, LimitError, McmlError, Place
+from service.formats import FORMATS, find_format
+from service.formats.format import SourceFile
+from service.mcml.reader import looks_like_mcml
+from service.settings import Settings
+
+SNIFF_BYTES = 4096
+COPY_BYTES = 1 << 20
+
+
+@dataclass
+class Clip:
+    """The files of one document to be. format: catalogue name, or "mcml". files: by part of the format."""
+
+    format: str
+    files: dict[str, SourceFile]
+
+    @property
+    def name(self) -> str:
+        """The name of the file that holds the motion."""
+        return list(self.files.values())[-1].name
+
+
+@dataclass
+class Gathered:
+    """problems: (file name, error) of files that belong to no clip."""
+
+    clips: list[Clip] = field(default_factory=list)
+    problems: list[tuple[str, McmlError]] = field(default_factory=list)
+
+
+SkeletonLookup: TypeAlias = Callable[[], SourceFile | None]
+
+
+@contextmanager
+def gathered(files: list[SourceFile], settings: Settings, lookup: SkeletonLookup | None = None) -> Iterator[Gathered]:
+    """Clips among the files. lookup: finds the stored skeleton that motion without one shall use."""
+    result = Gathered()
+    with ExitStack() as stack:
+        parts: dict[str, dict[str, list[SourceFile]]] = {}
+        for file in _unpacked(files, settings, stack, result):
+            try:
+                format_name, part = recognise(file)
+            except McmlError as error:
+                result.problems.append((file.name, error.in_file(file.name)))
+                continue
+            if format_name == "mcml" or len(FORMATS[format_name].parts) == 1:
+                result.clips.append(Clip(format_name, {part: file}))
+            else:
+                parts.setdefault(format_name, {}).setdefault(part, []).append(file)
+        for format_name, by_part in parts.items():
+            _pair(format_name, by_part, result, lookup)
+        yield result
+
+
+def recognise(file: SourceFile) -> tuple[str, str]:
+    """(format, part) of a file by its first bytes and its name; ("mcml", "mcml") for MCML. FormatError."""
+    file.stream.seek(0)
+    head = file.stream.read(SNIFF_BYTES)
+    file.stream.seek(0)
+    if looks_like_mcml(head):
+        return "mcml", "mcml"
+    format_, part = find_format(file.name, head)
+    return format_.name, part
+
+
+def _pair(
+    format_name: str, by_part: dict[str, list[SourceFile]], result: Gathered, lookup: SkeletonLookup | None
+) -> None:
+    skeleton_part, motion_part = (part.name for part in FORMATS[format_name].parts)
+    skeletons = by_part.get(skeleton_part, [])
+    used: set[int] = set()
+    stored: SourceFile | None = None
+    for motion in by_part.get(motion_part, []):
+        found = _skeleton_for(motion, skeletons)
+        if found is None and lookup is not None:
+            stored = stored or lookup()
+            found = stored
+        if found is None:
+            names = ", ".join(sorted(file.name for file in skeletons)) or "none"
+            error = FormatError(
+                f"{motion_part.upper()} needs its {skeleton_part.upper()} skeleton; sent with it: {names}.",
+                at=Place(file=motion.name),
+                remedy=f"Send the .{skeleton_part} in the same request, or name a stored document with `skeleton`.",
+            )
+            result.problems.append((motion.name, error))
+            continue
+        used.add(id(found))
+        result.clips.append(Clip(format_name, {skeleton_part: found, motion_part: motion}))
+    for skeleton in skeletons:
+        if id(skeleton) not in used:
+            result.clips.append(Clip(format_name, {skeleton_part: skeleton}))
+
+
+_NAMED_SKELETON = re.compile(rb"^\s*#!\s*OML\s*:\s*ASF\s+([^\r\n]+)", re.IGNORECASE)
+
+
+def _skeleton_for(motion: SourceFile, skeletons: list[SourceFile]) -> SourceFile | None:
+    """The skeleton that the motion names, else the one of its stem, of a prefix of its stem, or the only one."""
+    by_name = {posixpath.basename(file.name).lower(): file for file in skeletons}
+    by_stem = {name.rsplit(".", 1)[0]: file for name, file in by_name.items()}
+    motion.stream.seek(0)
+    named = _NAMED_SKELETON.match(motion.stream.read(SNIFF_BYTES))
+    motion.stream.seek(0)
+    if named:
+        wanted = re.split(r"[\\/]", named[1].decode("latin-1").strip())[-1].lower()
+        if wanted in by_name:
+            return by_name[wanted]
+    stem = posixpath.basename(motion.name).lower().rsplit(".", 1)[0]
+    if stem in by_stem:
+        return by_stem[stem]
+    prefixes = [other for other in by_stem if re.match(rf"{re.escape(other)}[^a-z0-9]", stem)]
+    if prefixes:
+        return by_stem[max(prefixes, key=len)]
+    return skeletons[0] if len(skeletons) == 1 else None
+
+
+def _unpacked(
+    files: list[SourceFile], settings: Settings, stack: ExitStack, result: Gathered
+) -> Iterator[SourceFile]:
+    for file in files:
+        file.stream.seek(0)
+        is_zip = file.stream.read(4) in (b"PK\x03\x04", b"PK\x05\x06")
+        file.stream.seek(0)
+        if not is_zip:
+            yield file
+            continue
+        try:
+            yield from _members(file, settings, stack)
+        except LimitError as error:
+            result.problems.append((file.name, error))
+        except (zipfile.BadZipFile, RuntimeError, NotImplementedError, OSError, EOFError) as error:
+            problem = FormatError(
+                f"The zip cannot be read: {error}", at=Place(file=file.name), remedy="Zip the files again, unencrypted."
+            )
+            result.problems.append((file.name, problem))
+
+
+def _members(file: SourceFile, settings: Settings, stack: ExitStack) -> list[SourceFile]:
+    archive = stack.enter_context(zipfile.ZipFile(file.stream))
+    names = [info for info in archive.infolist() if not info.is_dir() and not _is_litter(info.filename)]
+    if len(names) > settings.max_zip_files:
+        raise LimitError(
+            f"The zip holds {len(names)} files, the limit is {settings.max_zip_files}.",
+            at=Place(file=file.name),
+            remedy="Send it in parts.",
+        )
+    members, total = [], 0
+    for info in names:
+        # Declared sizes may lie, so the bytes themselves are counted while they are unpacked.
+        spool: BinaryIO = stack.enter_context(tempfile.SpooledTemporaryFile(max_size=8 * COPY_BYTES))  # type: ignore[assignment]
+        size = 0
+        with archive.open(info) as member:
+            while block := member.read(COPY_BYTES):
+                size += len(block)
+                total += len(block)
+                if total > settings.max_upload_bytes or size > COPY_BYTES + settings.max_zip_ratio * info.compress_size:
+                    raise LimitError(
+                        f"{info.filename} unpacks to more than the limits allow.",
+                        at=Place(file=file.name, element=info.filename),
+                        remedy="Send the files themselves.",
+                    )
+                spool.write(block)
+        spool.seek(0)
+        members.append(SourceFile(info.filename, spool))
+    return members
+
+
+def _is_litter(name: str) -> bool:
+    return name.startswith("__MACOSX/") or posixpath.basename(name).startswith(".")

@@ -1,0 +1,343 @@
+"""Import: files in, whole documents out. Each document is stored completely or not at all.
+
+Reading, checking and compressing happen outside the write lock. A small clip is stored in one transaction; a large one
+in several short ones under the state "importing", which no read sees, and a last one that makes it visible.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from service.actions.describe_clip import receipt
+from service.actions.edit_header import with_facts
+from service.actions.gather_files import Clip, SkeletonLookup, gathered
+from service.actions.import_options import ImportOptions
+from service.errors import DocumentError, McmlError, NotFoundError, Place
+from service.formats import FORMATS
+from service.formats.format import Limits, ReadOptions, SourceFile
+from service.mcml import joint_names, motion_names
+from service.mcml.dtd import validate_by_shapes
+from service.mcml.elements import Element, from_head, to_head
+from service.mcml.joint_names import NamingReport
+from service.mcml.reader import read_document
+from service.motion.clip import ClipHead, ClipStream
+from service.settings import Settings
+from service.storage.database import Database, Transaction
+from service.storage.encoding import ClipEncoder
+from service.storage.tracks import Piece
+from service.storage.uploads import BLOCK_BYTES, compress_block
+
+FLUSH_BYTES = 16 << 20
+"""Rows of a clip that wait in memory before they are written in a transaction of their own."""
+
+HASH_BYTES = 1 << 20
+WORKERS = 2
+
+
+@dataclass(frozen=True)
+class Imported:
+    """uuid of a stored document. skipped: it was there already."""
+
+    uuid: str
+    name: str
+    receipt: dict[str, Any]
+    skipped: bool = False
+
+
+@dataclass
+class ImportResult:
+    documents: list[Imported] = field(default_factory=list)
+    problems: list[tuple[str, McmlError]] = field(default_factory=list)
+
+
+Progress = Callable[[str, int, int | None], None]
+"""Called with a file name, frames done, and frames in all if known; may raise to stop the import."""
+
+
+def import_files(
+    database: Database,
+    files: list[SourceFile],
+    options: ImportOptions,
+    settings: Settings,
+    *,
+    author: str = "local",
+    progress: Progress | None = None,
+) -> ImportResult:
+    """Store every clip among the files; a bad one is a problem in the result and stops no other."""
+    lookup = _skeleton_lookup(database, options.skeleton) if options.skeleton else None
+    result = ImportResult()
+    with gathered(files, settings, lookup) as found, ThreadPoolExecutor(WORKERS) as executor:
+        result.problems += found.problems
+        for clip in found.clips:
+            chosen = options if len(found.clips) == 1 else replace(options, name=None)
+            try:
+                importer = _Importer(database, clip, chosen, settings, author, executor, progress)
+                result.documents.append(importer.run())
+            except McmlError as error:
+                result.problems.append((clip.name, error.in_file(clip.name)))
+    return result
+
+
+def open_clip(
+    clip: Clip, options: ImportOptions, settings: Settings
+) -> tuple[Element, ClipStream, NamingReport | None]:
+    """The `mcml` element without motion, the stream of frames, and how joints were named, of a clip's files."""
+    if clip.format == "mcml":
+        file = clip.files["mcml"]
+        document = read_document(file.stream, _limits(settings))
+        return _with_options(document.document, options), document.clip, None
+    reader = ReadOptions(encoding=options.encoding, translation=options.translation, limits=_limits(settings))
+    stream = FORMATS[clip.format].read(clip.files, reader)
+    skeleton, report = joint_names.assign(stream.head.skeleton), joint_names.report(stream.head.skeleton)
+    fields = {"filename": clip.name.rsplit("/", 1)[-1]} | stream.head.fields
+    head = replace(stream.head, skeleton=skeleton, fields=fields)
+    return _with_options(from_head(head), options), stream.with_head(head), report
+
+
+def _with_options(document: Element, options: ImportOptions) -> Element:
+    facts = {
+        "description": options.description or None,
+        "unit": options.unit,
+        "up": options.up,
+        "properties": options.properties or None,
+    }
+    return with_facts(document, **{key: value for key, value in facts.items() if value is not None})
+
+
+def _limits(settings: Settings) -> Limits:
+    return Limits(joints=settings.max_joints, frames=settings.max_frames, values=settings.max_values)
+
+
+class _Importer:
+    """The import of one clip."""
+
+    def __init__(
+        self,
+        database: Database,
+        clip: Clip,
+        options: ImportOptions,
+        settings: Settings,
+        author: str,
+        executor: ThreadPoolExecutor,
+        progress: Progress | None,
+    ) -> None:
+        self.database = database
+        self.clip = clip
+        self.options = options
+        self.settings = settings
+        self.author = author
+        self.executor = executor
+        self.progress = progress
+        self.key: int | None = None
+        self.uuid = ""
+        self.rows: list[dict[str, Any]] = []
+        self.row_bytes = 0
+        self.name = options.name or clip.name.rsplit("/", 1)[-1].rsplit(".", 1)[0] or clip.name
+
+    def run(self) -> Imported:
+        digests = {part: _digest(file) for part, file in self.clip.files.items()}
+        twins = self._twins({part: sha256 for part, (sha256, _) in digests.items()})
+        if twins and self.options.on_duplicate == "skip":
+            with self.database.read() as tx:
+                stored = tx.documents.get(twins[0])
+                return Imported(stored.uuid, stored.name, json.loads(tx.documents.receipt(stored.key)), skipped=True)
+        document, stream, report = open_clip(self.clip, self.options, self.settings)
+        encoder = ClipEncoder(self.executor)
+        for block in stream.blocks():
+            self._keep(rows for rows in encoder.add(block))
+            if self.progress is not None:
+                self.progress(self.clip.name, encoder.frames, stream.frames)
+        self._keep(encoder.finish())
+        frame_time = self._frame_time(stream)
+        head = to_head(document, frame_time)
+        if self.clip.format != "mcml":
+            validate_by_shapes(document, list(encoder.shapes), encoder.frames, frame_time)
+        self._add_labels(encoder)
+        facts = receipt(head, encoder.frames, report, stream.notices)
+        facts["twins"] = twins
+        return self._store(document, head, encoder, frame_time, facts, digests)
+
+    def _twins(self, digests: dict[str, str]) -> list[str]:
+        with self.database.read() as tx:
+            project = tx.projects.find(self.options.project)
+            return [] if project is None else tx.uploads.twins(digests, project)
+
+    def _frame_time(self, stream: ClipStream) -> str | None:
+        stated = self.options.frame_time
+        if stated is None:
+            return stream.head.frame_time
+        try:
+            if not 0 < float(stated) < 1e6:
+                raise ValueError
+        except ValueError:
+            raise DocumentError(
+                f"frame_time {stated!r} is not a time in seconds.", remedy="Give seconds a frame, such as 0.008333333."
+            ) from None
+        return stated
+
+    def _add_labels(self, encoder: ClipEncoder) -> None:
+        for label in self.options.labels:
+            name = motion_names.canonical(label.name, strict=self.options.strict_names)
+            first, last = label.first or 1, label.last or encoder.frames
+            if not 1 <= first <= last <= encoder.frames:
+                raise DocumentError(
+                    f"The label {label.name!r} lies on frames {first} to {last}, the clip has {encoder.frames}.",
+                    remedy="Give positions from 1 to the number of frames.",
+                )
+            overlapping = [row["rank"] for row in encoder.spans.rows if row["first"] <= last and row["last"] >= first]
+            rank = max(overlapping, default=-1) + 1
+            encoder.spans.rows.append({"name": name, "rank": rank, "first": first, "last": last})
+
+    def _keep(self, chunks: Iterator[list[dict[str, Any]]]) -> None:
+        for rows in chunks:
+            self.rows += rows
+            self.row_bytes += sum(len(row["data"]) + 200 for row in rows)
+            if self.row_bytes >= FLUSH_BYTES:
+                with self.database.write(self.author) as tx:
+                    self._begin(tx)
+                    self._flush(tx)
+
+    def _begin(self, tx: Transaction) -> int:
+        if self.key is None:
+            project = tx.projects.get_or_add(self.options.project)
+            self.key, self.uuid = tx.documents.begin(project, self.name, self.clip.format)
+        return self.key
+
+    def _flush(self, tx: Transaction) -> None:
+        key = self._begin(tx)
+        tx.tracks.write_chunks(key, self.rows, 0)
+        tx.documents.renew_lease(key)
+        self.rows, self.row_bytes = [], 0
+
+    def _store(
+        self,
+        document: Element,
+        head: ClipHead,
+        encoder: ClipEncoder,
+        frame_time: str | None,
+        facts: dict[str, Any],
+        digests: dict[str, tuple[str, int]],
+    ) -> Imported:
+        kept = [self._prepare_upload(part, *digests[part]) for part in self.clip.files]
+        header, forest = document.children[0], document.children[1:]
+        with self.database.write(self.author) as tx:
+            key = self._begin(tx)
+            self._flush(tx)
+            tx.tracks.write_shapes(key, encoder.shapes)
+            tx.tracks.write_shape_runs(key, encoder.shape_rows, 0)
+            tx.tracks.write_frame_runs(key, encoder.ids.rows, 0)
+            tx.tracks.write_timeline(key, [Piece(1, 0, encoder.frames)] if encoder.frames else [], 0)
+            tx.spans.write(key, encoder.spans.rows, 0)
+            project = tx.projects.get(self.options.project)
+            skeleton = tx.heads.add_skeleton(project, forest, len(head.skeleton))
+            tx.heads.write_header(key, header, 0)
+            tx.heads.write_bones(key, list(head.skeleton.names), 0)
+            tx.documents.write_content(
+                key,
+                0,
+                skeleton=skeleton,
+                version=document.attributes["version"],
+                frames=encoder.frames,
+                frame_time=frame_time,
+                intact=frame_time == self._source_frame_time(head, frame_time),
+            )
+            for upload in kept:
+                upload.attach(tx, key)
+            tx.documents.publish(
+                key, next_slot=encoder.frames, receipt=json.dumps(facts, ensure_ascii=False), message=self.clip.name
+            )
+        return Imported(self.uuid, self.name, facts)
+
+    def _source_frame_time(self, head: ClipHead, frame_time: str | None) -> str | None:
+        # A stated frame time changes what BVH holds; AMC and HTR files have no place for it.
+        return frame_time if self.options.frame_time is None or head.format != "bvh" else None
+
+    def _prepare_upload(self, part: str, sha256: str, size: int) -> _Upload:
+        file = self.clip.files[part]
+        upload = _Upload(part, file.name.rsplit("/", 1)[-1], sha256, size)
+        with self.database.read() as tx:
+            if tx.uploads.find(sha256, size) is not None:
+                return upload
+        file.stream.seek(0)
+        waiting: list[Future[bytes]] = []
+        pending: list[bytes] = []
+        pending_bytes = 0
+        while True:
+            block = file.stream.read(BLOCK_BYTES)
+            if block:
+                waiting.append(self.executor.submit(compress_block, block))
+            while waiting and (not block or len(waiting) > 2 * WORKERS):
+                done = waiting.pop(0).result()
+                pending.append(done)
+                pending_bytes += len(done)
+            if pending_bytes >= FLUSH_BYTES:
+                with self.database.write(self.author) as tx:
+                    key = self._begin(tx)
+                    tx.documents.renew_lease(key)
+                    upload.add(tx, pending)
+                pending, pending_bytes = [], 0
+            if not block:
+                break
+        upload.blocks = pending
+        return upload
+
+
+@dataclass
+class _Upload:
+    """A file on its way into the store; blocks not yet written wait for the last transaction."""
+
+    part: str
+    name: str
+    sha256: str
+    size: int
+    blocks: list[bytes] | None = None
+    key: int | None = None
+    written: int = 0
+
+    def add(self, tx: Transaction, blocks: list[bytes]) -> None:
+        if self.key is None:
+            self.key = tx.uploads.begin(self.sha256, self.size)
+        tx.uploads.add_blocks(self.key, self.written, blocks)
+        self.written += len(blocks)
+
+    def attach(self, tx: Transaction, document_key: int) -> None:
+        found = tx.uploads.find(self.sha256, self.size) if self.blocks is None else None
+        if found is not None:
+            tx.uploads.attach(document_key, self.part, self.name, found)
+            return
+        if self.blocks is None:
+            raise NotFoundError(
+                "The equal file that was stored has just been removed.",
+                at=Place(file=self.name),
+                remedy="Import the file again.",
+            )
+        self.add(tx, self.blocks)
+        if self.key is not None:
+            tx.uploads.complete(self.key)
+            tx.uploads.attach(document_key, self.part, self.name, self.key)
+
+
+def _digest(file: SourceFile) -> tuple[str, int]:
+    """(SHA-256, size) of a file."""
+    hashed, size = hashlib.sha256(), 0
+    file.stream.seek(0)
+    while block := file.stream.read(HASH_BYTES):
+        hashed.update(block)
+        size += len(block)
+    file.stream.seek(0)
+    return hashed.hexdigest(), size
+
+
+def _skeleton_lookup(database: Database, uuid: str) -> SkeletonLookup:
+    def lookup() -> SourceFile | None:
+        from service.actions.export_motion import skeleton_file
+
+        with database.read() as tx:
+            return skeleton_file(tx, tx.documents.get(uuid))
+
+    return lookup

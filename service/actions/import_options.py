@@ -1,0 +1,59 @@
+"""What a user says of the files to import."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from service.errors import DocumentError
+
+
+@dataclass(frozen=True)
+class Label:
+    """A motion name for frames first to last; None: from the beginning, to the end."""
+
+    name: str
+    first: int | None = None
+    last: int | None = None
+
+
+@dataclass(frozen=True)
+class ImportOptions:
+    """What the user says of the files. Only what is said is applied: no unit, axis or rate is assumed.
+
+    name: of the document, if there is one; default the file name's stem. frame_time: seconds, as text.
+    skeleton: uuid of a stored document whose skeleton motion without one shall use.
+    on_duplicate: "new" (store again, name the twin in the receipt) or "skip" (answer the stored twin).
+    """
+
+    project: str = "default"
+    name: str | None = None
+    description: str = ""
+    labels: tuple[Label, ...] = ()
+    properties: tuple[tuple[str, str, str], ...] = ()
+    encoding: str | None = None
+    translation: str = "auto"
+    unit: str | None = None
+    up: str | None = None
+    frame_time: str | None = None
+    skeleton: str | None = None
+    on_duplicate: str = "new"
+    strict_names: bool = False
+
+
+def parse_label(text: str) -> Label:
+    """NAME or NAME:FIRST-LAST."""
+    match = re.fullmatch(r"(?P<name>.+?)(?::(?P<first>\d{1,12})-(?P<last>\d{1,12}))?", text.strip(), re.DOTALL)
+    if match is None:
+        raise DocumentError(f"{text!r} is not a label.", remedy="Write NAME or NAME:FIRST-LAST, such as walk:1-120.")
+    first, last = match["first"], match["last"]
+    return Label(match["name"], int(first) if first else None, int(last) if last else None)
+
+
+def parse_property(text: str) -> tuple[str, str, str]:
+    """NAME=VALUE or NAME=NUMBER UNIT."""
+    name, equals, value = text.partition("=")
+    if not equals or not name.strip():
+        raise DocumentError(f"{text!r} is not a property.", remedy="Write NAME=VALUE, such as `age=23 year`.")
+    number = re.fullmatch(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s+(\S+)\s*", value)
+    return (name.strip(), number[1], number[2]) if number else (name.strip(), value.strip(), "")

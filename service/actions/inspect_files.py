@@ -1,0 +1,45 @@
+"""A look into files before anything is stored."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from service.actions.describe_clip import receipt
+from service.actions.gather_files import gathered
+from service.actions.import_motion import ImportOptions, open_clip
+from service.errors import McmlError
+from service.formats.format import SourceFile
+from service.mcml.dtd import validate_by_shapes
+from service.mcml.elements import to_head
+from service.motion.clip import Shape
+from service.settings import Settings
+
+
+def inspect_files(
+    files: list[SourceFile], options: ImportOptions, settings: Settings
+) -> tuple[list[dict[str, Any]], list[tuple[str, McmlError]]]:
+    """(what each clip holds, problems): the files are read to the end and checked as an import would."""
+    clips: list[dict[str, Any]] = []
+    with gathered(files, settings) as found:
+        problems = list(found.problems)
+        for clip in found.clips:
+            try:
+                document, stream, report = open_clip(clip, options, settings)
+                frames = 0
+                shapes: dict[Shape, None] = {}
+                for block in stream.blocks():
+                    frames += len(block)
+                    shapes.update(dict.fromkeys(block.shapes))
+                head = to_head(document, stream.head.frame_time)
+                if clip.format != "mcml":
+                    validate_by_shapes(document, list(shapes), frames, head.frame_time)
+                joints = [
+                    {"name": joint.name, "source_name": joint.source_name, "parent": joint.parent}
+                    for joint in head.skeleton.joints
+                ]
+                files_of_clip = [file.name for file in clip.files.values()]
+                facts = receipt(head, frames, report, stream.notices)
+                clips.append({"files": files_of_clip, "header": head.fields, "joints": joints, "receipt": facts})
+            except McmlError as error:
+                problems.append((clip.name, error.in_file(clip.name)))
+    return clips, problems

@@ -1,0 +1,60 @@
+"""Backups: the whole store as one SQLite file, from and to any kind of database."""
+
+from __future__ import annotations
+
+import sqlite3
+from pathlib import Path
+
+from sqlalchemy import func, insert, select
+
+from service.errors import ConflictError, StoreError
+from service.storage.database import Database
+from service.storage.tables import document, metadata
+
+ROWS = 2000
+
+
+def backup(database: Database, target: Path) -> int:
+    """Write a snapshot of the store into a new file while others go on working; returns its size in bytes."""
+    if target.exists():
+        raise ConflictError(f"{target} exists.", remedy="Choose a new file name.")
+    part = target.with_name(target.name + ".part")
+    part.unlink(missing_ok=True)
+    copy = Database(f"sqlite:///{part}")
+    try:
+        copy.migrate()
+        _copy(database, copy)
+        with sqlite3.connect(part) as connection:
+            connection.execute("PRAGMA journal_mode=DELETE")
+        copy.close()
+        part.replace(target)
+    finally:
+        copy.close()
+        part.unlink(missing_ok=True)
+    return target.stat().st_size
+
+
+def restore(database: Database, source: Path) -> int:
+    """Fill an empty store with a backup; returns the number of documents. ConflictError where it is not empty."""
+    if not source.is_file():
+        raise StoreError(f"{source} is not a file.", remedy="Name a file that `mcml db backup` wrote.")
+    with database.read() as tx:
+        if tx.connection.execute(select(func.count()).select_from(document)).scalar_one():
+            raise ConflictError("The store holds documents already.", remedy="Restore into a new store.")
+    copy = Database(f"sqlite:///{source}")
+    try:
+        copy.require_schema()
+        _copy(copy, database)
+    finally:
+        copy.close()
+    with database.read() as tx:
+        return int(tx.connection.execute(select(func.count()).select_from(document)).scalar_one())
+
+
+def _copy(source: Database, target: Database) -> None:
+    with source.read() as old, target.write("backup") as new:
+        for table in metadata.sorted_tables:
+            rows = old.connection.execute(select(table).execution_options(yield_per=ROWS)).mappings()
+            for block in rows.partitions(ROWS):
+                new.connection.execute(insert(table), [dict(row) for row in block])
+        new.dialect.after_copy(new.connection)

@@ -1,0 +1,106 @@
+"""The demo library: generated clips in every format, with their motion names and properties."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+
+from service.actions.export_motion import convert_clip
+from service.actions.import_motion import import_files
+from service.actions.import_options import ImportOptions, Label
+from service.demo import body, face
+from service.formats import FORMATS
+from service.formats.format import SourceFile
+from service.mcml.elements import from_head
+from service.mcml.writer import write_document
+from service.motion.clip import ClipStream
+from service.settings import Settings
+from service.storage.database import Database
+
+PROJECT = "demo"
+
+
+def load_demo(database: Database, settings: Settings, seed: int = 1) -> int:
+    """Store the demo clips in the project "demo"; returns how many. Raises what an import raises."""
+    rng = np.random.default_rng(seed)
+    count = 0
+    for person in range(3):
+        age, height = int(rng.integers(18, 70)), float(round(rng.uniform(155, 192), 1))
+        about = (("age", str(age), "year"), ("height", str(height), "cm"), ("actor", f"actor {person + 1}", ""))
+        name = f"walk_{person + 1}"
+        clip = body.clip(name, height, *body.walk(height, 4.0, rng.uniform(0.85, 1.1), rng.uniform(4, 9)))
+        count += _add(database, settings, name, "bvh", clip, (Label("walk"),), about)
+        name = f"reach_{person + 1}"
+        elevation = float(round(rng.uniform(-20, 70), 1))
+        clip = body.clip(name, height, *body.reach(height, rng.uniform(1.8, 2.6), elevation))
+        properties = (*about, ("elevation", str(elevation), "degree"))
+        count += _add(database, settings, name, "asf-amc", clip, (Label("reach"),), properties)
+        name = f"wave_{person + 1}"
+        clip = body.clip(name, height, *body.wave(height, 3.5, rng.uniform(1.2, 2.0)))
+        last = clip.frames or 0
+        raised = (Label("wave", 1, last), Label("left-arm-abduction", 1, 48), Label("left-arm-adduction", last - 47, last))
+        count += _add(database, settings, name, "htr", clip, raised, about)
+        name = f"dance_{person + 1}"
+        tempo = float(rng.integers(96, 132))
+        clip = body.clip(name, height, *body.dance(height, 8.0, tempo, rng.uniform(0.6, 1.4)))
+        properties = (*about, ("tempo", str(tempo), "bpm"))
+        count += _add(database, settings, name, "mcml", clip, (Label("dance"), *_bars(tempo, clip.frames or 0)), properties)
+        text, labels = face.face_htr(seed * 100 + person)
+        done = import_files(
+            database,
+            [SourceFile(f"face_{person + 1}.htr", io.BytesIO(text))],
+            ImportOptions(project=PROJECT, labels=tuple(Label(*label) for label in labels), properties=about),
+            settings,
+            author="demo",
+        )
+        count += len(done.documents)
+    return count
+
+
+def _bars(tempo: float, frames: int) -> tuple[Label, ...]:
+    length = 4 * 60 / tempo * body.RATE
+    return tuple(
+        Label(f"bar-{number + 1}", round(number * length) + 1, round((number + 1) * length))
+        for number in range(int(frames / length))
+    )
+
+
+def _add(
+    database: Database,
+    settings: Settings,
+    name: str,
+    target: str,
+    clip: ClipStream,
+    labels: tuple[Label, ...],
+    properties: tuple[tuple[str, str, str], ...],
+) -> int:
+    unit = "cm" if target != "htr" else None
+    files = _files(name, target, clip)
+    options = ImportOptions(
+        project=PROJECT,
+        name=name,
+        labels=labels,
+        properties=properties,
+        unit=unit,
+        up="Y" if target != "htr" else None,
+        frame_time=clip.head.frame_time if target == "asf-amc" else None,
+        description="Generated for the demo library.",
+    )
+    done = import_files(database, files, options, settings, author="demo")
+    for _, error in done.problems:
+        raise error
+    return len(done.documents)
+
+
+def _files(name: str, target: str, clip: ClipStream) -> list[SourceFile]:
+    if target == "mcml":
+        content = write_document(
+            from_head(clip.head), clip.frames or 0, clip.head.frame_time, clip.blocks(), clip.head.skeleton.names
+        )
+        return [SourceFile(f"{name}.mcml", io.BytesIO(b"".join(content)))]
+    converted = convert_clip(clip, target)
+    return [
+        SourceFile(f"{name}{part.extensions[0]}", io.BytesIO(b"".join(FORMATS[target].write(converted, part.name))))
+        for part in FORMATS[target].parts
+    ]

@@ -1,0 +1,92 @@
+"""A stored document as a clip again: its head, and its frames as a stream."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from service.errors import NotFoundError
+from service.mcml.elements import Element, refresh_counts, to_head
+from service.motion.clip import ClipStream, FrameBlock
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+from service.storage.spans import StoredSpan
+
+
+@dataclass(frozen=True)
+class StoredClip:
+    """document: the `mcml` element without motion. names: of each joint. clip: streams frames first to last.
+
+    Lives as long as the transaction it was read in.
+    """
+
+    stored: StoredDocument
+    document: Element
+    names: tuple[str, ...]
+    clip: ClipStream
+    first: int
+    last: int
+
+
+def read_clip(
+    tx: Transaction, stored: StoredDocument, *, first: int = 1, last: int | None = None, step: int = 1
+) -> StoredClip:
+    """Frames first to last (positions from 1, inclusive; default all). NotFoundError outside the document."""
+    last = stored.frames if last is None else last
+    if stored.frames and not 1 <= first <= last <= stored.frames:
+        raise NotFoundError(
+            f"Frames {first} to {last} are not in a document of {stored.frames} frames.",
+            remedy="Frame numbers are positions, from 1, both ends included.",
+        )
+    frames = len(range(first, last + 1, step))
+    document = refresh_counts(tx.heads.document(stored), frames)
+    head = to_head(document, stored.frame_time)
+    if step > 1 and stored.frame_time is not None:
+        head = replace(head, frame_time=repr(float(stored.frame_time) * step))
+    columns = head.skeleton.columns()
+    names = head.skeleton.names
+    joint_of = {bone: names.index(name) for bone, name in tx.heads.bone_names(stored.key).items() if name in names}
+    same = all(bone == joint for bone, joint in joint_of.items())
+    bone_of = {joint: bone for bone, joint in joint_of.items()}
+    bone_columns = columns if same else [(bone_of[joint], channel) for joint, channel in columns]
+
+    def blocks() -> Iterator[FrameBlock]:
+        position = first
+        for block in tx.tracks.blocks(stored.key, first, last, columns=bone_columns, step=step):
+            if not same:
+                block = _renumbered(block, joint_of)
+            end = position + (len(block) - 1) * step
+            spans = tx.spans.of(stored.key, position, end)
+            labels = names_of_frames(spans, range(position, end + 1, step))
+            yield block if labels is None else replace(block, motion_names=labels)
+            position = end + step
+
+    clip = ClipStream(head, blocks, frames)
+    return StoredClip(stored, document, names, clip, first, last)
+
+
+def _renumbered(block: FrameBlock, joint_of: Mapping[int, int]) -> FrameBlock:
+    """The block with joints as the skeleton now numbers them; bones keep their number when a skeleton is edited."""
+    return replace(
+        block,
+        columns=tuple((joint_of[bone], channel) for bone, channel in block.columns),
+        shapes=tuple(tuple((joint_of[bone], bits) for bone, bits in shape) for shape in block.shapes),
+    )
+
+
+def names_of_frames(spans: Sequence[StoredSpan], positions: range) -> list[tuple[str, ...]] | None:
+    """The motion names of each frame in order of rank, None where no frame has any."""
+    if not spans:
+        return None
+    changes = sorted({span.first for span in spans} | {span.last + 1 for span in spans})
+    result: list[tuple[str, ...]] = []
+    change, current = 0, ()
+    for position in positions:
+        moved = False
+        while change < len(changes) and changes[change] <= position:
+            change, moved = change + 1, True
+        if moved or not result:
+            covering = [span for span in spans if span.first <= position <= span.last]
+            current = tuple(span.name for span in sorted(covering, key=lambda span: (span.rank, span.key)))
+        result.append(current)
+    return result if any(result) else None

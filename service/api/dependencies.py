@@ -1,0 +1,114 @@
+"""What endpoints ask for: the store, pages and cursors, conditional requests."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import orjson
+from fastapi import Depends, Header, Query, Request
+
+from service.actions.describe_problem import PreconditionError
+from service.errors import NotFoundError, QueryError
+from service.settings import Settings
+from service.storage.database import Database, Transaction
+from service.storage.documents import StoredDocument
+
+
+def _settings(request: Request) -> Settings:
+    settings: Settings = request.app.state.settings
+    return settings
+
+
+def _database(request: Request) -> Database:
+    database: Database = request.app.state.database
+    return database
+
+
+def _author(request: Request) -> str:
+    return str(request.scope.get("mcml.author", "local"))
+
+
+SettingsDep = Annotated[Settings, Depends(_settings)]
+DatabaseDep = Annotated[Database, Depends(_database)]
+AuthorDep = Annotated[str, Depends(_author)]
+RevisionQuery = Annotated[int | None, Query(ge=1, description="Read this revision instead of the current one")]
+
+
+def encode_cursor(*parts: Any) -> str:
+    """An opaque cursor; `decode_cursor` gives the parts back."""
+    return base64.urlsafe_b64encode(orjson.dumps(parts)).decode().rstrip("=")
+
+
+def decode_cursor(cursor: str, *kinds: type) -> list[Any]:
+    """The parts of a cursor. QueryError where it is none of ours."""
+    try:
+        parts = orjson.loads(base64.urlsafe_b64decode(cursor + "=" * (-len(cursor) % 4)))
+    except (binascii.Error, ValueError):
+        parts = None
+    fits = isinstance(parts, list) and len(parts) == len(kinds)
+    if not fits or any(not isinstance(part, kind) for part, kind in zip(parts or [], kinds, strict=True)):
+        raise QueryError("This cursor is not one that was handed out here.", remedy="Begin again without a cursor.")
+    return list(parts or [])
+
+
+@dataclass(frozen=True)
+class Page:
+    limit: int
+    cursor: str | None
+
+
+def _page(
+    settings: SettingsDep,
+    limit: Annotated[int, Query(ge=1, description="Most items on the page")] = 100,
+    cursor: Annotated[str | None, Query(max_length=4096, description="`next_cursor` of the page before")] = None,
+) -> Page:
+    return Page(min(limit, settings.page_limit), cursor)
+
+
+PageDep = Annotated[Page, Depends(_page)]
+
+
+def etag(stored: StoredDocument, format_name: str) -> str:
+    """The strong tag of a representation: revision and format."""
+    return f'"{stored.revision}-{format_name}"'
+
+
+IfMatch = Annotated[
+    str | None,
+    Header(description='The ETag that was read, or its revision as `"7"`; `*` for whatever is current'),
+]
+
+
+def checked_for_write(tx: Transaction, uuid: str, if_match: str | None, *, deleted: bool = False) -> StoredDocument:
+    """The document, locked for a change, if the request was made for its current revision."""
+    found = tx.documents.find(uuid, deleted=deleted)
+    if found is None:
+        raise NotFoundError(f"There is no document {uuid}.", remedy="List the documents to see their ids.")
+    tx.documents.lock(found.key)
+    stored = tx.documents.get(uuid, deleted=deleted)
+    if if_match is None:
+        raise PreconditionError(
+            "This request changes a document and must say which revision it was made for.",
+            428,
+            f'Send the header If-Match: "{stored.revision}", or If-Match: * to change whatever is current.',
+        )
+    wanted = {tag.strip().removeprefix("W/").strip('"').split("-")[0] for tag in if_match.split(",")}
+    if "*" not in wanted and str(stored.revision) not in wanted:
+        raise PreconditionError(
+            f"The document is at revision {stored.revision}, the request was made for another one.",
+            412,
+            "Read the document again and repeat the change.",
+        )
+    return stored
+
+
+def at_revision(tx: Transaction, uuid: str, revision: int | None) -> tuple[Transaction, StoredDocument]:
+    """The document as it is, or as a revision left it, and the transaction to read it with."""
+    if revision is None:
+        return tx, tx.documents.get(uuid)
+    current = tx.documents.get(uuid)
+    then = tx.at_commit(tx.documents.commit_of(current.key, revision))
+    return then, then.documents.get(uuid)

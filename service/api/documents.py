@@ -1,0 +1,245 @@
+"""Documents: upload, list, read, change, delete, restore, revisions."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, File, Form, Query, Request, Response, UploadFile
+from fastapi.responses import JSONResponse
+
+from schemas.documents import (
+    DocumentChange,
+    DocumentDetail,
+    DocumentPage,
+    FileProblem,
+    ImportedDocument,
+    InspectResult,
+    Receipt,
+    Revision,
+    RevisionPage,
+    UploadResult,
+)
+from service.actions.change_document import change_document, delete_document, restore_document, restore_revision
+from service.actions.describe_document import detail, summary
+from service.actions.import_motion import import_files
+from service.actions.import_options import ImportOptions, parse_label, parse_property
+from service.actions.inspect_files import inspect_files
+from service.api.dependencies import (
+    AuthorDep,
+    DatabaseDep,
+    IfMatch,
+    PageDep,
+    RevisionQuery,
+    SettingsDep,
+    at_revision,
+    checked_for_write,
+    decode_cursor,
+    encode_cursor,
+    etag,
+)
+from service.actions.describe_problem import problem_of
+from service.api.streaming import unchanged
+from service.errors import QueryError
+from service.formats.format import SourceFile
+from service.storage.documents import DocumentFilter
+
+router = APIRouter(tags=["documents"])
+
+Files = Annotated[list[UploadFile], File(description="BVH, ASF and AMC, HTR, MCML, or zips of them")]
+
+
+@router.post("/documents", status_code=201, operation_id="upload_documents", response_model=UploadResult)
+def upload_documents(
+    database: DatabaseDep,
+    settings: SettingsDep,
+    author: AuthorDep,
+    file: Files,
+    project: Annotated[str, Form(min_length=1, max_length=256)] = "default",
+    name: Annotated[str | None, Form(max_length=1024, description="Name of the document; default the file's")] = None,
+    description: Annotated[str, Form(max_length=100_000)] = "",
+    label: Annotated[list[str] | None, Form(description="NAME or NAME:FIRST-LAST; may be repeated")] = None,
+    property: Annotated[list[str] | None, Form(description="NAME=VALUE or NAME=VALUE UNIT; may be repeated")] = None,
+    encoding: Annotated[str | None, Form(description="Text encoding, if it is not UTF-8")] = None,
+    translation: Annotated[Literal["auto", "absolute", "relative"], Form()] = "auto",
+    unit: Annotated[str | None, Form(description="Length unit of the files: mm, cm, m, inch …")] = None,
+    up: Annotated[str | None, Form(description="Axis that points up")] = None,
+    frame_time: Annotated[str | None, Form(description="Seconds a frame, where the files do not say")] = None,
+    skeleton: Annotated[str | None, Form(description="Stored document whose ASF an AMC alone shall use")] = None,
+    on_duplicate: Annotated[Literal["new", "skip"], Form()] = "new",
+    strict_names: Annotated[bool, Form(description="Refuse labels that are no anatomical movement")] = False,
+) -> Response:
+    """Store files as documents. Each document is stored whole or not at all; problems name the files that were not."""
+    options = ImportOptions(
+        project=project,
+        name=name,
+        description=description,
+        labels=tuple(parse_label(text) for text in label or ()),
+        properties=tuple(parse_property(text) for text in property or ()),
+        encoding=encoding,
+        translation=translation,
+        unit=unit,
+        up=up,
+        frame_time=frame_time,
+        skeleton=skeleton,
+        on_duplicate=on_duplicate,
+        strict_names=strict_names,
+    )
+    done = import_files(database, _sources(file), options, settings, author=author)
+    result = UploadResult(
+        documents=[
+            ImportedDocument(id=item.uuid, name=item.name, skipped=item.skipped, receipt=Receipt(**item.receipt))
+            for item in done.documents
+        ],
+        problems=[FileProblem(file=name, problem=problem_of(error)) for name, error in done.problems],
+    )
+    if not done.documents and done.problems:
+        problem = problem_of(done.problems[0][1])
+        body = problem.model_dump(exclude_none=True) | {"problems": result.model_dump(exclude_none=True)["problems"]}
+        return JSONResponse(body, problem.status, media_type="application/problem+json")
+    headers = {"location": f"/api/v1/documents/{done.documents[0].uuid}"} if done.documents else {}
+    return JSONResponse(result.model_dump(), 201, headers)
+
+
+@router.post("/inspect", operation_id="inspect_files")
+def inspect(
+    settings: SettingsDep, file: Files, encoding: Annotated[str | None, Form()] = None
+) -> InspectResult:
+    """What an upload of these files would find. Nothing is stored."""
+    clips, problems = inspect_files(_sources(file), ImportOptions(encoding=encoding), settings)
+    return InspectResult(
+        clips=clips, problems=[FileProblem(file=name, problem=problem_of(error)) for name, error in problems]
+    )
+
+
+@router.get("/documents", operation_id="list_documents")
+def list_documents(
+    database: DatabaseDep,
+    page: PageDep,
+    project: str | None = None,
+    q: Annotated[str | None, Query(description="Part of the name")] = None,
+    motion_name: Annotated[str | None, Query(description="Documents with a frame of this name")] = None,
+    format: str | None = None,
+    skeleton: int | None = None,
+    property: Annotated[list[str] | None, Query(description="age:20..30 or take:calm; may be repeated")] = None,
+    sort: Literal["name", "newest"] = "name",
+) -> DocumentPage:
+    """Documents, by name or newest first."""
+    wanted = DocumentFilter(
+        project=project,
+        text=q,
+        motion_name=motion_name,
+        format=format,
+        skeleton=skeleton,
+        properties=tuple(_condition(text) for text in property or ()),
+    )
+    after = None if page.cursor is None else decode_cursor(page.cursor, str, int)
+    with database.read() as tx:
+        found = tx.documents.list(
+            wanted,
+            after=None if after is None else (after[0], after[1]),
+            limit=page.limit + 1,
+            newest_first=sort == "newest",
+        )
+        total = tx.documents.count(wanted)
+    shown = found[: page.limit]
+    more = encode_cursor(shown[-1].name, shown[-1].key) if len(found) > page.limit else None
+    return DocumentPage(items=[summary(stored) for stored in shown], next_cursor=more, total=total)
+
+
+@router.get("/documents/{id}", operation_id="get_document", response_model=DocumentDetail)
+def get_document(
+    id: str, request: Request, response: Response, database: DatabaseDep, revision: RevisionQuery = None
+) -> Any:
+    """Everything about a document but its frames."""
+    with database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        tag = etag(stored, "json")
+        cached = unchanged(request, tag)
+        if cached is not None:
+            return cached
+        response.headers["etag"] = tag
+        return detail(then, stored)
+
+
+@router.patch("/documents/{id}", operation_id="change_document")
+def patch_document(
+    id: str,
+    change: DocumentChange,
+    response: Response,
+    database: DatabaseDep,
+    author: AuthorDep,
+    if_match: IfMatch = None,
+) -> DocumentDetail:
+    """Change name, project, description, properties, unit, up axis or frame time. Makes a revision."""
+    with database.write(author) as tx:
+        stored = checked_for_write(tx, id, if_match)
+        facts = change.model_dump(exclude_unset=True, exclude={"message", "properties"})
+        if change.properties is not None:
+            facts["properties"] = [(item.name, item.value, item.unit) for item in change.properties]
+        changed = change_document(tx, stored, message=change.message, **facts)
+        response.headers["etag"] = etag(changed, "json")
+        return detail(tx, changed)
+
+
+@router.delete("/documents/{id}", status_code=204, operation_id="delete_document")
+def remove_document(id: str, database: DatabaseDep, author: AuthorDep, if_match: IfMatch = None) -> Response:
+    """Hide a document. Nothing is lost: `POST /documents/{id}/restore` brings it back."""
+    with database.write(author) as tx:
+        delete_document(tx, checked_for_write(tx, id, if_match))
+    return Response(status_code=204)
+
+
+@router.post("/documents/{id}/restore", operation_id="restore_document")
+def restore(
+    id: str,
+    response: Response,
+    database: DatabaseDep,
+    author: AuthorDep,
+    revision: Annotated[int | None, Query(ge=1, description="Make the content of this revision current again")] = None,
+    if_match: IfMatch = None,
+) -> DocumentDetail:
+    """Bring a deleted document back, or make an earlier revision current (as a new revision)."""
+    with database.write(author) as tx:
+        stored = checked_for_write(tx, id, if_match, deleted=True)
+        changed = restore_document(tx, stored) if revision is None else restore_revision(tx, stored, revision)
+        response.headers["etag"] = etag(changed, "json")
+        return detail(tx, changed)
+
+
+@router.get("/documents/{id}/revisions", operation_id="list_revisions")
+def list_revisions(id: str, database: DatabaseDep, page: PageDep) -> RevisionPage:
+    """The history of a document, newest first."""
+    before = None if page.cursor is None else int(decode_cursor(page.cursor, int)[0])
+    with database.read() as tx:
+        stored = tx.documents.get(id)
+        found = tx.documents.revisions(stored.key, before=before, limit=page.limit + 1)
+    items = [
+        Revision(
+            number=item.number,
+            parent=item.parent,
+            operation=item.operation,
+            message=item.message,
+            time=item.time,
+            author=item.author,
+        )
+        for item in found[: page.limit]
+    ]
+    more = encode_cursor(items[-1].number) if len(found) > page.limit else None
+    return RevisionPage(items=items, next_cursor=more)
+
+
+def _sources(files: list[UploadFile]) -> list[SourceFile]:
+    return [SourceFile(file.filename or "unnamed", file.file) for file in files]
+
+
+def _condition(text: str) -> tuple[str, float | None, float | None, str | None]:
+    name, colon, value = text.partition(":")
+    if not colon:
+        raise QueryError(f"{text!r} is no condition on a property.", remedy="Write age:20..30 or take:calm.")
+    low, dots, high = value.partition("..")
+    if not dots:
+        return name, None, None, value
+    try:
+        return name, float(low) if low else None, float(high) if high else None, None
+    except ValueError:
+        raise QueryError(f"{value!r} is not a range of numbers.", remedy="Write age:20..30, age:20.. or age:..30.") from None

@@ -1,0 +1,42 @@
+"""Is the service alive, is it ready, how much does it do."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import PlainTextResponse
+
+from schemas.catalogues import Health
+from service.api.dependencies import DatabaseDep
+
+router = APIRouter(tags=["health"])
+
+
+@router.get("/healthz", operation_id="healthz")
+def healthz() -> Health:
+    """The process answers."""
+    return Health(status="ok")
+
+
+@router.get("/readyz", operation_id="readyz")
+def readyz(database: DatabaseDep, response: Response) -> Health:
+    """The store answers and has this program's schema."""
+    found, wanted = database.schema_versions()
+    if found != wanted:
+        response.status_code = 503
+        return Health(status=f"schema {found} is not {wanted}", database=database.name)
+    return Health(status="ok", database=database.name)
+
+
+@router.get("/metrics", operation_id="metrics", response_class=PlainTextResponse)
+def metrics(request: Request, database: DatabaseDep) -> str:
+    """Counters in the Prometheus text format."""
+    counts: dict[tuple[str, int], int] = request.app.state.requests
+    lines = ["# HELP mcml_requests_total Requests answered.", "# TYPE mcml_requests_total counter"]
+    lines += [
+        f'mcml_requests_total{{method="{method}",status="{status}"}} {count}'
+        for (method, status), count in sorted(counts.items())
+    ]
+    sizes = database.size()
+    lines += ["# HELP mcml_store_bytes Size of the store.", "# TYPE mcml_store_bytes gauge"]
+    lines += [f'mcml_store_bytes{{part="{part}"}} {size}' for part, size in sorted(sizes.items())]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,67 @@
+"""Every error leaves as a problem document (RFC 9457)."""
+
+from __future__ import annotations
+
+import logging
+import uuid
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.encoders import jsonable_encoder
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from starlette.exceptions import HTTPException
+
+from schemas.problem import Problem
+from service import errors
+from service.actions.describe_problem import problem_of
+
+log = logging.getLogger("mcml.api")
+
+
+def respond(problem: Problem, headers: dict[str, str] | None = None) -> JSONResponse:
+    return JSONResponse(
+        problem.model_dump(exclude_none=True), problem.status, headers, media_type="application/problem+json"
+    )
+
+
+def plain(status: int, detail: str, remedy: str | None = None) -> JSONResponse:
+    """A problem that is no error of ours, such as a route that does not exist."""
+    title = HTTPStatus(status).phrase
+    return respond(Problem(type="about:blank", title=title, status=status, detail=detail, remedy=remedy))
+
+
+def install(app: FastAPI) -> None:
+    """Let every error leave as a problem."""
+
+    @app.exception_handler(errors.McmlError)
+    def _ours(_request: Request, error: errors.McmlError) -> JSONResponse:
+        return respond(problem_of(error))
+
+    @app.exception_handler(RequestValidationError)
+    def _invalid(_request: Request, error: RequestValidationError) -> JSONResponse:
+        faults: list[dict[str, Any]] = [
+            {"in": ".".join(str(part) for part in fault["loc"]), "what": fault["msg"]} for fault in error.errors()
+        ]
+        first = faults[0] if faults else {"in": "request", "what": "invalid"}
+        problem = Problem(
+            type="/docs/problems#invalid-request",
+            title="Invalid request",
+            status=422,
+            detail=f"{first['in']}: {first['what']}",
+            remedy="See the parameters of this endpoint in /docs.",
+            errors=jsonable_encoder(faults),
+        )
+        return respond(problem)
+
+    @app.exception_handler(HTTPException)
+    def _http(_request: Request, error: HTTPException) -> JSONResponse:
+        return plain(error.status_code, str(error.detail))
+
+    @app.exception_handler(Exception)
+    def _unexpected(request: Request, error: Exception) -> JSONResponse:
+        number = uuid.uuid4().hex[:12]
+        log.error("%s %s failed, incident %s", request.method, request.url.path, number, exc_info=error)
+        detail = f"The server failed on this request. The log has the details under incident {number}."
+        return plain(500, detail, "Try again; if it fails again, report the incident.")

@@ -1,0 +1,45 @@
+"""Long answers as streams: the first block is made before the status is sent, so an error is still a problem."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from itertools import chain
+from urllib.parse import quote
+
+from fastapi import Request, Response
+from fastapi.responses import StreamingResponse
+
+from service.storage.database import Database, Transaction
+
+
+def streamed(
+    database: Database,
+    make: Callable[[Transaction], tuple[Iterator[bytes], str, dict[str, str]]],
+) -> Response:
+    """Stream what `make` returns: (content, media type, headers). The read transaction lives as long as the stream."""
+    with ExitStack() as stack:
+        tx = stack.enter_context(database.read())
+        content, media_type, headers = make(tx)
+        first = next(content, b"")
+        held = stack.pop_all()
+
+    def blocks() -> Iterator[bytes]:
+        with held:
+            yield from chain((first,), content)
+
+    return StreamingResponse(blocks(), media_type=media_type, headers=headers)
+
+
+def attachment(file_name: str) -> str:
+    """A Content-Disposition that every client reads (RFC 6266): plain and UTF-8 name."""
+    plain = "".join(c if c.isascii() and c.isprintable() and c not in '"\\' else "_" for c in file_name)
+    return f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(file_name)}"
+
+
+def unchanged(request: Request, tag: str) -> Response | None:
+    """304 where the client has this representation already."""
+    known = request.headers.get("if-none-match", "")
+    if tag in {item.strip().removeprefix("W/") for item in known.split(",")}:
+        return Response(status_code=304, headers={"etag": tag})
+    return None

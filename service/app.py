@@ -1,0 +1,66 @@
+"""The application: the only place where everything is put together."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from importlib.metadata import PackageNotFoundError, version
+
+from fastapi import FastAPI
+from fastapi.middleware.gzip import GZipMiddleware
+
+from service.api import ROUTERS, problems
+from service.api.guard import Guard
+from service.settings import Settings
+from service.storage.database import Database
+
+DESCRIPTION = """
+Every motion-capture clip in one open XML language, stored element by element, searched with XPath.
+
+Frame numbers are XPath positions: from 1, both ends included. Errors are problem details (RFC 9457). Writes to one
+document need `If-Match` with the revision that was read.
+"""
+
+
+def program_version() -> str:
+    try:
+        return version("mcml-repository")
+    except PackageNotFoundError:
+        return "0+checkout"
+
+
+def create_app(settings: Settings, database: Database | None = None) -> FastAPI:
+    """The service on a store whose schema is current. database: given by tests; default from the settings."""
+    store = database or Database(settings.database_url)
+
+    @asynccontextmanager
+    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+        store.require_schema()
+        store.sweep()
+        yield
+        if database is None:
+            store.close()
+
+    app = FastAPI(
+        title="MCML Repository",
+        version=program_version(),
+        description=DESCRIPTION,
+        docs_url=None,
+        redoc_url=None,
+        lifespan=lifespan,
+        separate_input_output_schemas=False,
+    )
+    app.state.settings = settings
+    app.state.database = store
+    app.state.requests = {}
+    problems.install(app)
+    for router, prefix in ROUTERS:
+        app.include_router(router, prefix=prefix)
+    app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1)
+    app.add_middleware(Guard, settings=settings, database=store, counts=app.state.requests)
+    return app
+
+
+def app_from_environment() -> FastAPI:
+    """The service as the environment describes it: what `uvicorn --factory service.app:app_from_environment` serves."""
+    return create_app(Settings())

@@ -1,0 +1,34 @@
+"""The command `mcml`: one file a command group."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from service.cli import files, library, querying, serving, store
+from service.errors import McmlError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="Motion capture in one open XML language: convert, store, query.",
+    epilog="Exit codes: 0 done, 1 refused or failed (the message says why), 2 wrong usage, 3 done in part.",
+)
+for module in (serving, files, library, querying, store):
+    module.add_to(app)
+
+
+def main() -> None:
+    """The entry point: errors of ours become one message and exit code 1, never a traceback."""
+    try:
+        app()
+    except McmlError as error:
+        where = f"{error.at}: " if error.at and str(error.at) else ""
+        print(f"mcml: {where}{error.what}", file=sys.stderr)
+        if error.remedy:
+            print(f"      {error.remedy}", file=sys.stderr)
+        sys.exit(1)
+    except BrokenPipeError:
+        sys.exit(0)

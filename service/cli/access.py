@@ -1,0 +1,205 @@
+"""The library a command works on: a store on this machine through actions, or a server through its REST API."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import httpx
+
+from schemas.documents import DocumentDetail, DocumentPage, FileProblem, ImportedDocument, LabelPage, Receipt
+from schemas.documents import Label as WireLabel
+from schemas.documents import UploadResult
+from schemas.queries import QueryAnswer, QueryRequest
+from service.actions.change_document import add_labels
+from service.actions.describe_document import detail, summary
+from service.actions.describe_problem import problem_of
+from service.actions.export_motion import ExportOptions, export_document
+from service.actions.import_motion import Progress, import_files
+from service.actions.import_options import ImportOptions
+from service.errors import AccessError, McmlError, NotFoundError, Place, StoreError
+from service.formats.format import SourceFile
+from service.settings import Settings
+from service.storage.database import Database
+from service.storage.documents import DocumentFilter
+from service.xpath.run import answer_query
+
+
+class Library(ABC):
+    """What commands do to a library, in the words of the REST API."""
+
+    @abstractmethod
+    def import_paths(self, paths: list[Path], options: ImportOptions, progress: Progress | None) -> UploadResult: ...
+
+    @abstractmethod
+    def documents(self, wanted: DocumentFilter, limit: int) -> DocumentPage: ...
+
+    @abstractmethod
+    def document(self, uuid: str) -> DocumentDetail: ...
+
+    @abstractmethod
+    def export(self, uuid: str, options: ExportOptions) -> Any:
+        """A context manager: (file name, blocks of bytes, notices as a list that fills)."""
+
+    @abstractmethod
+    def query(self, request: QueryRequest) -> QueryAnswer: ...
+
+    @abstractmethod
+    def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage: ...
+
+
+class LocalLibrary(Library):
+    def __init__(self, database: Database, settings: Settings) -> None:
+        self.database = database
+        self.settings = settings
+
+    def import_paths(self, paths: list[Path], options: ImportOptions, progress: Progress | None) -> UploadResult:
+        with ExitStack() as stack:
+            files = [SourceFile(path.name, stack.enter_context(path.open("rb"))) for path in paths]
+            done = import_files(self.database, files, options, self.settings, progress=progress)
+        return UploadResult(
+            documents=[
+                ImportedDocument(id=item.uuid, name=item.name, skipped=item.skipped, receipt=Receipt(**item.receipt))
+                for item in done.documents
+            ],
+            problems=[FileProblem(file=name, problem=problem_of(error)) for name, error in done.problems],
+        )
+
+    def documents(self, wanted: DocumentFilter, limit: int) -> DocumentPage:
+        with self.database.read() as tx:
+            found = tx.documents.list(wanted, after=None, limit=limit)
+            return DocumentPage(items=[summary(stored) for stored in found], total=tx.documents.count(wanted))
+
+    def document(self, uuid: str) -> DocumentDetail:
+        with self.database.read() as tx:
+            return detail(tx, tx.documents.get(uuid))
+
+    @contextmanager
+    def export(self, uuid: str, options: ExportOptions) -> Iterator[tuple[str, Iterator[bytes], list[str]]]:
+        with self.database.read() as tx:
+            export = export_document(tx, tx.documents.get(uuid), options)
+            notices: list[str] = []
+
+            def content() -> Iterator[bytes]:
+                yield from export.content
+                notices.extend(notice.what for notice in export.notices)
+
+            yield export.file_name, content(), notices
+
+    def query(self, request: QueryRequest) -> QueryAnswer:
+        return answer_query(self.database, self.settings, request)
+
+    def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage:
+        with self.database.write() as tx:
+            stored = tx.documents.get(uuid)
+            tx.documents.lock(stored.key)
+            added = add_labels(tx, tx.documents.get(uuid), labels, strict=strict)
+        return LabelPage(
+            items=[WireLabel(id=s.key, name=s.name, first=s.first, last=s.last, rank=s.rank) for s in added]
+        )
+
+
+class RemoteLibrary(Library):
+    def __init__(self, address: str, token: str | None) -> None:
+        headers = {"authorization": f"Bearer {token}"} if token else {}
+        self.http = httpx.Client(base_url=address.rstrip("/") + "/api/v1", headers=headers, timeout=600)
+
+    def import_paths(self, paths: list[Path], options: ImportOptions, progress: Progress | None) -> UploadResult:
+        data: dict[str, Any] = {
+            "project": options.project,
+            "description": options.description,
+            "translation": options.translation,
+            "on_duplicate": options.on_duplicate,
+            "strict_names": str(options.strict_names).lower(),
+            "label": [
+                label.name if label.first is None else f"{label.name}:{label.first}-{label.last}"
+                for label in options.labels
+            ],
+            "property": [f"{name}={value} {unit}".strip() for name, value, unit in options.properties],
+        }
+        for key in ("name", "encoding", "unit", "up", "frame_time", "skeleton"):
+            if getattr(options, key) is not None:
+                data[key] = getattr(options, key)
+        with ExitStack() as stack:
+            files = [("file", (path.name, stack.enter_context(path.open("rb")))) for path in paths]
+            answer = self._send("POST", "/documents", data=data, files=files, accept=(201, 415, 422))
+        body = answer.json()
+        if answer.status_code != 201:
+            if "problems" not in body:
+                raise _error(answer)
+            return UploadResult(documents=[], problems=[FileProblem(**item) for item in body["problems"]])
+        return UploadResult(**body)
+
+    def documents(self, wanted: DocumentFilter, limit: int) -> DocumentPage:
+        parameters: dict[str, Any] = {"limit": limit}
+        pairs = (("project", wanted.project), ("q", wanted.text), ("motion_name", wanted.motion_name))
+        parameters.update({key: value for key, value in (*pairs, ("format", wanted.format)) if value is not None})
+        return DocumentPage(**self._send("GET", "/documents", params=parameters).json())
+
+    def document(self, uuid: str) -> DocumentDetail:
+        return DocumentDetail(**self._send("GET", f"/documents/{uuid}").json())
+
+    @contextmanager
+    def export(self, uuid: str, options: ExportOptions) -> Iterator[tuple[str, Iterator[bytes], list[str]]]:
+        parameters = {
+            "format": options.format,
+            "first": options.first,
+            "last": options.last,
+            "names": options.names,
+            "unit": options.unit,
+            "up": options.up,
+            "original": options.original,
+        }
+        given = {key: value for key, value in parameters.items() if value is not None}
+        with self._stream(f"/documents/{uuid}/export", given) as answer:
+            disposition = answer.headers.get("content-disposition", "")
+            name = unquote(disposition.rpartition("UTF-8''")[2]) or f"{uuid}.{options.format}"
+            notices = [item for item in answer.headers.get("x-mcml-notices", "").split(" | ") if item]
+            yield name, answer.iter_bytes(1 << 20), notices
+
+    def query(self, request: QueryRequest) -> QueryAnswer:
+        return QueryAnswer(**self._send("POST", "/xpath", json=request.model_dump(by_alias=True)).json())
+
+    def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage:
+        body = [{"name": name, "first": first, "last": last} for name, first, last in labels]
+        headers = {"if-match": "*"}
+        parameters = {"strict": strict}
+        return LabelPage(
+            **self._send("POST", f"/documents/{uuid}/labels", json=body, headers=headers, params=parameters).json()
+        )
+
+    @contextmanager
+    def _stream(self, path: str, parameters: dict[str, Any]) -> Iterator[httpx.Response]:
+        try:
+            with self.http.stream("GET", path, params=parameters) as answer:
+                if answer.status_code != 200:
+                    answer.read()
+                    raise _error(answer)
+                yield answer
+        except httpx.HTTPError as error:
+            raise StoreError(f"The server does not answer: {error}", remedy="Check --server.") from error
+
+    def _send(self, method: str, path: str, accept: tuple[int, ...] = (), **request: Any) -> httpx.Response:
+        try:
+            answer = self.http.request(method, path, **request)
+        except httpx.HTTPError as error:
+            raise StoreError(f"The server does not answer: {error}", remedy="Check --server.") from error
+        if answer.is_success or answer.status_code in accept:
+            return answer
+        raise _error(answer)
+
+
+def _error(answer: httpx.Response) -> McmlError:
+    """A problem that the server answered, as an error."""
+    try:
+        body = answer.json()
+    except ValueError:
+        body = {"detail": f"The server answered {answer.status_code}."}
+    kinds = {401: AccessError, 403: AccessError, 404: NotFoundError}
+    kind = kinds.get(answer.status_code, McmlError)
+    where = body.get("where")
+    return kind(body.get("detail", "refused"), at=Place(**where) if where else None, remedy=body.get("remedy"))

@@ -1,0 +1,63 @@
+"""Options that commands share, and how they print."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from pydantic import BaseModel
+from rich.console import Console
+from rich.table import Table
+
+from service.cli.access import Library, LocalLibrary, RemoteLibrary
+from service.settings import Settings
+from service.storage.database import Database
+
+DatabaseOption = Annotated[str | None, typer.Option("--database", help="Store to work on, as an SQLAlchemy URL")]
+ServerOption = Annotated[str | None, typer.Option("--server", help="Work against this server instead, http://…")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts")]
+
+console = Console(highlight=False, soft_wrap=True)
+
+
+def chosen_settings(database: str | None = None, **changes: Any) -> Settings:
+    """Settings from the environment, with what the command line says."""
+    given = {key: value for key, value in {"database": database, **changes}.items() if value is not None}
+    return Settings().model_copy(update=given)
+
+
+def open_database(settings: Settings, *, migrate: bool = True) -> Database:
+    """The store; a new SQLite file is made, and its schema brought up to date."""
+    url = settings.database_url
+    if url.startswith("sqlite:///"):
+        Path(url.removeprefix("sqlite:///")).parent.mkdir(parents=True, exist_ok=True)
+    database = Database(url)
+    if migrate:
+        database.migrate()
+    return database
+
+
+def open_library(database: str | None, server: str | None) -> Library:
+    """The library that a command works on: a store here, or a server."""
+    settings = chosen_settings(database)
+    if server:
+        return RemoteLibrary(server, settings.token)
+    return LocalLibrary(open_database(settings), settings)
+
+
+def print_json(answer: BaseModel | list[Any] | dict[str, Any]) -> None:
+    if isinstance(answer, BaseModel):
+        print(answer.model_dump_json(indent=2, exclude_none=True))
+    else:
+        import json
+
+        print(json.dumps(answer, indent=2, ensure_ascii=False))
+
+
+def table(*columns: str) -> Table:
+    """A plain table; columns whose name ends in `#` are numbers."""
+    result = Table(box=None, pad_edge=False, header_style="bold")
+    for column in columns:
+        result.add_column(column.removesuffix("#"), justify="right" if column.endswith("#") else "left")
+    return result

@@ -1,0 +1,231 @@
+"""`mcml import ls show export label`: documents of a library, here or on a server."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from schemas.documents import ImportedDocument
+from service.actions.export_motion import ExportOptions
+from service.actions.import_options import ImportOptions, parse_label, parse_property
+from service.cli.common import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
+from service.errors import UnsupportedError
+from service.storage.documents import DocumentFilter
+
+EXTENSIONS = {".bvh", ".asf", ".amc", ".htr", ".htr2", ".mcml", ".xml", ".zip"}
+
+
+def add_to(app: typer.Typer) -> None:
+    app.command("import")(import_)
+    app.command()(ls)
+    app.command()(show)
+    app.command()(export)
+    app.command()(label)
+
+
+def import_(
+    paths: Annotated[list[Path], typer.Argument(help="Files, folders or zips")],
+    project: Annotated[str, typer.Option(help="Project to store into; made if new")] = "default",
+    name: Annotated[str | None, typer.Option(help="Name of the document, for a single one")] = None,
+    label: Annotated[list[str] | None, typer.Option(help="Motion name: NAME or NAME:FIRST-LAST")] = None,
+    property: Annotated[list[str] | None, typer.Option(help="Property: age=23 or 'age=23 year'")] = None,
+    encoding: Annotated[str | None, typer.Option(help="Text encoding, if it is not UTF-8")] = None,
+    unit: Annotated[str | None, typer.Option(help="Length unit of the files")] = None,
+    up: Annotated[str | None, typer.Option(help="Axis that points up")] = None,
+    frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the files do not say")] = None,
+    skeleton: Annotated[str | None, typer.Option(help="Stored document whose ASF an AMC alone shall use")] = None,
+    again: Annotated[bool, typer.Option(help="Store files again that are stored already")] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Store files. Files that are stored already are skipped, so an interrupted import goes on where it stopped."""
+    options = ImportOptions(
+        project=project,
+        name=name,
+        labels=tuple(parse_label(text) for text in label or ()),
+        properties=tuple(parse_property(text) for text in property or ()),
+        encoding=encoding,
+        unit=unit,
+        up=up,
+        frame_time=frame_time,
+        skeleton=skeleton,
+        on_duplicate="new" if again else "skip",
+    )
+    library = open_library(database, server)
+    stored, failed, answers = 0, 0, []
+    groups = list(_groups(paths))
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=as_json or not sys.stderr.isatty()) as bar:
+        task = bar.add_task("importing", total=len(groups))
+        for group in groups:
+            bar.update(task, description=group[-1].name[:40])
+            answer = library.import_paths(group, options, None)
+            answers.append(answer)
+            for document in answer.documents:
+                stored += not document.skipped
+                if not as_json:
+                    _print_imported(document)
+            for problem in answer.problems:
+                failed += 1
+                if not as_json:
+                    remedy = f" {problem.problem.remedy}" if problem.problem.remedy else ""
+                    line = problem.problem.where.line if problem.problem.where else None
+                    place = f"{problem.file}:{line}" if line else problem.file
+                    console.print(f"[red]failed[/red]   {place}: {problem.problem.detail}{remedy}")
+            bar.advance(task)
+    if as_json:
+        documents = [item.model_dump() for answer in answers for item in answer.documents]
+        problems = [item.model_dump(exclude_none=True) for answer in answers for item in answer.problems]
+        print_json({"documents": documents, "problems": problems})
+    else:
+        console.print(f"{stored} stored, {failed} failed")
+    if failed:
+        raise typer.Exit(3 if stored else 1)
+
+
+def _print_imported(document: ImportedDocument) -> None:
+    if document.skipped:
+        console.print(f"skipped  {document.name}  {document.id} (stored already)")
+        return
+    facts = document.receipt
+    rate = f"{facts.frame_rate.frames_per_second:.6g} Hz" if facts.frame_rate.frames_per_second else "rate unknown"
+    mapped = "" if facts.naming is None else f", {len(facts.naming.mapped)} of {facts.joints} joints mapped"
+    unit = facts.unit.value or "unit unknown"
+    console.print(f"stored   {document.name}  {document.id}\n         {facts.frames:,} frames, {rate}, {unit}{mapped}")
+    for notice in facts.notices:
+        if notice.kind in ("repair", "warning"):
+            console.print(f"         {notice.kind}: {notice.what}", style="yellow")
+
+
+def _groups(paths: list[Path]) -> Iterator[list[Path]]:
+    """Files that belong together: ASF with the AMC files of its folder; every other file alone."""
+    for path in paths:
+        if not path.exists():
+            raise UnsupportedError(f"{path} does not exist.")
+        files = sorted(found for found in path.rglob("*") if found.suffix.lower() in EXTENSIONS) if path.is_dir() else [path]
+        paired: dict[Path, list[Path]] = {}
+        for file in files:
+            if file.suffix.lower() in (".asf", ".amc"):
+                paired.setdefault(file.parent, []).append(file)
+            else:
+                yield [file]
+        if not path.is_dir() and path.suffix.lower() in (".asf", ".amc"):
+            paired = {}
+        yield from paired.values()
+    loose = [path for path in paths if path.is_file() and path.suffix.lower() in (".asf", ".amc")]
+    if loose:
+        yield loose
+
+
+def ls(
+    text: Annotated[str | None, typer.Argument(help="Part of the name")] = None,
+    project: Annotated[str | None, typer.Option(help="Only this project")] = None,
+    motion_name: Annotated[str | None, typer.Option(help="Documents with a frame of this name")] = None,
+    format: Annotated[str | None, typer.Option(help="Source format")] = None,
+    limit: Annotated[int, typer.Option(help="Most documents to list")] = 1000,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """List documents."""
+    wanted = DocumentFilter(project=project, text=text, motion_name=motion_name, format=format)
+    page = open_library(database, server).documents(wanted, limit)
+    if as_json:
+        print_json(page)
+        return
+    rows = table("id", "name", "project", "format", "frames#", "seconds#")
+    for item in page.items:
+        seconds = "" if item.duration is None else f"{item.duration:.2f}"
+        rows.add_row(item.id, item.name, item.project, item.format, f"{item.frames:,}", seconds)
+    console.print(rows)
+    console.print(f"{len(page.items)} of {page.total} documents", style="dim")
+
+
+def show(
+    id: Annotated[str, typer.Argument(help="Document")],
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Show a document: facts, header, bones, labels, receipt."""
+    found = open_library(database, server).document(id)
+    if as_json:
+        print_json(found)
+        return
+    rate = f"{1 / found.seconds_per_frame:.6g} Hz" if found.seconds_per_frame else "rate unknown"
+    console.print(f"[bold]{found.name}[/bold]  {found.id}  revision {found.revision}")
+    console.print(f"{found.format}, {found.frames:,} frames, {rate}, unit {found.unit or 'unknown'}, up {found.up or 'unknown'}")
+    for item in found.properties:
+        console.print(f"  {item.name} = {item.value} {item.unit}")
+    rows = table("bone", "source name", "parent", "channels")
+    for bone in found.bones:
+        rows.add_row(bone.name, bone.source_name, bone.parent or "", " ".join(bone.channels))
+    console.print(rows)
+    for item in found.labels:
+        console.print(f"  {item.first}-{item.last}  {item.name}")
+
+
+def export(
+    ids: Annotated[list[str], typer.Argument(help="Documents")],
+    format: Annotated[str, typer.Option(help="bvh, asf-amc, asf, amc, htr, mcml or csv")] = "bvh",
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="File or folder; default this folder, - prints")] = None,
+    first: Annotated[int, typer.Option(help="First frame, from 1")] = 1,
+    last: Annotated[int | None, typer.Option(help="Last frame, included")] = None,
+    names: Annotated[str | None, typer.Option(help="Joint names: mcml, bvh1, bvh2, asf or htr")] = None,
+    unit: Annotated[str | None, typer.Option(help="Scale lengths to this unit")] = None,
+    up: Annotated[str | None, typer.Option(help="Turn so that this axis points up")] = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Write documents as files of any format."""
+    library = open_library(database, server)
+    options = ExportOptions(format, first, last, names, unit, up)
+    for uuid in ids:
+        with library.export(uuid, options) as (file_name, content, notices):
+            if output is not None and str(output) == "-":
+                for block in content:
+                    sys.stdout.buffer.write(block)
+                continue
+            target = Path(output) if output is not None else Path(".")
+            target = target / file_name if target.is_dir() or len(ids) > 1 else target
+            target.parent.mkdir(parents=True, exist_ok=True)
+            part = target.with_name(target.name + ".part")
+            try:
+                with part.open("wb") as stream:
+                    for block in content:
+                        stream.write(block)
+                    stream.flush()
+                    os.fsync(stream.fileno())
+                part.replace(target)
+            finally:
+                part.unlink(missing_ok=True)
+            console.print(f"wrote    {target}")
+            for notice in notices:
+                console.print(f"         {notice}", style="yellow")
+
+
+def label(
+    id: Annotated[str, typer.Argument(help="Document")],
+    labels: Annotated[list[str], typer.Argument(help="NAME:FIRST-LAST, or NAME for all frames")],
+    strict: Annotated[bool, typer.Option(help="Refuse names that are no anatomical movement")] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Name frames of a document."""
+    library = open_library(database, server)
+    frames = library.document(id).frames
+    wanted = [parse_label(text) for text in labels]
+    added = library.label(id, [(item.name, item.first or 1, item.last or frames) for item in wanted], strict=strict)
+    if as_json:
+        print_json(added)
+        return
+    for item in added.items:
+        console.print(f"named    {item.first}-{item.last}  {item.name}")

@@ -1,0 +1,125 @@
+"""`mcml serve`, `mcml demo`, `mcml doctor`."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+import shutil
+import sqlite3
+import sys
+from typing import Annotated
+
+import typer
+
+from service.api.guard import is_loopback
+from service.cli.common import DatabaseOption, chosen_settings, console, open_database
+from service.errors import AccessError
+from service.resources import dtd_path, migrations_path
+from service.storage.documents import DocumentFilter
+
+
+def add_to(app: typer.Typer) -> None:
+    app.command()(serve)
+    app.command()(demo)
+    app.command()(doctor)
+
+
+def serve(
+    host: Annotated[str | None, typer.Option(help="Address to listen on; other than loopback needs a token")] = None,
+    port: Annotated[int | None, typer.Option(help="Port to listen on")] = None,
+    database: DatabaseOption = None,
+    with_demo: Annotated[bool, typer.Option("--demo", help="Load the demo library if the store is empty")] = False,
+) -> None:
+    """Serve the repository over HTTP."""
+    import uvicorn
+
+    settings = chosen_settings(database, host=host, port=port)
+    store = open_database(settings)
+    if not is_loopback(settings.host):
+        with store.read() as tx:
+            if not tx.tokens.list():
+                raise AccessError(
+                    f"{settings.host} is open to other machines, and the repository has no token yet.",
+                    remedy="Make one first: `mcml token add NAME`; or listen on 127.0.0.1.",
+                )
+    if with_demo:
+        with store.read() as tx:
+            empty = not tx.documents.list(DocumentFilter(), after=None, limit=1)
+        if empty:
+            _load_demo(database)
+    store.close()
+    name = f"[{settings.host}]" if ":" in settings.host else settings.host
+    console.print(f"MCML Repository on [bold]http://{name}:{settings.port}/[/bold]  (Ctrl+C stops)")
+    os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
+    os.environ["MCML_DATABASE"] = settings.database_url
+    uvicorn.run(
+        "service.app:app_from_environment",
+        factory=True,
+        host=settings.host,
+        port=settings.port,
+        log_level="warning",
+        timeout_graceful_shutdown=2,
+    )
+
+
+def demo(
+    database: DatabaseOption = None,
+    seed: Annotated[int, typer.Option(help="Another seed makes other clips")] = 1,
+) -> None:
+    """Add a small library of generated clips: walks, reaches, dance steps, faces, with their motion names."""
+    count = _load_demo(database, seed)
+    console.print(f"Added {count} generated clips to the project [bold]demo[/bold].")
+
+
+def _load_demo(database: str | None, seed: int = 1) -> int:
+    from service.actions.load_demo import load_demo
+
+    settings = chosen_settings(database)
+    store = open_database(settings)
+    try:
+        return load_demo(store, settings, seed)
+    finally:
+        store.close()
+
+
+def doctor(database: DatabaseOption = None) -> None:
+    """Say what this installation has, what it lacks, and how to mend it."""
+    settings = chosen_settings(database)
+    faults = 0
+
+    def line(what: str, fact: str, good: bool = True, remedy: str = "") -> None:
+        nonlocal faults
+        faults += not good
+        console.print(f"{'ok  ' if good else 'LACK'} {what:<16} {fact}" + (f"\n     {remedy}" if remedy else ""))
+
+    line("python", platform.python_version(), sys.version_info >= (3, 11), "" if sys.version_info >= (3, 11) else "Use 3.11+.")
+    line("sqlite", sqlite3.sqlite_version)
+    line("mcml.dtd", str(dtd_path()))
+    line("migrations", str(migrations_path()))
+    for module, need in (("pcodec", True), ("simdjson", True), ("psycopg", False)):
+        found = importlib.util.find_spec(module) is not None
+        line(module, "installed" if found else "not installed", found or not need)
+    store = open_database(settings, migrate=False)
+    address = store.dialect.engine.url.render_as_string(hide_password=True)
+    try:
+        version, wanted = store.schema_versions()
+    except Exception as error:  # any driver's own error: the doctor reports it and goes on
+        line("store", f"{address}: {error}", False, "Check the address and that the server runs.")
+    else:
+        current = version == wanted
+        line("store", address)
+        line("schema", f"{version or 'none'} of {wanted}", current, "" if current else "Run `mcml db upgrade`.")
+        if current:
+            sizes = store.size()
+            with store.read() as tx:
+                count = tx.documents.count(DocumentFilter())
+            line("documents", f"{count:,} in {sizes['total'] / 1e6:,.1f} MB, {sizes['uploads'] / 1e6:,.1f} MB of it uploads")
+    path = settings.database_url.removeprefix("sqlite:///")
+    if path != settings.database_url:
+        folder = os.path.dirname(path) or "."
+        if os.path.isdir(folder):
+            free = shutil.disk_usage(folder).free
+            line("free disk", f"{free / 1e9:,.1f} GB", free > 1e9, "" if free > 1e9 else "Make room.")
+    if faults:
+        raise typer.Exit(1)

@@ -1,0 +1,100 @@
+"""`mcml db` and `mcml token`: the store itself."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from service.actions.keep_store import backup, restore
+from service.cli.common import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
+
+
+def add_to(app: typer.Typer) -> None:
+    db = typer.Typer(no_args_is_help=True, help="Upgrade, back up, restore and check the store.")
+    db.command()(upgrade)
+    db.command("backup")(backup_)
+    db.command("restore")(restore_)
+    db.command()(check)
+    app.add_typer(db, name="db")
+    token = typer.Typer(no_args_is_help=True, help="Tokens that open a server to other machines.")
+    token.command("add")(token_add)
+    token.command("list")(token_list)
+    token.command("revoke")(token_revoke)
+    app.add_typer(token, name="token")
+
+
+def upgrade(database: DatabaseOption = None) -> None:
+    """Bring the store's schema to this program's version."""
+    store = open_database(chosen_settings(database), migrate=False)
+    before, wanted = store.schema_versions()
+    store.migrate()
+    console.print(f"schema {before or 'none'} -> {wanted}" if before != wanted else f"schema {wanted}, nothing to do")
+
+
+def backup_(
+    output: Annotated[Path, typer.Argument(help="File to write")], database: DatabaseOption = None
+) -> None:
+    """Copy the whole store into one file while it is in use."""
+    size = backup(open_database(chosen_settings(database)), output)
+    console.print(f"wrote {output} ({size / 1e6:,.1f} MB)")
+
+
+def restore_(
+    source: Annotated[Path, typer.Argument(help="A file that `mcml db backup` wrote")],
+    database: DatabaseOption = None,
+) -> None:
+    """Fill an empty store from a backup."""
+    settings = chosen_settings(database)
+    documents = restore(open_database(settings), source)
+    console.print(f"restored {documents:,} documents")
+
+
+def check(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
+    """Read every track and every kept upload once and say what does not fit."""
+    found = open_database(chosen_settings(database)).check()
+    if as_json:
+        print_json({"faults": found})
+    else:
+        for fault in found:
+            console.print(f"fault    {fault}")
+        console.print("the store is sound" if not found else f"{len(found)} faults")
+    if found:
+        raise typer.Exit(1)
+
+
+def token_add(
+    name: Annotated[str, typer.Argument(help="Who or what uses it; revisions carry this name")],
+    days: Annotated[int, typer.Option(help="Days until it expires; 0: never")] = 90,
+    database: DatabaseOption = None,
+) -> None:
+    """Make a token. It is shown once."""
+    expires = None
+    if days:
+        expires = (datetime.now(UTC) + timedelta(days=days)).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+    with open_database(chosen_settings(database)).write() as tx:
+        secret = tx.tokens.add(name, expires)
+    print(secret)
+    console.print(f"curl -H 'Authorization: Bearer {secret}' …\nMCML_TOKEN={secret} mcml ls --server http://…", style="dim")
+
+
+def token_list(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
+    """List tokens: their names, first characters and dates."""
+    with open_database(chosen_settings(database)).read() as tx:
+        found = tx.tokens.list()
+    if as_json:
+        print_json([vars(item) for item in found])
+        return
+    rows = table("name", "begins with", "made", "expires")
+    for item in found:
+        rows.add_row(item.name, item.hint + "…", item.created, item.expires or "never")
+    console.print(rows)
+
+
+def token_revoke(name: Annotated[str, typer.Argument(help="Token")], database: DatabaseOption = None) -> None:
+    """Make a token useless at once."""
+    with open_database(chosen_settings(database)).write() as tx:
+        tx.tokens.remove(name)
+    console.print(f"revoked {name}")

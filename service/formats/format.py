@@ -1,0 +1,114 @@
+"""What every file format offers, and what readers are given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import BinaryIO, Protocol
+
+from service.errors import ConversionError, LimitError, Place
+from service.motion.clip import ClipStream
+from service.motion.skeleton import Convention, Skeleton
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One kind of file that a format consists of.
+
+    name: "bvh", "asf" … extensions: with the dot, the usual one first. title: for people.
+    """
+
+    name: str
+    extensions: tuple[str, ...]
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a reader accepts before it gives up; checked before memory is taken.
+
+    joints: of a skeleton. depth: joints below each other. name: bytes of one name. frames, values: of a clip.
+    """
+
+    joints: int = 10_000
+    depth: int = 256
+    name: int = 1024
+    frames: int = 50_000_000
+    values: int = 4_000_000_000
+
+    def check_size(self, frames: int, channels: int, at: Place | None = None) -> None:
+        """Raises LimitError where a motion of that size is more than allowed."""
+        if frames > self.frames:
+            raise LimitError(
+                f"the file says it has {frames} frames, the limit is {self.frames}", at=at, remedy="Cut it into parts."
+            )
+        if frames * channels > self.values:
+            raise LimitError(
+                f"the motion would need {frames * channels} values ({frames} frames of {channels}), "
+                f"the limit is {self.values}",
+                at=at,
+                remedy="Cut it into parts.",
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class ReadOptions:
+    """What the user says about a file.
+
+    encoding: Python codec for text that is not UTF-8. translation: of BVH position channels: "auto", "absolute" (they
+    replace the OFFSET) or "relative" (they add to it).
+    """
+
+    encoding: str | None = None
+    translation: str = "auto"
+    limits: Limits = field(default_factory=Limits)
+
+
+@dataclass(frozen=True, slots=True)
+class SourceFile:
+    """A file to read. stream: seekable, read from its beginning; the caller closes it after the last block."""
+
+    name: str
+    stream: BinaryIO
+
+
+class Format(Protocol):
+    """A file format: bytes to clips and back.
+
+    name: as in the catalogue. convention: the only one that `write` takes. media_type: of its files.
+    """
+
+    name: str
+    title: str
+    parts: tuple[Part, ...]
+    convention: Convention
+    media_type: str
+
+    def sniff(self, name: str, first_bytes: bytes) -> str | None:
+        """The part that a file is, by its first bytes (at least 4 kB or all) and its name; None if it is none."""
+        ...
+
+    def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:
+        """The clip that the files, by part, hold. The frames are read when `blocks()` is iterated.
+
+        Raises FormatError (also while frames are read), UnsupportedError, LimitError; each with file, line, column.
+        """
+        ...
+
+    def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
+        """One part of the clip as bytes. Raises ConversionError where the clip is in another convention.
+
+        What could not be written as it was is appended to `clip.notices`.
+        """
+        ...
+
+
+def need_convention(skeleton: Skeleton, convention: Convention, title: str) -> None:
+    """Raises ConversionError where a joint is in another convention than the format's."""
+    for joint in skeleton.joints:
+        if joint.convention is not convention:
+            raise ConversionError(
+                f"joint {joint.name!r} is in the convention {joint.convention.value!r}, {title} writes "
+                f"{convention.value!r}",
+                remedy="Convert the clip first.",
+            )

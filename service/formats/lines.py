@@ -1,0 +1,286 @@
+"""Lines and tokens of text files that know their place, and the encoding of a file.
+
+Positions in the file are byte offsets; lines end with LF, CRLF or CR alone. Nothing here holds a whole file.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import BinaryIO
+
+from service.errors import FormatError, LimitError, Notice, Place
+
+BLOCK = 1 << 18
+LONGEST_LINE = 1 << 20
+"""Bytes of a line in the head of a file; in no format does a sensible one come near."""
+
+BLANKS = " \t\v\f\r\n"
+"""White space of the text formats; the wider one of Unicode may be part of a name."""
+
+_UTF8_BOM = codecs.BOM_UTF8
+_HANGUL = re.compile("[\uac00-\ud7a3\u3131-\u318e]")
+_BLANK_FREE = re.compile(r"\S+", re.ASCII)
+_LINE_END = re.compile(rb"\r\n|\n|\r")
+
+
+def blocks_of(stream: BinaryIO, start: int = 0, size: int = BLOCK) -> Iterator[bytes]:
+    """The bytes of a stream from an offset on. Other readers of the stream may seek in between."""
+    position = start
+    while True:
+        stream.seek(position)
+        block = stream.read(size)
+        if not block:
+            return
+        position += len(block)
+        yield block
+
+
+@dataclass(frozen=True, slots=True)
+class Encoding:
+    """codec: Python's name, "utf-8-sig" for UTF-8 with a byte order mark. start: offset of the text."""
+
+    codec: str
+    start: int
+    notices: tuple[Notice, ...] = ()
+
+
+def detect_encoding(stream: BinaryIO, given: str | None, stop: Callable[[bytes], bool] | None = None) -> Encoding:
+    """UTF-8, else the given encoding, else CP949 if that gives Hangul, else Latin-1 (design: Encoding).
+
+    stop: told each block; true ends the look, for files whose rest can hold nothing but numbers.
+    Raises FormatError for an unknown codec, UTF-16, and text that the given encoding cannot read.
+    """
+    stream.seek(0)
+    head = stream.read(4)
+    if head[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        raise FormatError("the file is UTF-16 text", at=Place(line=1), remedy="Save it as UTF-8.")
+    if given is not None:
+        _check_codec(given)
+    start = len(_UTF8_BOM) if head.startswith(_UTF8_BOM) else 0
+
+    def chunks() -> Iterator[bytes]:
+        for block in blocks_of(stream, start):
+            yield block
+            if stop is not None and stop(block):
+                return
+
+    if _decodes(chunks(), "utf-8")[0]:
+        if start:
+            notice = Notice("repair", "the file begins with a byte order mark (UTF-8)")
+            return Encoding("utf-8-sig", start, (notice,))
+        return Encoding("utf-8", 0)
+    if given is not None:
+        if not _decodes(chunks(), given)[0]:
+            raise FormatError(
+                f"the text is not {given}", at=Place(line=1), remedy="Name its encoding, such as latin-1 or cp949."
+            )
+        return Encoding(codecs.lookup(given).name, start)
+    decodes, has_hangul = _decodes(chunks(), "cp949")
+    if decodes and has_hangul:
+        return Encoding("cp949", start, (Notice("guess", "the text is not UTF-8; read as CP949, it holds Hangul"),))
+    notice = Notice("guess", "the text is not UTF-8; read as Latin-1. Name the encoding if names look wrong")
+    return Encoding("latin-1", start, (notice,))
+
+
+def _check_codec(given: str) -> None:
+    letters = bytes(range(128))
+    try:
+        fits = letters.decode(given) == letters.decode("ascii")
+    except (LookupError, UnicodeError, TypeError, ValueError, AttributeError):
+        fits = False
+    if not fits:
+        raise FormatError(
+            f"{given!r} is no encoding of text that contains ASCII", remedy="Use a name such as utf-8, cp949, latin-1."
+        )
+
+
+def _decodes(chunks: Iterator[bytes], codec: str) -> tuple[bool, bool]:
+    """(whether the bytes are text in that codec, whether there is Hangul in it)."""
+    decoder = codecs.getincrementaldecoder(codec)()
+    pending = has_hangul = False
+    try:
+        for chunk in chunks:
+            if not pending and chunk.isascii():
+                continue
+            pending = True
+            text = decoder.decode(chunk)
+            has_hangul = has_hangul or _HANGUL.search(text) is not None
+        decoder.decode(b"", final=True)
+    except UnicodeError:
+        return False, False
+    return True, has_hangul
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One line without its end. number: from 1. start, end: byte offsets, end behind the line's end characters."""
+
+    text: str
+    number: int
+    start: int
+    end: int
+
+    def words(self) -> list[str]:
+        return _BLANK_FREE.findall(self.text)
+
+    def at(self, column: int | None = None) -> Place:
+        return Place(line=self.number, column=column)
+
+
+class Lines:
+    """The lines of a stream, decoded, one ahead."""
+
+    def __init__(self, stream: BinaryIO, encoding: Encoding, start: int | None = None, number: int = 1) -> None:
+        self._codec = "utf-8" if encoding.codec == "utf-8-sig" else encoding.codec
+        self._raw = _raw_lines(stream, encoding.start if start is None else start, number)
+        self._ahead: list[Line] = []
+        self.number = number
+        """Number of the line last read."""
+
+    def peek(self) -> Line | None:
+        """The next line, None at the end of the file."""
+        if not self._ahead:
+            raw = next(self._raw, None)
+            if raw is None:
+                return None
+            text, number, start, end = raw
+            self._ahead.append(Line(text.decode(self._codec, errors="replace"), number, start, end))
+        return self._ahead[0]
+
+    def next(self) -> Line | None:
+        line = self.peek()
+        if line is not None:
+            self._ahead.clear()
+            self.number = line.number
+        return line
+
+    def __iter__(self) -> Iterator[Line]:
+        while (line := self.next()) is not None:
+            yield line
+
+    @property
+    def here(self) -> Place:
+        """The line last read."""
+        return Place(line=self.number)
+
+
+def _raw_lines(stream: BinaryIO, start: int, number: int) -> Iterator[tuple[bytes, int, int, int]]:
+    """(bytes, number, start, end) of each line. Raises FormatError for NUL, LimitError for an endless line."""
+    rest, offset = b"", start
+    for block in blocks_of(stream, start, 1 << 16):
+        if b"\0" in block:
+            line = number + len(_LINE_END.findall(block[: block.index(b"\0")]))
+            raise FormatError("the file holds NUL bytes", at=Place(line=line), remedy="Send the text file itself.")
+        rest += block
+        position = 0
+        for match in _LINE_END.finditer(rest):
+            if match.end() == len(rest) and match.group() == b"\r":
+                # A CR at the end of a block may be the half of a CRLF.
+                break
+            yield rest[position : match.start()], number, offset + position, offset + match.end()
+            position = match.end()
+            number += 1
+        rest, offset = rest[position:], offset + position
+        if len(rest) > LONGEST_LINE:
+            raise LimitError(
+                f"a line is longer than {LONGEST_LINE} bytes", at=Place(line=number), remedy="Break it into lines."
+            )
+    if rest.endswith(b"\r"):
+        yield rest[:-1], number, offset, offset + len(rest)
+    elif rest:
+        yield rest, number, offset, offset + len(rest)
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A word of a line. column: from 1, in characters."""
+
+    text: str
+    line: Line
+    column: int
+
+    @property
+    def at(self) -> Place:
+        return Place(line=self.line.number, column=self.column)
+
+
+_WORD = re.compile(r"[{}]|[^\s{}]+", re.ASCII)
+
+
+class Tokens:
+    """Words of a file regardless of lines; braces stand for themselves even where they touch a word."""
+
+    def __init__(self, lines: Lines) -> None:
+        self._lines = lines
+        self._line: Line | None = None
+        self._position = 0
+
+    def peek(self) -> Token | None:
+        """The next word, None at the end of the file."""
+        while True:
+            if self._line is not None:
+                match = _WORD.search(self._line.text, self._position)
+                if match:
+                    return Token(match.group(), self._line, match.start() + 1)
+            following = self._lines.next()
+            if following is None:
+                return None
+            self._line, self._position = following, 0
+
+    def next(self) -> Token | None:
+        token = self.peek()
+        if token is not None:
+            self._position = token.column - 1 + len(token.text)
+        return token
+
+    def rest_of_line(self) -> Token | None:
+        """What the line still holds, trimmed, up to a brace that opens a body; None where that is nothing."""
+        if self._line is None:
+            return None
+        text = self._line.text
+        last = len(text.rstrip(BLANKS)) - 1
+        end = text.find("{", self._position)
+        while end >= 0 and not (end == last or end == self._position or text[end - 1] in BLANKS):
+            end = text.find("{", end + 1)
+        rest = text[self._position : end if end >= 0 else len(text)]
+        start = self._position + len(rest) - len(rest.lstrip(BLANKS))
+        self._position += len(rest)
+        name = rest.strip(BLANKS)
+        return Token(name, self._line, start + 1) if name else None
+
+    def words_left_in_line(self) -> int:
+        """How many words the current line still holds."""
+        return 0 if self._line is None else len(_WORD.findall(self._line.text, self._position))
+
+    def words_in_next_line(self) -> int:
+        """How many words the line after the current one holds."""
+        following = self._lines.peek()
+        return 0 if following is None else len(_WORD.findall(following.text))
+
+    def offset(self) -> int:
+        """Byte offset behind the last word read, in a line that is ASCII up to there."""
+        return 0 if self._line is None else self._line.start + self._position
+
+    @property
+    def here(self) -> Place:
+        """The last word read, or the end of the file."""
+        return Place(line=self._lines.number)
+
+
+def line_and_column(stream: BinaryIO, offset: int, start: int = 0) -> Place:
+    """The place of a byte offset, by counting line ends from the beginning (only needed for a message)."""
+    line, last_start, position, after_cr = 1, start, start, False
+    for block in blocks_of(stream, start, 1 << 20):
+        block = block[: offset - position]
+        for match in re.finditer(rb"\r\n|\n|\r", block):
+            if not (after_cr and match.start() == 0 and match.group() == b"\n"):
+                line += 1
+            last_start = position + match.end()
+        after_cr = block.endswith(b"\r")
+        position += len(block)
+        if position >= offset:
+            break
+    return Place(line=line, column=offset - last_start + 1)

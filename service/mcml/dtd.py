@@ -1,0 +1,101 @@
+"""Validation against `mcml.dtd` by libxml2: the second opinion, and the check of what the service itself makes.
+
+Validity is local to an element: a frame is valid exactly when its attributes and the sequence of its children match.
+So a motion is valid when one frame of every distinct shape is, and a converted clip of any length is validated by its
+head and those. Uploaded documents are validated as they stream (`service.mcml.reader`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import cache
+from io import BytesIO
+from typing import Any, BinaryIO
+
+from lxml import etree
+
+from service.errors import DocumentError, Place
+from service.mcml.element import Element
+from service.mcml.lexical import escape
+from service.mcml.prologue import has_doctype, refused_doctype, utf8_chunks
+from service.mcml.vocabulary import FRAME, FRAME_BONE, FRAMES, FRAMETIME, MOTION, MOTION_NAME, NAME
+from service.mcml.writer import write_element
+from service.motion.clip import Shape
+from service.motion.skeleton import CHANNELS
+from service.resources import dtd_path
+
+MAX_BYTES = 256 << 20
+"""Of a document that is validated as a tree, which takes several times as much memory."""
+
+
+def violations(document: bytes | BinaryIO, max_bytes: int = MAX_BYTES) -> list[DocumentError]:
+    """Everything in which a document is not valid, each with its line; [] for a valid one.
+
+    Raises DocumentError where it is not well-formed or has a DOCTYPE of its own, LimitError beyond max_bytes.
+    """
+    stream = BytesIO(document) if isinstance(document, bytes) else document
+    data = b"".join(utf8_chunks(stream, max_bytes))
+    if has_doctype(data):
+        raise refused_doctype(None, "it is not MCML's own")
+    parser = etree.XMLParser(
+        encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True, recover=False
+    )
+    try:
+        root = etree.fromstring(data, parser)
+    except etree.XMLSyntaxError as error:
+        line, column = error.position
+        raise DocumentError(f"not well-formed XML: {error.msg}", at=Place(line=line, column=column)) from None
+    dtd = _dtd()
+    if dtd.validate(root):
+        return []
+    return [
+        DocumentError(entry.message.strip(), at=Place(line=entry.line)) for entry in dtd.error_log.filter_from_errors()
+    ]
+
+
+def validate(document: bytes | BinaryIO, max_bytes: int = MAX_BYTES) -> None:
+    """Raises DocumentError with the first violation, and how many more there are, for a document that is not valid."""
+    found = violations(document, max_bytes)
+    if found:
+        raise DocumentError(found[0].what, at=found[0].at, more=len(found) - 1)
+
+
+def validate_by_shapes(document: Element, shapes: Iterable[tuple[Shape, int]], names: Sequence[str]) -> None:
+    """Raises DocumentError unless the document with frames of these shapes would be valid.
+
+    document: the `mcml` element without its motion. shapes: each with a number of motion names. names: of the joints.
+    """
+    validate_frames(document, (frame_of(shape, count, names) for shape, count in dict.fromkeys(shapes)))
+
+
+def validate_frames(document: Element, frames: Iterable[Element]) -> None:
+    """Raises DocumentError unless the document with these frames as its motion is valid; tries one of each shape."""
+    motion = Element(MOTION, children=[Element(FRAMES, text="0"), Element(FRAMETIME, text="0")])
+    motion.children += {_shape_key(frame): frame for frame in frames}.values()
+    children = [child for child in document.children if child.tag != MOTION]
+    validate(write_element(Element(document.tag, document.attributes, document.text, [*children, motion])))
+
+
+def frame_of(shape: Shape, motion_names: int, names: Sequence[str]) -> Element:
+    """A frame of that shape with so many motion names."""
+    frame = Element(FRAME, {"id": "1"}, children=[Element(MOTION_NAME, text="name") for _ in range(motion_names)])
+    for joint, bits in shape:
+        channels = {channel: "0" for place, channel in enumerate(CHANNELS) if bits >> place & 1}
+        frame.children.append(Element(FRAME_BONE, {NAME: escape(names[joint])} | channels))
+    return frame
+
+
+def _shape_key(frame: Element) -> tuple[object, ...]:
+    """All of a frame that validity can depend on: tags and attribute names, and whether there is text."""
+    return (
+        frame.tag,
+        tuple(frame.attributes),
+        bool(frame.text),
+        tuple(_shape_key(child) for child in frame.children),
+    )
+
+
+@cache
+def _dtd() -> Any:
+    with dtd_path().open("rb") as stream:
+        return etree.DTD(stream)

