@@ -114,6 +114,15 @@ def _decodes(chunks: Iterator[bytes], codec: str) -> tuple[bool, bool]:
     return True, has_hangul
 
 
+def encoded(text: str, codec: str, notices: list[Notice]) -> bytes:
+    """Text in the encoding of its source; as UTF-8 with a notice where that cannot hold it."""
+    try:
+        return text.encode(codec)
+    except (UnicodeError, LookupError):
+        notices.append(Notice("warning", f"the text does not fit {codec}; written as UTF-8"))
+        return text.encode("utf-8", errors="replace")
+
+
 @dataclass(frozen=True, slots=True)
 class Line:
     """One line without its end. number: from 1. start, end: byte offsets, end behind the line's end characters."""

@@ -1,0 +1,1 @@
+"""Motion files to clips and back."""

@@ -1,0 +1,167 @@
+"""The MOTION of a BVH file: numbers to blocks of frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import BinaryIO, Final
+
+import numpy as np
+
+from service.errors import FormatError, Notice
+from service.formats.lines import line_and_column
+from service.formats.numbers import NumberStream, bad_token, count_tokens, parse_numbers, what_is_wrong
+from service.motion.clip import FrameBlock, full_shape
+from service.motion.skeleton import CHANNELS, Array, Skeleton, numbers
+
+SAMPLE_BYTES: Final = 1 << 16
+FRAMES_WITHOUT_CHANNELS: Final = 1 << 14
+"""Frames of a block where a skeleton never moves, so that nothing limits its size."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """The beginning of the motion. values: (n, D) of its whole frames."""
+
+    text: bytes
+    values: Array
+
+
+class Motion:
+    """The frames of a file, read anew each time.
+
+    start: byte offset of the first number. text_start: of the first line, for counting lines.
+    """
+
+    def __init__(self, stream: BinaryIO, start: int, skeleton: Skeleton, frames: int, text_start: int) -> None:
+        self._stream = stream
+        self._start = start
+        self._skeleton = skeleton
+        self._columns = skeleton.columns()
+        self._frames = frames
+        self._text_start = text_start
+
+    def sample(self) -> Sample:
+        """What the translation mode and the number style are guessed from; empty where it is not all numbers."""
+        self._stream.seek(self._start)
+        text = self._stream.read(SAMPLE_BYTES)
+        if len(text) == SAMPLE_BYTES:
+            text = text[: max(text.rfind(b" "), text.rfind(b"\n"), text.rfind(b"\t"), text.rfind(b"\r")) + 1]
+        width = len(self._columns)
+        values = parse_numbers(text)
+        if values is None or not width:
+            return Sample(b"", np.empty((0, width)))
+        frames = min(self._frames, len(values) // width)
+        return Sample(text if self._frames else b"", values[: frames * width].reshape(frames, width))
+
+    def blocks(self, notices: list[Notice]) -> Iterator[FrameBlock]:
+        """All frames. Raises FormatError with the place of a bad number, and where the file ends too early."""
+        width = len(self._columns)
+        shapes = (full_shape(self._columns),)
+        source = NumberStream(self._stream, self._start)
+        done, rest = 0, np.empty(0)
+        while done < self._frames and width:
+            piece = source.next()
+            if piece is None:
+                raise self._too_short(done, len(rest))
+            values = self._parsed(*piece, done * width + len(rest))
+            values = np.concatenate([rest, values]) if len(rest) else values
+            whole = min(len(values) // width, self._frames - done)
+            rest = values[whole * width :].copy()
+            if whole:
+                ids = np.arange(done + 1, done + whole + 1, dtype=np.int64)
+                yield FrameBlock(values[: whole * width].reshape(whole, width), self._columns, shapes, ids)
+            done += whole
+        while done < self._frames:
+            count = min(FRAMES_WITHOUT_CHANNELS, self._frames - done)
+            ids = np.arange(done + 1, done + count + 1, dtype=np.int64)
+            yield FrameBlock(np.empty((count, 0)), self._columns, shapes, ids)
+            done += count
+        self._report_surplus(source, len(rest), notices)
+
+    def _parsed(self, text: bytes, offset: int, before: int) -> Array:
+        values = parse_numbers(text)
+        if values is not None:
+            return values
+        bad = bad_token(text)
+        if bad is None:
+            raise FormatError("a number cannot be read", at=line_and_column(self._stream, offset, self._text_start))
+        index, position, token = bad
+        # Behind the last declared frame nothing is read, only counted.
+        frame, column = divmod(before + index, len(self._columns))
+        if frame >= self._frames:
+            numbers_before = parse_numbers(text[:position])
+            return np.empty(0) if numbers_before is None else numbers_before
+        joint, channel = self._columns[column]
+        kind = "position" if CHANNELS[channel][0] == "T" else "rotation"
+        name = f"{self._skeleton.joints[joint].source_name} {CHANNELS[channel][1].upper()}{kind}"
+        raise FormatError(
+            f"frame {frame + 1}, value {column + 1} ({name}): {what_is_wrong(token)}",
+            at=line_and_column(self._stream, offset + position, self._text_start),
+            remedy="Write numbers with a decimal point, separated by blanks.",
+        )
+
+    def _too_short(self, done: int, values: int) -> FormatError:
+        width = len(self._columns)
+        self._stream.seek(0, 2)
+        place = line_and_column(self._stream, self._stream.tell(), self._text_start)
+        where = f"in frame {done + 1}, behind value {values} of {width}" if values else f"behind frame {done}"
+        return FormatError(
+            f"MOTION declares {self._frames} frames, data ends {where} of {self._frames}",
+            at=place,
+            remedy="The file was cut off: send it whole, or correct Frames.",
+        )
+
+    def _report_surplus(self, source: NumberStream, left_over: int, notices: list[Notice]) -> None:
+        surplus = left_over
+        while (piece := source.next()) is not None:
+            surplus += count_tokens(piece[0])
+        if not surplus:
+            return
+        width = len(self._columns)
+        frames = f"{surplus // width} more" if width and surplus % width == 0 else f"{surplus} more values"
+        notice = Notice("warning", f"MOTION declares {self._frames} frames, the file holds {frames}: left out")
+        if notice not in notices:
+            notices.append(notice)
+
+
+def guess_translation(skeleton: Skeleton, sample: Array, wanted: str, notices: list[Notice]) -> Skeleton:
+    """The skeleton with each joint's translation mode: as wanted, or by formats.md 1.3.
+
+    sample: (n, D) first frames. Position channels replace the OFFSET unless their mean lies nearer to 0 than to it
+    and agrees with it along no axis.
+    """
+    if wanted in ("absolute", "relative"):
+        joints = tuple(
+            replace(joint, translation=wanted) if joint.translation else joint for joint in skeleton.joints
+        )
+        return replace(skeleton, joints=joints)
+    columns = skeleton.columns()
+    relative: dict[int, str] = {}
+    for index, joint in enumerate(skeleton.joints):
+        offset = numbers(joint.offset)
+        mine = [(column, channel) for column, (owner, channel) in enumerate(columns) if owner == index and channel < 3]
+        if not mine or not len(sample) or not offset.any():
+            continue
+        mean = sample[:, [column for column, _ in mine]].mean(axis=0)
+        target = offset[[channel for _, channel in mine]]
+        large = np.abs(target) >= 0.1 * np.linalg.norm(target)
+        # Files exist whose OFFSET holds the place on the floor of another take; the height gives them away.
+        near_offset = (np.abs(mean - target) < 0.25 * np.abs(target)) & large
+        if np.linalg.norm(mean) < np.linalg.norm(mean - target) and not near_offset.any():
+            relative[index] = joint.source_name
+    if not relative:
+        return skeleton
+    shown = ", ".join(repr(name) for name in list(relative.values())[:5])
+    notices.append(
+        Notice(
+            "guess",
+            f"positions of {shown}{' …' if len(relative) > 5 else ''} lie nearer to 0 than to the OFFSET: read as "
+            "added to it. Say translation=absolute if they replace it",
+        )
+    )
+    joints = tuple(
+        replace(joint, translation="relative") if index in relative else joint
+        for index, joint in enumerate(skeleton.joints)
+    )
+    return replace(skeleton, joints=joints)

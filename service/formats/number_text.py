@@ -1,0 +1,107 @@
+"""Arrays of doubles to text, exactly and fast, in the style of the source.
+
+Styles: "shortest" (the fewest digits that read back as the same double, orjson's), "fixed:N" (N decimals, C's %.Nf),
+"general:N" (N significant digits, C's %.Ng). A value that a style would change is written in its shortest form.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import orjson
+
+from service.formats.numbers import parse_numbers
+from service.motion.skeleton import Array
+
+SHORTEST = "shortest"
+SAMPLE_TOKENS = 4000
+_STYLE = re.compile(r"(fixed|general):([0-9]{1,2})")
+_TO_LINES = {
+    separator: bytes(ord(separator) if code == ord(",") else code for code in range(256)) for separator in " \t"
+}
+
+
+def detect_style(sample: bytes) -> str:
+    """The style in which most numbers of a text are written; SHORTEST where none fits more than half."""
+    tokens = [token.decode("latin-1") for token in sample.split()[:SAMPLE_TOKENS]]
+    values = parse_numbers(" ".join(tokens).encode())
+    if values is None or not tokens:
+        return SHORTEST
+    decimals = [len(token) - token.index(".") - 1 for token in tokens if "." in token and "e" not in token.lower()]
+    candidates = [SHORTEST]
+    if decimals:
+        candidates.append(f"fixed:{max(set(decimals), key=decimals.count)}")
+    digits = max(_significant_digits(token) for token in tokens)
+    candidates.append(f"general:{min(17, max(1, digits))}")
+    shares = [_share(tokens, values, style) for style in candidates]
+    best = max(range(len(candidates)), key=lambda index: shares[index])
+    return candidates[best] if shares[best] > 0.5 else SHORTEST
+
+
+def _significant_digits(token: str) -> int:
+    mantissa = token.lower().split("e")[0].lstrip("+-")
+    return len(mantissa.replace(".", "").lstrip("0"))
+
+
+def _share(tokens: list[str], values: Array, style: str) -> float:
+    written = number_tokens(values, style)
+    return sum(token.encode() == text for token, text in zip(tokens, written, strict=True)) / len(tokens)
+
+
+def number_tokens(values: Array, style: str = SHORTEST) -> list[bytes]:
+    """Each value as text. values: any shape, finite."""
+    return rows_of_text(values.reshape(1, -1), style, " ")[0].split(b" ") if values.size else []
+
+
+def rows_of_text(values: Array, style: str = SHORTEST, separator: str = " ") -> list[bytes]:
+    """Each row as text without line end. values: (n, D), finite. separator: blank or tab."""
+    rows, columns = values.shape
+    if not rows or not columns:
+        return [b""] * rows
+    template = _template(style)
+    if template is None:
+        text = orjson.dumps(np.ascontiguousarray(values), option=orjson.OPT_SERIALIZE_NUMPY)
+        return text.translate(_TO_LINES[separator])[2:-2].split(b"]%c[" % separator.encode())
+    line = separator.join([template] * columns)
+    written = [(line % tuple(row)).encode() for row in values.tolist()]
+    # Whether the style keeps the value: the text is read again.
+    read = parse_numbers(b"\n".join(written))
+    flat = np.ascontiguousarray(values).reshape(-1)
+    if read is not None and np.array_equal(read.view(np.int64), flat.view(np.int64)):
+        return written
+    return [_mended(row, text, separator) for row, text in zip(values, written, strict=True)]
+
+
+def _mended(row: Array, text: bytes, separator: str) -> bytes:
+    """The text of a row with the shortest form for the values that the style would change."""
+    tokens = text.split(separator.encode())
+    read = np.array([float(token) for token in tokens])
+    changed = np.flatnonzero(read.view(np.int64) != np.ascontiguousarray(row).view(np.int64))
+    if len(changed):
+        for index, token in zip(changed.tolist(), number_tokens(row[changed]), strict=True):
+            tokens[index] = token
+    return separator.encode().join(tokens)
+
+
+def _template(style: str) -> str | None:
+    match = _STYLE.fullmatch(style)
+    if match is None:
+        return None
+    return f"%.{match[2]}{'f' if match[1] == 'fixed' else 'g'}"
+
+
+def lexeme(value: float) -> str:
+    """The shortest text of a finite double, as heads hold numbers: `0`, `1.5`, `1e-5`."""
+    if value == 0:
+        return "0"
+    if value == math.floor(value) and abs(value) < 1e15:
+        return str(int(value))
+    return orjson.dumps(float(value)).decode()
+
+
+def triple(values: Array) -> tuple[str, str, str]:
+    """The lexemes of a vector (3,)."""
+    x, y, z = (lexeme(float(value)) for value in values)
+    return x, y, z
