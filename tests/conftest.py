@@ -9,11 +9,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-#from fastapi.testclient import TestClient
+from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, settings
 from sqlalchemy import create_engine, text
 
-#from service.app import create_app
+from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
 from tests import postgres

@@ -16,6 +16,7 @@ from service.errors import DocumentError, NotFoundError, Place
 from service.mcml.dtd import validate_by_shapes
 from service.mcml.elements import Element, addresses, joint_names, refresh_counts, to_head
 from service.mcml.writer import write_element
+from service.motion.clip import Shape
 from service.motion.skeleton import CHANNEL_INDEX
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
@@ -220,7 +221,9 @@ def _edit_head(tx: Transaction, stored: StoredDocument, address: str, change: Ch
             target.text = change.text.strip()
     shapes = tx.tracks.shapes_in_use(stored.key)
     _check_names(document, before, shapes, address)
-    validate_by_shapes(document, shapes, stored.frames, stored.frame_time)
+    bones = tx.heads.bone_names(stored.key)
+    names = [bones.get(number, "") for number in range(max(bones, default=-1) + 1)]
+    validate_by_shapes(document, [(shape, 1) for shape in shapes], names)
     to_head(document, stored.frame_time)
     _store_head(tx, stored, document, before)
 
@@ -237,12 +240,12 @@ def _remove(parent: Element, target: Element, address: str) -> None:
     raise DocumentError("The document element cannot be deleted alone.", at=Place(element=address))
 
 
-def _check_names(document: Element, before: tuple[str, ...], shapes: list[object], address: str) -> None:
+def _check_names(document: Element, before: tuple[str, ...], shapes: list[Shape], address: str) -> None:
     after = joint_names(document)
     doubled = {name for name in after if after.count(name) > 1}
     if doubled:
         raise DocumentError(f"Two bones would be named {doubled.pop()!r}.", at=Place(element=address))
-    used = {bone for shape in shapes for bone, _ in shape}  # type: ignore[attr-defined]
+    used = {bone for shape in shapes for bone, _ in shape}
     if len(after) != len(before) and used:
         lost = [name for number, name in enumerate(before) if number in used and name not in after]
         if lost:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import posixpath
 import re
 import tempfile
@@ -14,7 +15,6 @@ from typing import BinaryIO, TypeAlias
 from service.errors import FormatError, LimitError, McmlError, Place
 from service.formats import FORMATS, find_format
 from service.formats.format import SourceFile
-from service.mcml.reader import looks_like_mcml
 from service.settings import Settings
 
 SNIFF_BYTES = 4096
@@ -71,10 +71,17 @@ def recognise(file: SourceFile) -> tuple[str, str]:
     file.stream.seek(0)
     head = file.stream.read(SNIFF_BYTES)
     file.stream.seek(0)
-    if looks_like_mcml(head):
+    if _is_xml(head):
         return "mcml", "mcml"
     format_, part = find_format(file.name, head)
     return format_.name, part
+
+
+def _is_xml(head: bytes) -> bool:
+    """MCML is the language, recognised before the formats: no capture format begins with an angle bracket."""
+    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return True
+    return head.removeprefix(codecs.BOM_UTF8).lstrip().startswith(b"<")
 
 
 def _pair(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -24,6 +25,7 @@ from service.mcml import joint_names, motion_names
 from service.mcml.dtd import validate_by_shapes
 from service.mcml.elements import Element, from_head, to_head
 from service.mcml.joint_names import NamingReport
+from service.mcml.reader import Limits as McmlLimits
 from service.mcml.reader import read_document
 from service.motion.clip import ClipHead, ClipStream
 from service.settings import Settings
@@ -35,7 +37,9 @@ from service.storage.uploads import BLOCK_BYTES, compress_block
 FLUSH_BYTES = 16 << 20
 """Rows of a clip that wait in memory before they are written in a transaction of their own."""
 
-HASH_BYTES = 1 << 20
+EARLY_BYTES = 64 << 20
+"""Files up to this size are compressed while they are read; larger ones block by block afterwards."""
+
 WORKERS = 2
 
 
@@ -89,7 +93,7 @@ def open_clip(
     """The `mcml` element without motion, the stream of frames, and how joints were named, of a clip's files."""
     if clip.format == "mcml":
         file = clip.files["mcml"]
-        document = read_document(file.stream, _limits(settings))
+        document = read_document(file.stream, _mcml_limits(settings), options.encoding)
         return _with_options(document.document, options), document.clip, None
     reader = ReadOptions(encoding=options.encoding, translation=options.translation, limits=_limits(settings))
     stream = FORMATS[clip.format].read(clip.files, reader)
@@ -111,6 +115,10 @@ def _with_options(document: Element, options: ImportOptions) -> Element:
 
 def _limits(settings: Settings) -> Limits:
     return Limits(joints=settings.max_joints, frames=settings.max_frames, values=settings.max_values)
+
+
+def _mcml_limits(settings: Settings) -> McmlLimits:
+    return McmlLimits(max_bytes=settings.max_upload_bytes, max_frames=settings.max_frames)
 
 
 class _Importer:
@@ -140,8 +148,8 @@ class _Importer:
         self.name = options.name or clip.name.rsplit("/", 1)[-1].rsplit(".", 1)[0] or clip.name
 
     def run(self) -> Imported:
-        digests = {part: _digest(file) for part, file in self.clip.files.items()}
-        twins = self._twins({part: sha256 for part, (sha256, _) in digests.items()})
+        uploads = [_Upload.begin(part, file, self.executor) for part, file in self.clip.files.items()]
+        twins = self._twins({upload.part: upload.sha256 for upload in uploads})
         if twins and self.options.on_duplicate == "skip":
             with self.database.read() as tx:
                 stored = tx.documents.get(twins[0])
@@ -156,11 +164,11 @@ class _Importer:
         frame_time = self._frame_time(stream)
         head = to_head(document, frame_time)
         if self.clip.format != "mcml":
-            validate_by_shapes(document, list(encoder.shapes), encoder.frames, frame_time)
+            validate_by_shapes(document, [(shape, 1) for shape in encoder.shapes], head.skeleton.names)
         self._add_labels(encoder)
         facts = receipt(head, encoder.frames, report, stream.notices)
         facts["twins"] = twins
-        return self._store(document, head, encoder, frame_time, facts, digests)
+        return self._store(document, head, encoder, frame_time, facts, uploads)
 
     def _twins(self, digests: dict[str, str]) -> list[str]:
         with self.database.read() as tx:
@@ -221,9 +229,10 @@ class _Importer:
         encoder: ClipEncoder,
         frame_time: str | None,
         facts: dict[str, Any],
-        digests: dict[str, tuple[str, int]],
+        uploads: list[_Upload],
     ) -> Imported:
-        kept = [self._prepare_upload(part, *digests[part]) for part in self.clip.files]
+        for upload in uploads:
+            self._prepare(upload)
         header, forest = document.children[0], document.children[1:]
         with self.database.write(self.author) as tx:
             key = self._begin(tx)
@@ -246,7 +255,7 @@ class _Importer:
                 frame_time=frame_time,
                 intact=frame_time == self._source_frame_time(head, frame_time),
             )
-            for upload in kept:
+            for upload in uploads:
                 upload.attach(tx, key)
             tx.documents.publish(
                 key, next_slot=encoder.frames, receipt=json.dumps(facts, ensure_ascii=False), message=self.clip.name
@@ -257,47 +266,77 @@ class _Importer:
         # A stated frame time changes what BVH holds; AMC and HTR files have no place for it.
         return frame_time if self.options.frame_time is None or head.format != "bvh" else None
 
-    def _prepare_upload(self, part: str, sha256: str, size: int) -> _Upload:
-        file = self.clip.files[part]
-        upload = _Upload(part, file.name.rsplit("/", 1)[-1], sha256, size)
+    def _prepare(self, upload: _Upload) -> None:
+        """Compress what is not stored yet; a large file goes into the store in transactions of its own."""
         with self.database.read() as tx:
-            if tx.uploads.find(sha256, size) is not None:
-                return upload
-        file.stream.seek(0)
-        waiting: list[Future[bytes]] = []
+            if tx.uploads.find(upload.sha256, upload.size) is not None:
+                return
         pending: list[bytes] = []
         pending_bytes = 0
-        while True:
-            block = file.stream.read(BLOCK_BYTES)
-            if block:
-                waiting.append(self.executor.submit(compress_block, block))
-            while waiting and (not block or len(waiting) > 2 * WORKERS):
-                done = waiting.pop(0).result()
-                pending.append(done)
-                pending_bytes += len(done)
+        for block in upload.compressed(self.executor):
+            pending.append(block)
+            pending_bytes += len(block)
             if pending_bytes >= FLUSH_BYTES:
                 with self.database.write(self.author) as tx:
                     key = self._begin(tx)
                     tx.documents.renew_lease(key)
                     upload.add(tx, pending)
                 pending, pending_bytes = [], 0
-            if not block:
-                break
         upload.blocks = pending
-        return upload
 
 
 @dataclass
 class _Upload:
-    """A file on its way into the store; blocks not yet written wait for the last transaction."""
+    """A file on its way into the store. blocks: compressed, waiting for the last transaction; None if stored already.
+
+    early: blocks that are compressed while the motion is read, for files whose blocks all fit in memory.
+    """
 
     part: str
-    name: str
+    file: SourceFile
     sha256: str
     size: int
+    early: list[Future[bytes]]
     blocks: list[bytes] | None = None
     key: int | None = None
     written: int = 0
+
+    @classmethod
+    def begin(cls, part: str, file: SourceFile, executor: ThreadPoolExecutor) -> _Upload:
+        """Read the file once, for its digest and size."""
+        hashed, size = hashlib.sha256(), 0
+        early: list[Future[bytes]] = []
+        file.stream.seek(0)
+        while block := file.stream.read(BLOCK_BYTES):
+            hashed.update(block)
+            size += len(block)
+            if size <= EARLY_BYTES:
+                early.append(executor.submit(compress_block, block))
+        file.stream.seek(0)
+        if size > EARLY_BYTES:
+            for job in early:
+                job.cancel()
+            early = []
+        return cls(part, file, hashed.hexdigest(), size, early)
+
+    def compressed(self, executor: ThreadPoolExecutor) -> Iterator[bytes]:
+        """The blocks in order, a few of them compressed ahead."""
+        if self.early or not self.size:
+            for job in self.early:
+                yield job.result()
+            return
+        self.file.stream.seek(0)
+        waiting: deque[Future[bytes]] = deque()
+        while block := self.file.stream.read(BLOCK_BYTES):
+            waiting.append(executor.submit(compress_block, block))
+            if len(waiting) > 2 * WORKERS:
+                yield waiting.popleft().result()
+        for job in waiting:
+            yield job.result()
+
+    @property
+    def file_name(self) -> str:
+        return self.file.name.rsplit("/", 1)[-1]
 
     def add(self, tx: Transaction, blocks: list[bytes]) -> None:
         if self.key is None:
@@ -308,29 +347,18 @@ class _Upload:
     def attach(self, tx: Transaction, document_key: int) -> None:
         found = tx.uploads.find(self.sha256, self.size) if self.blocks is None else None
         if found is not None:
-            tx.uploads.attach(document_key, self.part, self.name, found)
+            tx.uploads.attach(document_key, self.part, self.file_name, found)
             return
         if self.blocks is None:
             raise NotFoundError(
                 "The equal file that was stored has just been removed.",
-                at=Place(file=self.name),
+                at=Place(file=self.file_name),
                 remedy="Import the file again.",
             )
         self.add(tx, self.blocks)
         if self.key is not None:
             tx.uploads.complete(self.key)
-            tx.uploads.attach(document_key, self.part, self.name, self.key)
-
-
-def _digest(file: SourceFile) -> tuple[str, int]:
-    """(SHA-256, size) of a file."""
-    hashed, size = hashlib.sha256(), 0
-    file.stream.seek(0)
-    while block := file.stream.read(HASH_BYTES):
-        hashed.update(block)
-        size += len(block)
-    file.stream.seek(0)
-    return hashed.hexdigest(), size
+            tx.uploads.attach(document_key, self.part, self.file_name, self.key)
 
 
 def _skeleton_lookup(database: Database, uuid: str) -> SkeletonLookup:

@@ -32,7 +32,7 @@ def inspect_files(
                     shapes.update(dict.fromkeys(block.shapes))
                 head = to_head(document, stream.head.frame_time)
                 if clip.format != "mcml":
-                    validate_by_shapes(document, list(shapes), frames, head.frame_time)
+                    validate_by_shapes(document, [(shape, 1) for shape in shapes], head.skeleton.names)
                 joints = [
                     {"name": joint.name, "source_name": joint.source_name, "parent": joint.parent}
                     for joint in head.skeleton.joints

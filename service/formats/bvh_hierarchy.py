@@ -38,9 +38,7 @@ def read_hierarchy(tokens: Tokens, limits: Limits, notices: list[Notice]) -> Ske
     first = tokens.next()
     if first is None or first.text.upper() != "HIERARCHY":
         found = "an empty file" if first is None else _shown(first)
-        raise FormatError(
-            f"not a BVH file: expected HIERARCHY, found {found}", at=first.at if first else Place(line=1)
-        )
+        raise FormatError(f"not a BVH file: expected HIERARCHY, found {found}", at=first.at if first else Place(line=1))
     joints: list[_Open] = []
     stack: list[int] = []
     while True:

@@ -132,9 +132,7 @@ def guess_translation(skeleton: Skeleton, sample: Array, wanted: str, notices: l
     and agrees with it along no axis.
     """
     if wanted in ("absolute", "relative"):
-        joints = tuple(
-            replace(joint, translation=wanted) if joint.translation else joint for joint in skeleton.joints
-        )
+        joints = tuple(replace(joint, translation=wanted) if joint.translation else joint for joint in skeleton.joints)
         return replace(skeleton, joints=joints)
     columns = skeleton.columns()
     relative: dict[int, str] = {}

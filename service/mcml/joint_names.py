@@ -13,7 +13,6 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from os.path import commonprefix
 
 from service.errors import Notice, VocabularyError
 from service.motion.skeleton import Convention, Joint, Skeleton, unique_names
@@ -264,8 +263,11 @@ def _renamed(skeleton: Skeleton, rename: Callable[[int, Joint], Joint]) -> Skele
 def _keys(skeleton: Skeleton) -> list[str]:
     """The normalised name of every joint: no namespace, no prefix that all of them share, no punctuation."""
     names = [_bare(joint.source_name) for joint in skeleton.joints]
-    shared = commonprefix(names) if len(names) > 2 else ""
-    cut = max((shared.rfind(mark) + 1 for mark in "_-. "), default=0)
+    cut = 0
+    if len(names) > 2:
+        low, high = min(names), max(names)
+        shared = next((place for place, letter in enumerate(low) if high[place] != letter), len(low))
+        cut = max(low.rfind(mark, 0, shared) + 1 for mark in "_-. ")
     return [_key(name[cut:]) for name in names]
 
 

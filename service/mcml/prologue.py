@@ -28,7 +28,9 @@ _DECLARED = re.compile(rb"""<\?xml\s[^>]*?encoding\s*=\s*["']([A-Za-z][A-Za-z0-9
 _READABLE = re.compile(
     r"utf-(8|16|32)(-[bl]e)?|ascii|iso8859-\d+|cp\d+|euc_\w+|shift_jis\w*|gb\w+|big5\w*|koi8-\w|johab"
 )
-_MISC = rb"(?:\s+|<!--.*?-->|<\?.*?\?>)*"
+# Possessive: what was read as white space, a comment or an instruction is never read another way, or a long run of
+# white space would take for ever.
+_MISC = rb"(?:\s++|<!--(?>.*?-->)|<\?(?>.*?\?>))*+"
 _DOCTYPE = re.compile(rb"\A(" + _MISC + rb")(<!DOCTYPE\s+mcml\s+SYSTEM\s+(?:\"mcml\.dtd\"|'mcml\.dtd')\s*>)", re.DOTALL)
 _ANY_DOCTYPE = re.compile(rb"\A" + _MISC + rb"<!DOCTYPE", re.DOTALL)
 _ROOT = re.compile(rb"<[A-Za-z_:\x80-\xff]")

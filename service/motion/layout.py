@@ -75,5 +75,3 @@ def held_arrays(clip: ClipStream, held: Held) -> Iterator[tuple[FrameBlock, Arra
 def count_frames(clip: ClipStream) -> int:
     """The number of frames, by reading them where the clip does not know it."""
     return sum(len(block) for block in clip.blocks()) if clip.frames is None else clip.frames
-
-

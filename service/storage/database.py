@@ -76,7 +76,7 @@ class Transaction:
 
     def insert_rows(self, table: Table, rows: list[dict[str, Any]]) -> None:
         if rows:
-            self.connection.execute(insert(table), rows)
+            self.dialect.insert(self.connection, table, rows)
 
     @cached_property
     def documents(self) -> Documents:

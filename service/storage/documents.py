@@ -107,7 +107,12 @@ class Documents:
     def write_content(
         self, key: int, from_commit: int, *, skeleton: int, version: str, frames: int, frame_time: str | None, intact: bool
     ) -> None:
-        """Set the values that a document has once a revision."""
+        """Set the values that a document has once a revision; the last call in a transaction wins."""
+        self._tx.connection.execute(
+            delete(content).where(
+                content.c.document == key, content.c.from_commit == from_commit, content.c.to_commit == CURRENT
+            )
+        )
         self._tx.connection.execute(
             update(content)
             .where(content.c.document == key, content.c.to_commit == CURRENT)

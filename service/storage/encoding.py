@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import json
 import struct
+from collections import deque
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pcodec import ChunkConfig, standalone
+from pcodec import ChunkConfig, DeltaSpec, standalone
 
 from service.errors import StoreError
 from service.motion.clip import FrameBlock, Shape, full_shape
@@ -21,7 +23,10 @@ from service.storage.tables import CHUNK
 PCODEC = 1
 """Codec number of `track.data`: one pcodec stream of the bone's columns, one after the other."""
 
-_CONFIG = ChunkConfig(compression_level=4)
+JOBS_AHEAD = 32
+"""Chunks that are being compressed while the next block is read; bounds the memory of an import."""
+
+_CONFIG = ChunkConfig(compression_level=6, delta_spec=DeltaSpec.try_consecutive(1))
 
 
 def compress(columns: Array) -> bytes:
@@ -47,36 +52,45 @@ def track_row(chunk: int, bone: int, channels: Sequence[int], columns: Array) ->
     without any sample are left out; None where none is left.
     """
     missing = np.isnan(columns)
-    if missing.any():
-        kept = ~missing.all(axis=1)
-        columns, missing = columns[kept], missing[kept]
-        channels = [channel for channel, keep in zip(channels, kept, strict=True) if keep]
-        if not channels:
-            return None
-        low, high = np.nanmin(columns, axis=1), np.nanmax(columns, axis=1)
-        has_missing = sum(1 << channel for channel, gap in zip(channels, missing.any(axis=1), strict=True) if gap)
-    else:
-        low, high, has_missing = columns.min(axis=1), columns.max(axis=1), 0
-    order = np.argsort(channels)
-    if (order[1:] < order[:-1]).any():
-        columns, low, high = columns[order], low[order], high[order]
-        channels = [channels[i] for i in order]
-    row: dict[str, Any] = dict(_NO_ZONES)
-    for channel, least, greatest in zip(channels, low.tolist(), high.tolist(), strict=True):
-        row[f"min_{CHANNELS[channel]}"] = least
-        row[f"max_{CHANNELS[channel]}"] = greatest
-    row.update(
-        chunk=chunk,
-        bone=bone,
-        count=columns.shape[1],
-        channels=sum(1 << channel for channel in channels),
-        has_missing=has_missing,
-        codec=PCODEC,
-        data=compress(np.ascontiguousarray(columns)),
+    kept = ~missing.all(axis=1)
+    order = [index for index in np.argsort(channels).tolist() if kept[index]]
+    if not order:
+        return None
+    columns, missing = columns[order], missing[order]
+    channels = [channels[index] for index in order]
+    has_missing = sum(1 << channel for channel, gap in zip(channels, missing.any(axis=1), strict=True) if gap)
+    return _row(
+        chunk, bone, channels, columns, np.nanmin(columns, axis=1).tolist(), np.nanmax(columns, axis=1).tolist(), has_missing
     )
+
+
+def _row(
+    chunk: int,
+    bone: int,
+    channels: Sequence[int],
+    columns: Array,
+    low: Sequence[float],
+    high: Sequence[float],
+    has_missing: int = 0,
+) -> dict[str, Any]:
+    row = _NO_ZONES.copy()
+    bits = 0
+    for channel, least, greatest in zip(channels, low, high, strict=True):
+        row[_MIN[channel]] = least
+        row[_MAX[channel]] = greatest
+        bits |= 1 << channel
+    row["chunk"] = chunk
+    row["bone"] = bone
+    row["count"] = columns.shape[1]
+    row["channels"] = bits
+    row["has_missing"] = has_missing
+    row["codec"] = PCODEC
+    row["data"] = compress(columns)
     return row
 
 
+_MIN = [f"min_{channel}" for channel in CHANNELS]
+_MAX = [f"max_{channel}" for channel in CHANNELS]
 _NO_ZONES: dict[str, Any] = {f"{end}_{channel}": None for channel in CHANNELS for end in ("min", "max")}
 
 
@@ -187,9 +201,10 @@ class ClipEncoder:
     shape_rows: list[dict[str, Any]] = field(default_factory=list)
     _pending: list[FrameBlock] = field(default_factory=list)
     _waiting: int = 0
+    _jobs: deque[Future[list[dict[str, Any]]]] = field(default_factory=deque)
 
     def add(self, block: FrameBlock) -> Iterator[list[dict[str, Any]]]:
-        """Take a block; yields the track rows of each chunk that became complete."""
+        """Take a block; yields the track rows of chunks that are done, in order, some blocks later."""
         if not len(block):
             return
         self.ids.add(block.ids)
@@ -199,25 +214,26 @@ class ClipEncoder:
         self._pending.append(block)
         self._waiting += len(block)
         if self._waiting >= CHUNK:
-            yield from self._emit(whole=True)
+            self._submit(whole=True)
+        while len(self._jobs) > JOBS_AHEAD:
+            yield self._jobs.popleft().result()
 
     def finish(self) -> Iterator[list[dict[str, Any]]]:
+        """The rows of all chunks that are still on their way."""
         self.spans.finish()
-        yield from self._emit(whole=False)
+        self._submit(whole=False)
+        while self._jobs:
+            yield self._jobs.popleft().result()
 
-    def _emit(self, *, whole: bool) -> Iterator[list[dict[str, Any]]]:
+    def _submit(self, *, whole: bool) -> None:
         if not self._waiting:
             return
         values, columns = _joined(self._pending)
         first_chunk = (self.frames - self._waiting) // CHUNK
         end = len(values) // CHUNK * CHUNK if whole else len(values)
-        starts = range(0, end, CHUNK)
-        jobs = [
-            self.executor.submit(_encode_chunk, first_chunk + start // CHUNK, values[start : min(start + CHUNK, end)], columns)
-            for start in starts
-        ]
-        for job in jobs:
-            yield job.result()
+        for start in range(0, end, CHUNK):
+            part = values[start : min(start + CHUNK, end)]
+            self._jobs.append(self.executor.submit(_encode_chunk, first_chunk + start // CHUNK, part, columns))
         self._waiting = len(values) - end
         rest = self._pending[-1]
         self._pending = [FrameBlock(values[end:].copy(), columns, rest.shapes, [])] if self._waiting else []
@@ -258,12 +274,30 @@ def _joined(blocks: list[FrameBlock]) -> tuple[Array, tuple[tuple[int, int], ...
 
 
 def _encode_chunk(chunk: int, values: Array, columns: tuple[tuple[int, int], ...]) -> list[dict[str, Any]]:
+    turned = np.ascontiguousarray(values.T)
+    # minimum and maximum are NaN where a sample is missing, so they tell whether the columns are whole.
+    low, high = turned.min(axis=1).tolist(), turned.max(axis=1).tolist()
+    rows = []
+    for bone, channels, indices in _bones(columns):
+        if not isinstance(indices, slice) or any(value != value for value in low[indices]):
+            row = track_row(chunk, bone, channels, turned[indices])
+        else:
+            row = _row(chunk, bone, channels, turned[indices], low[indices], high[indices])
+        if row is not None:
+            rows.append(row)
+    return rows
+
+
+@lru_cache(maxsize=64)
+def _bones(columns: tuple[tuple[int, int], ...]) -> list[tuple[int, list[int], slice | list[int]]]:
+    """(bone, its channels, where they stand): a slice where they are neighbours in ascending order."""
     by_bone: dict[int, list[int]] = {}
     for index, (bone, _channel) in enumerate(columns):
         by_bone.setdefault(bone, []).append(index)
-    turned = np.ascontiguousarray(values.T)
-    rows = (
-        track_row(chunk, bone, [columns[index][1] for index in indices], turned[indices])
-        for bone, indices in by_bone.items()
-    )
-    return [row for row in rows if row is not None]
+    result: list[tuple[int, list[int], slice | list[int]]] = []
+    for bone, indices in by_bone.items():
+        indices = sorted(indices, key=lambda index: columns[index][1])
+        channels = [columns[index][1] for index in indices]
+        neighbours = indices == list(range(indices[0], indices[0] + len(indices)))
+        result.append((bone, channels, slice(indices[0], indices[0] + len(indices)) if neighbours else indices))
+    return result

@@ -59,7 +59,12 @@ class Heads:
         return {row.document: row.bone for row in self._tx.connection.execute(query)}
 
     def write_header(self, document_key: int, element: Element, from_commit: int) -> None:
-        """Make this the header from a commit on; the one before it is closed there."""
+        """Make this the header from a commit on; the one before it is closed there. The last call in a commit wins."""
+        self._tx.connection.execute(
+            delete(header).where(
+                header.c.document == document_key, header.c.from_commit == from_commit, header.c.to_commit == CURRENT
+            )
+        )
         self._tx.connection.execute(
             update(header)
             .where(header.c.document == document_key, header.c.to_commit == CURRENT)

@@ -33,7 +33,7 @@ class StoredUpload:
 
 def compress_block(data: bytes) -> bytes:
     """One block as it is stored; thread-safe."""
-    return zstandard.ZstdCompressor(level=3).compress(data)
+    return zstandard.ZstdCompressor(level=1).compress(data)
 
 
 class Uploads:

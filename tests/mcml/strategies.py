@@ -204,7 +204,8 @@ def small_document(frames: int = 2, pretty: bool = True) -> bytes:
         Joint("Root", -1, "root", Convention.FIXED, ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz"), "XYZ", ("0", "0", "0"),
               axis=("0", "0", "0"), axis_order="XYZ", end_sites=(EndSite(("0", "1", "0")),)),
         Joint(names[1], 0, "lfemur", Convention.FIXED, ("Rx", "Ry", "Rz"), "XYZ", ("1", "2", "3"),
-              ("0", "1", "0"), "6.8", ("0", "0", "20"), "XYZ", limits=("-160 20", "-70 70", "-60 70"), bodymass="1", cofmass="2", id="1"),
+              ("0", "1", "0"), "6.8", ("0", "0", "20"), "XYZ",
+              limits=("-160 20", "-70 70", "-60 70"), bodymass="1", cofmass="2", id="1"),
         Joint(names[2], 1, "ltibia", Convention.LISTED, ("Rx",), "X", end_sites=(EndSite(("0", "1", "0"), "tip"),)),
     )  # fmt: skip
     fields = dict.fromkeys(

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from contextlib import AbstractContextManager
+from typing import Any
 
-from sqlalchemy import Connection, Engine
+from sqlalchemy import Connection, Engine, Table
 
 
 class Dialect(ABC):
@@ -30,6 +31,10 @@ class Dialect(ABC):
     @abstractmethod
     def order_commits(self, connection: Connection) -> None:
         """Let no other writer number a commit until this transaction has ended: numbers follow visibility."""
+
+    @abstractmethod
+    def insert(self, connection: Connection, table: Table, rows: list[dict[str, Any]]) -> None:
+        """Insert many rows that have the same columns, the fastest way the database has."""
 
     @abstractmethod
     def size(self, connection: Connection) -> dict[str, int]:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, text
+from sqlalchemy import Connection, Engine, Table, create_engine, text
 
 from service.storage.dialects.base import Dialect
 from service.storage.tables import metadata
@@ -34,6 +35,14 @@ class PostgreSQL(Dialect):
 
     def order_commits(self, connection: Connection) -> None:
         connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": COMMIT_LOCK})
+
+    def insert(self, connection: Connection, table: Table, rows: list[dict[str, Any]]) -> None:
+        names = list(rows[0])
+        columns = ", ".join(f'"{name}"' for name in names)
+        driver: Any = connection.connection.driver_connection
+        with driver.cursor() as cursor, cursor.copy(f'COPY "{table.name}" ({columns}) FROM STDIN') as copy:
+            for row in rows:
+                copy.write_row([row[name] for name in names])
 
     def size(self, connection: Connection) -> dict[str, int]:
         total = connection.execute(text("SELECT pg_database_size(current_database())")).scalar_one()

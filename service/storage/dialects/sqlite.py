@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event, text
+from sqlalchemy import Connection, Engine, Table, create_engine, event, text
 from sqlalchemy.pool import QueuePool
 
 from service.storage.dialects.base import Dialect
@@ -38,6 +38,7 @@ class SQLite(Dialect):
             # The driver's own transaction handling would begin deferred transactions, which cannot be upgraded safely.
             connection.isolation_level = None
             for pragma in (
+                "page_size=16384",
                 "journal_mode=WAL",
                 "synchronous=FULL",
                 "foreign_keys=ON",
@@ -67,6 +68,14 @@ class SQLite(Dialect):
 
     def order_commits(self, connection: Connection) -> None:
         """Nothing to do: BEGIN IMMEDIATE already holds the one write lock."""
+
+    def insert(self, connection: Connection, table: Table, rows: list[dict[str, Any]]) -> None:
+        # The driver's own executemany: SQLAlchemy's handling of parameters takes three times as long as SQLite.
+        names = list(rows[0])
+        places = ", ".join("?" * len(names))
+        quoted = ", ".join(f'"{name}"' for name in names)
+        values = [tuple(row.values()) if list(row) == names else tuple(row[name] for name in names) for row in rows]
+        connection.exec_driver_sql(f'INSERT INTO "{table.name}" ({quoted}) VALUES ({places})', values)
 
     def size(self, connection: Connection) -> dict[str, int]:
         pages = connection.execute(text("SELECT page_count * page_size FROM pragma_page_count, pragma_page_size"))

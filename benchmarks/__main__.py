@@ -1,0 +1,34 @@
+"""Runs the benchmarks that are named, or all; prints and keeps the figures in benchmarks/results/."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import platform
+import sys
+import time
+from pathlib import Path
+
+BENCHMARKS = {
+    "formats": "reading and writing BVH, against pybvh, simdjson, numpy.savetxt",
+    "store": "loading, sizes, label counts, edits, against BaseX and lxml",
+}
+
+
+def main(names: list[str]) -> None:
+    unknown = [name for name in names if name not in BENCHMARKS]
+    if unknown:
+        sys.exit(f"unknown benchmark {unknown[0]!r}; there are: {', '.join(BENCHMARKS)}")
+    folder = Path(__file__).parent / "results"
+    folder.mkdir(exist_ok=True)
+    figures: dict[str, object] = {"machine": platform.platform(), "python": platform.python_version()}
+    for name in names or list(BENCHMARKS):
+        print(f"== {name}: {BENCHMARKS[name]}", flush=True)
+        figures[name] = importlib.import_module(f"benchmarks.bench_{name}").run()
+    target = folder / f"{time.strftime('%Y%m%d-%H%M%S')}.json"
+    target.write_text(json.dumps(figures, indent=2))
+    print(f"kept in {target}; compare two with `python -m benchmarks.compare A B`")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,276 @@
+"""Frame-major motion text: a line that opens a frame, then a line for each bone, its name and its values.
+
+AMC and HTR2 are written so. Regular frames (the bones and the order of the first one) are read all at once; any other
+frame, line by line.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import BinaryIO, Final
+
+import numpy as np
+
+from service.errors import FormatError, LimitError, Place
+from service.formats.lines import blocks_of, line_and_column
+from service.formats.numbers import is_number, parse_numbers, what_is_wrong
+from service.motion.clip import FrameBlock, Shape
+from service.motion.skeleton import Array
+
+BLOCK_BYTES: Final = 1 << 20
+LARGEST_FRAME: Final = 1 << 26
+_PLAIN_ID = re.compile(rb"(?:0|-?[1-9][0-9]{0,17})")
+_LINE = re.compile(rb"[^\r\n]+")
+
+
+@dataclass(frozen=True)
+class RowLayout:
+    """What the rows of a file look like.
+
+    opening: a pattern of the line that opens a frame, group 1 its id. opening_words: how many words that line has.
+    joints, channels: of a row, by the bone's name in the file's encoding. fold_case: names match whatever their case.
+    names_bones, remedy: what messages call the place where bones are defined, and what to do where it does not fit.
+    """
+
+    opening: re.Pattern[bytes]
+    opening_words: int
+    joints: dict[bytes, int]
+    channels: dict[bytes, tuple[int, ...]]
+    fold_case: bool
+    names_bones: str
+    remedy: str
+    codec: str
+
+    def find(self, name: bytes) -> bytes | None:
+        """The name as the layout spells it, None for an unknown bone."""
+        if name in self.joints or not self.fold_case:
+            return name if name in self.joints else None
+        return self._folded.get(name.lower())
+
+    @cached_property
+    def _folded(self) -> dict[bytes, bytes]:
+        return {name.lower(): name for name in self.joints}
+
+    def show(self, text: bytes) -> str:
+        return repr(text[:60].decode(self.codec, errors="replace"))
+
+
+class FrameRows:
+    """Frames of a file from a byte offset on, read anew each time.
+
+    text_start: byte offset of the first line, for counting lines. stop: a pattern of the line that ends the motion.
+    """
+
+    def __init__(
+        self,
+        stream: BinaryIO,
+        start: int,
+        layout: RowLayout,
+        text_start: int,
+        stop: re.Pattern[bytes] | None = None,
+    ) -> None:
+        self._stream = stream
+        self._start = start
+        self._layout = layout
+        self._text_start = text_start
+        self._stop = stop
+        self._opening = re.compile(
+            rb"(?:^|(?<=[\r\n]))" + layout.opening.pattern + rb"(?=[\r\n])", layout.opening.flags
+        )
+        self._spelled: dict[bytes, bytes] = {}
+        self.stopped = False
+        """Whether the line that ends the motion was seen."""
+
+    def blocks(self) -> Iterator[FrameBlock]:
+        """All frames. FormatError with line and frame for a bad row."""
+        regular: _Regular | None = None
+        for text, offset in self._pieces():
+            if regular is None:
+                second = self._opening.search(text, 1)
+                regular = self._read_slowly(text[: second.start()] if second else text, offset)[1]
+            block = None if regular is None or b"#" in text else regular.read(text)
+            if block is None:
+                block, regular = self._read_slowly(text, offset)
+            if block is not None:
+                yield block
+
+    def _pieces(self) -> Iterator[tuple[bytes, int]]:
+        """(text, byte offset) of whole frames."""
+        rest, offset = b"", self._start
+        self.stopped = False
+        for block in blocks_of(self._stream, self._start, BLOCK_BYTES):
+            rest += block
+            if self._stop is not None and (match := self._stop.search(rest)) is not None:
+                rest, self.stopped = rest[: match.start()], True
+                break
+            cut = self._last_opening(rest)
+            if cut:
+                yield rest[:cut], offset
+                rest, offset = rest[cut:], offset + cut
+            elif len(rest) > LARGEST_FRAME:
+                raise LimitError(
+                    f"no frame begins within {LARGEST_FRAME >> 20} MiB",
+                    at=self._place(offset),
+                    remedy="Check the file.",
+                )
+        if rest.strip():
+            yield rest, offset
+
+    def _last_opening(self, text: bytes) -> int:
+        """Where the last frame that may still go on begins; 0 where none is found behind the first."""
+        reach = 1 << 14
+        while True:
+            start = max(0, len(text) - reach)
+            # The line in which the search begins is cut, so it must not count.
+            openings = [match.start() for match in self._opening.finditer(text, start) if match.start() > start]
+            if openings:
+                return openings[-1]
+            if not start:
+                return 0
+            reach *= 4
+
+    def _place(self, offset: int) -> Place:
+        return line_and_column(self._stream, offset, self._text_start)
+
+    def _read_slowly(self, text: bytes, offset: int) -> tuple[FrameBlock | None, _Regular | None]:
+        """The frames of a text line by line, and how the last of them is laid out."""
+        frames: list[tuple[bytes, dict[bytes, list[float]]]] = []
+        current: dict[bytes, list[float]] | None = None
+        for match in _LINE.finditer(text):
+            line = match.group().partition(b"#")[0].strip()
+            if not line:
+                continue
+            opening = self._layout.opening.fullmatch(line)
+            if opening:
+                current = {}
+                frames.append((opening[1], current))
+                continue
+            frame = f"frame {frames[-1][0].decode('latin-1')}" if frames else "before the first frame"
+            if current is None:
+                raise FormatError(f"{frame}: found {self._layout.show(line)}", at=self._place(offset + match.start()))
+            self._add_row(line, frame, current, offset + match.start())
+        if not frames:
+            return None, None
+        return _block(self._layout, frames), _Regular.of(self._layout, frames[-1][1], self._spelled)
+
+    def _add_row(self, line: bytes, frame: str, rows: dict[bytes, list[float]], offset: int) -> None:
+        words = line.split()
+        name = self._layout.find(words[0])
+        shown = self._layout.show(words[0])
+        if name is None:
+            raise FormatError(
+                f"{frame}: bone {shown} is not in the {self._layout.names_bones}",
+                at=self._place(offset),
+                remedy=self._layout.remedy,
+            )
+        if name in rows:
+            raise FormatError(f"{frame}: bone {shown} stands twice", at=self._place(offset))
+        expected = len(self._layout.channels[name])
+        if len(words) - 1 != expected:
+            lists = "dof lists" if self._layout.fold_case else "rows have"
+            raise FormatError(
+                f"{frame}: bone {shown} has {len(words) - 1} values, {self._layout.names_bones} {lists} {expected}",
+                at=self._place(offset),
+                remedy=self._layout.remedy,
+            )
+        values = []
+        for index, word in enumerate(words[1:], start=1):
+            text = word.decode("latin-1")
+            if len(text) > 400 or not is_number(text):
+                raise FormatError(
+                    f"{frame}, bone {shown}, value {index}: {what_is_wrong(text)}", at=self._place(offset)
+                )
+            values.append(float(text))
+        rows[name] = values
+        self._spelled[name] = words[0]
+
+
+@dataclass(frozen=True)
+class _Regular:
+    """Frames that all list the same bones in the same order, as every program but an editor writes them."""
+
+    opening_words: int
+    opening: re.Pattern[bytes]
+    names: tuple[bytes, ...]
+    places: tuple[int, ...]
+    width: int
+    columns: tuple[tuple[int, int], ...]
+    shape: Shape
+
+    @classmethod
+    def of(cls, layout: RowLayout, rows: dict[bytes, list[float]], spelled: dict[bytes, bytes]) -> _Regular:
+        places, place = [], layout.opening_words
+        for values in rows.values():
+            places.append(place)
+            place += 1 + len(values)
+        columns, shape = _columns_and_shape(layout, tuple(rows))
+        names = tuple(spelled[name] for name in rows)
+        return cls(layout.opening_words, layout.opening, names, tuple(places), place, columns, shape)
+
+    def read(self, text: bytes) -> FrameBlock | None:
+        """The frames of a text, None where one of them is different."""
+        words = text.split()
+        count, left_over = divmod(len(words), self.width)
+        if left_over or not count:
+            return None
+        for name, place in zip(self.names, self.places, strict=True):
+            if words[place :: self.width].count(name) != count:
+                return None
+        ids = [b" ".join(words[at : at + self.opening_words]) for at in range(0, len(words), self.width)]
+        found = [self.opening.fullmatch(text) for text in ids]
+        if not all(found):
+            return None
+        # Names and openings go, last first, so that the places of the others stay true; then only numbers are left.
+        for place in sorted({*self.places, *range(self.opening_words)}, reverse=True):
+            words[place :: self.width] = [b""] * count
+        values = parse_numbers(b" ".join(words))
+        if values is None or len(values) != count * len(self.columns):
+            return None
+        return FrameBlock(
+            values.reshape(count, len(self.columns)),
+            self.columns,
+            (self.shape,),
+            _ids([match[1] for match in found if match]),
+        )
+
+
+def _columns_and_shape(layout: RowLayout, names: tuple[bytes, ...]) -> tuple[tuple[tuple[int, int], ...], Shape]:
+    columns = tuple((layout.joints[name], channel) for name in names for channel in layout.channels[name])
+    shape = tuple((layout.joints[name], sum(1 << channel for channel in layout.channels[name])) for name in names)
+    return columns, shape
+
+
+def _ids(texts: list[bytes]) -> np.ndarray[tuple[int], np.dtype[np.int64]] | list[str]:
+    """Frame ids: whole numbers where all are plain ones, else the texts."""
+    if all(_PLAIN_ID.fullmatch(text) for text in texts):
+        return np.array([int(text) for text in texts], dtype=np.int64)
+    return [text.decode("latin-1") for text in texts]
+
+
+def _block(layout: RowLayout, frames: list[tuple[bytes, dict[bytes, list[float]]]]) -> FrameBlock:
+    """Frames that may differ in their bones and the order of these."""
+    union = dict.fromkeys(name for _, rows in frames for name in rows)
+    columns = _columns_and_shape(layout, tuple(union))[0]
+    start: dict[bytes, int] = {}
+    width = 0
+    for name in union:
+        start[name] = width
+        width += len(layout.channels[name])
+    values: Array = np.full((len(frames), len(columns)), np.nan)
+    shapes: dict[Shape, int] = {}
+    shape_of = np.zeros(len(frames), dtype=np.intp)
+    for index, (_, rows) in enumerate(frames):
+        for name, row in rows.items():
+            values[index, start[name] : start[name] + len(row)] = row
+        shape = _columns_and_shape(layout, tuple(rows))[1]
+        shape_of[index] = shapes.setdefault(shape, len(shapes))
+    return FrameBlock(
+        values,
+        columns,
+        tuple(shapes),
+        _ids([text for text, _ in frames]),
+        None if len(shapes) == 1 else shape_of,
+    )

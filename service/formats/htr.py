@@ -1,0 +1,115 @@
+"""HTR and HTR2: Motion Analysis' hierarchical translation and rotation. Facts and sources: formats.md 4.
+
+Version 1 lists all frames of a segment, then those of the next; version 2 (HTR2) lists frame by frame. A clip leaves
+in the version it came in. GTR, the same layout with global data and no hierarchy, is refused.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from service.errors import FormatError, McmlError, Notice, Place
+from service.formats.format import Part, ReadOptions, SourceFile, need_convention
+from service.formats.frame_rows import FrameRows, RowLayout
+from service.formats.htr_head import CHANNELS, HtrHead, read_head
+from service.formats.htr_segments import Segments, index_segments, plain_ids
+from service.formats.htr_writer import write_htr
+from service.formats.lines import Encoding, detect_encoding
+from service.formats.number_text import detect_style
+from service.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart, full_shape
+from service.motion.skeleton import CHANNEL_INDEX, Convention, Skeleton
+
+MISSING = 999999.0
+"""A value at least this large, of either sign, says that there is no sample (formats.md 4.2)."""
+
+_DEFAULT_LEXEME = "9999999"
+_OPENING = re.compile(rb"[ \t]*Frame[ \t]+([0-9]+)[ \t]*:?[ \t]*", re.IGNORECASE)
+_END = re.compile(rb"(?:^|(?<=[\r\n]))[ \t]*\[EndOfFile\]", re.IGNORECASE)
+_NUMBERS = [CHANNEL_INDEX[channel] for channel in CHANNELS]
+
+
+class Htr:
+    """The format `htr`; see `service.formats.format.Format`."""
+
+    name = "htr"
+    title = "Motion Analysis HTR"
+    parts = (Part("htr", (".htr", ".htr2"), "Skeleton and motion"),)
+    convention = Convention.BASE
+    media_type = "text/plain"
+
+    def sniff(self, name: str, first_bytes: bytes) -> str | None:
+        for line in re.split(rb"[\r\n]+", first_bytes.removeprefix(b"\xef\xbb\xbf")):
+            text = line.partition(b"#")[0].strip().lower()
+            if text:
+                return "htr" if text.startswith(b"[header]") else None
+        return "htr" if name.lower().endswith((".htr", ".htr2")) and first_bytes.lstrip()[:1] == b"#" else None
+
+    def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:
+        file = files["htr"]
+        try:
+            return _read(file, options)
+        except McmlError as error:
+            raise error.in_file(file.name) from None
+
+    def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
+        need_convention(clip.head.skeleton, self.convention, self.title)
+        return write_htr(clip)
+
+
+def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
+    stream = file.stream
+    encoding = detect_encoding(stream, options.encoding)
+    notices = list(encoding.notices)
+    head = read_head(stream, encoding, options.limits, notices)
+    columns = head.skeleton.columns()
+    options.limits.check_size(head.frames, len(columns))
+    comments = list(head.comments)
+    if head.version == 1:
+        index = index_segments(stream, head.data, encoding)
+        _check_index(head, set(index.spans))
+        comments += [comment for comment in index.comments if comment not in comments]
+        missing, has_end = index.missing, index.has_end
+        if index.repeated:
+            notices.append(
+                Notice("warning", f"{index.repeated} segments stand again, as in clips glued together: the first is read")
+            )
+        segments = Segments(stream, head.skeleton, index, head.frames, encoding.start)
+        start = min((span[0] for span in index.spans.values()), default=head.data)
+        source = _by_segment(segments, columns, notices)
+    else:
+        missing, has_end = _scan(file)
+        start = head.data
+        source = _by_frame(FrameRows(stream, start, _layout(head.skeleton, encoding), encoding.start, _END), head)
+    if not has_end:
+        notices.append(Notice("warning", "no [EndOfFile]: the file may have been cut off"))
+    stream.seek(start)
+    sample = re.findall(rb"(?<=[\s])[+-]?[0-9]*\.[0-9]\S*", stream.read(1 << 16))[:-1]
+    part = SourcePart(
+        part="htr",
+        name=file.name.rsplit("/", 1)[-1],
+        encoding=encoding.codec,
+        keywords=tuple(head.keywords),
+        comments=tuple(comments),
+        sections=tuple(head.unknown),
+        missing=missing,
+    )
+    clip_head = ClipHead("htr", head.skeleton, head.fields, number_style=detect_style(b" ".join(sample)), sources=(part,))
+
+    def blocks() -> Iterator[FrameBlock]:
+        gaps = 0
+        try:
+            for block in source():
+                cleaned = _without_missing(block)
+                gaps += cleaned is not block
+                yield cleaned
+        except McmlError as error:
+            raise error.in_file(file.name) from None
+        if gaps:
+            notice = Notice("warning", f"values of {missing or _DEFAULT_LEXEME} say that a sample is missing")
+            if notice not in notices:
+                notices.append(notice)
+
+    return ClipStream(clip_head, blocks, head.frames, notices)

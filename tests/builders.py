@@ -1,0 +1,167 @@
+"""The smallest clips and documents that show a point."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from fastapi.testclient import TestClient
+
+from service.actions.import_motion import import_files
+from service.actions.import_options import ImportOptions
+from service.formats.format import SourceFile
+from service.settings import Settings
+from service.storage.database import Database
+
+
+def bvh(frames: int = 3, seed: int = 0, names: Sequence[str] = ("Hips", "Spine", "Head"), decimals: int = 4) -> bytes:
+    """A chain of joints in BVH with random but plausible numbers."""
+    rng = np.random.default_rng(seed)
+    lines = ["HIERARCHY"]
+    for depth, name in enumerate(names):
+        pad = "\t" * depth
+        lines += [f"{pad}{'JOINT' if depth else 'ROOT'} {name}", f"{pad}{{", f"{pad}\tOFFSET 0.00 {10.5 * bool(depth)} 0.00"]
+        channels = "CHANNELS 3 Zrotation Xrotation Yrotation"
+        if not depth:
+            channels = "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation"
+        lines.append(f"{pad}\t{channels}")
+    pad = "\t" * len(names)
+    lines += [f"{pad}End Site", f"{pad}{{", f"{pad}\tOFFSET 0.00 5.25 0.00", f"{pad}}}"]
+    lines += ["\t" * depth + "}" for depth in reversed(range(len(names)))]
+    lines += ["MOTION", f"Frames: {frames}", "Frame Time: 0.0083333"]
+    values = np.cumsum(rng.normal(0, 1.5, (frames, 3 + 3 * len(names))), axis=0)
+    lines += [" ".join(f"{value:.{decimals}f}" for value in row) for row in values]
+    return ("\n".join(lines) + "\n").encode()
+
+
+ASF = b"""# a leg
+:version 1.10
+:name leg
+:units
+  mass 1.0
+  length 0.45
+  angle deg
+:documentation
+   hand-written
+:root
+   order TX TY TZ RX RY RZ
+   axis XYZ
+   position 0 0 0
+   orientation 0 0 0
+:bonedata
+  begin
+     id 1
+     name lfemur
+     direction 0.34202 -0.939693 0
+     length 7.03469
+     axis 0 0 20 XYZ
+    dof rx ry rz
+    limits (-160.0 20.0)
+           (-70.0 70.0)
+           (-60.0 70.0)
+  end
+  begin
+     id 2
+     name ltibia
+     direction 0.34202 -0.939693 0
+     length 7.3
+     axis 0 0 20 XYZ
+    dof rx
+    limits (-10.0 170.0)
+  end
+:hierarchy
+  begin
+    root lfemur
+    lfemur ltibia
+  end
+"""
+
+
+def amc(frames: int = 2) -> bytes:
+    lines = ["#!OML:ASF leg.asf", ":FULLY-SPECIFIED", ":DEGREES"]
+    for frame in range(1, frames + 1):
+        lines += [str(frame), f"root 0.{frame} 17.5 -3 1 2 -0.5", f"lfemur {frame} 2.5 -3", f"ltibia {10 + frame}"]
+    return ("\n".join(lines) + "\n").encode()
+
+
+HTR = b"""# two segments
+[Header]
+FileType htr
+DataType HTRS
+FileVersion 1
+NumSegments 2
+NumFrames 2
+DataFrameRate 30
+EulerRotationOrder ZYX
+CalibrationUnits mm
+RotationUnits Degrees
+GlobalAxisofGravity Y
+BoneLengthAxis Y
+ScaleFactor 1.00
+[SegmentNames&Hierarchy]
+pelvis\tGLOBAL
+thigh\tpelvis
+[BasePosition]
+pelvis\t0.0\t950.5\t0.0\t0.0\t0.0\t0.0\t120.0
+thigh\t90.0\t-20.0\t0.0\t0.0\t0.0\t180.0\t430.25
+[pelvis]
+1\t1.5\t0.0\t2.25\t1.0\t2.0\t3.0\t1.0
+2\t1.75\t0.5\t2.5\t1.5\t2.5\t3.5\t1.0
+[thigh]
+1\t0.0\t0.0\t0.0\t10.5\t0.0\t-4.0\t1.0
+2\t0.0\t0.0\t0.0\t9999999\t9999999\t9999999\t1.0
+[EndOfFile]
+"""
+
+MCML = b"""<?xml version="1.0" encoding="UTF-8"?>
+<!DOCTYPE mcml SYSTEM "mcml.dtd">
+<mcml version="1.0">
+  <header><filename>hand.mcml</filename></header>
+  <root name="Root" order="Tx Ty Tz Rx Ry Rz" axis="XYZ" position="0 0 0" orientation="0 0 0"/>
+  <skeleton><bone id="1"><name>left_up_leg</name><dof>rx ry rz</dof></bone></skeleton>
+  <motion>
+    <frames>3</frames>
+    <frametime>0.0333</frametime>
+    <frame id="1"><motion_name>left-leg-flexion</motion_name>
+      <frame_bone name="Root" Tx="1.5" Ty="2" Tz="-0.0" Rx="1e-3" Ry="4" Rz="5"/>
+      <frame_bone name="left_up_leg" Rx="10" Ry="11" Rz="12"/></frame>
+    <frame id="2"><motion_name>left-leg-flexion</motion_name><motion_name>walk</motion_name>
+      <frame_bone name="Root" Tx="1.6" Ty="2" Tz="-0.0" Rx="1e-3" Ry="4" Rz="5"/>
+      <frame_bone name="left_up_leg"/></frame>
+    <frame id="5"><motion_name>walk</motion_name>
+      <frame_bone name="left_up_leg" Rx="20" Ry="21" Rz="22"/></frame>
+  </motion>
+</mcml>
+"""
+
+
+def source(name: str, content: bytes) -> SourceFile:
+    return SourceFile(name, io.BytesIO(content))
+
+
+def store(database: Database, files: dict[str, bytes], **options: object) -> list[str]:
+    """Import files; the uuids. Raises the first problem."""
+    result = import_files(
+        database,
+        [source(name, content) for name, content in files.items()],
+        ImportOptions(**options),  # type: ignore[arg-type]
+        Settings(),
+    )
+    for _, error in result.problems:
+        raise error
+    return [document.uuid for document in result.documents]
+
+
+def upload(client: TestClient, files: dict[str, bytes], **form: object) -> dict[str, object]:
+    """Upload over HTTP; the answer's JSON."""
+    answer = client.post(
+        "/api/v1/documents", files=[("file", (name, content)) for name, content in files.items()], data=form
+    )
+    answer.raise_for_status()
+    result: dict[str, object] = answer.json()
+    return result
+
+
+def lines_of(content: Iterator[bytes]) -> list[bytes]:
+    return b"".join(content).splitlines()

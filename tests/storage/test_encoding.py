@@ -1,0 +1,101 @@
+"""Frames to rows and back, without a database."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from service.motion.clip import FrameBlock, full_shape
+from service.storage.encoding import (
+    ClipEncoder,
+    FrameIdRuns,
+    Spans,
+    compress,
+    decompress,
+    pack_shape,
+    track_row,
+    unpack_shape,
+)
+
+FINITE = st.floats(allow_nan=False, allow_infinity=False, width=64)
+
+
+@given(arrays.arrays(np.float64, st.tuples(st.integers(1, 6), st.integers(1, 40)), elements=FINITE | st.just(-0.0)))
+def test_compression_keeps_every_bit(columns: np.ndarray) -> None:
+    back = decompress(compress(columns), len(columns), 1)
+    assert back.tobytes() == columns.tobytes()
+
+
+@given(st.lists(st.tuples(st.integers(0, 65535), st.integers(0, 255)), max_size=50))
+def test_shapes_pack(pairs: list[tuple[int, int]]) -> None:
+    assert unpack_shape(pack_shape(tuple(pairs))) == tuple(pairs)
+
+
+def test_zone_map_covers_present_samples_only() -> None:
+    row = track_row(3, 7, [5, 3], np.array([[1.0, np.nan, -2.0], [4.0, 4.0, 4.0]]))
+    assert row is not None
+    assert (row["min_Rz"], row["max_Rz"], row["min_Rx"], row["max_Rx"]) == (-2.0, 1.0, 4.0, 4.0)
+    assert row["channels"] == 0b101000
+    assert row["has_missing"] == 0b100000
+    assert row["min_Tx"] is None
+    assert track_row(0, 0, [0], np.full((1, 4), np.nan)) is None
+
+
+@given(st.lists(st.lists(st.integers(-5, 30), min_size=1, max_size=30), max_size=6))
+def test_frame_ids_come_back(parts: list[list[int]]) -> None:
+    runs = FrameIdRuns()
+    for part in parts:
+        runs.add(np.array(part, dtype=np.int64))
+    found = [row["first_id"] + row["step"] * i for row in runs.rows for i in range(row["count"])]
+    assert found == [item for part in parts for item in part]
+    assert [row["first"] for row in runs.rows] == list(np.cumsum([1] + [row["count"] for row in runs.rows])[:-1])
+
+
+def test_a_regular_clip_has_one_run_of_ids() -> None:
+    runs = FrameIdRuns()
+    for start in range(0, 5000, 700):
+        runs.add(np.arange(start, min(start + 700, 5000)))
+    assert [(row["first_id"], row["count"], row["step"]) for row in runs.rows] == [(0, 5000, 1)]
+
+
+@given(st.lists(st.lists(st.sampled_from("abc"), max_size=3).map(tuple), min_size=1, max_size=25), st.integers(1, 25))
+def test_spans_say_what_frames_said(frames: list[tuple[str, ...]], cut: int) -> None:
+    spans = Spans()
+    for part in (frames[:cut], frames[cut:]):
+        if part:
+            spans.add(len(part), part if any(part) else None)
+    spans.finish()
+    for position, names in enumerate(frames, 1):
+        covering = sorted((r["rank"], r["name"]) for r in spans.rows if r["first"] <= position <= r["last"])
+        assert tuple(name for _, name in covering) == names
+
+
+@given(st.integers(1, 1200), st.lists(st.integers(1, 400), min_size=1, max_size=8), st.integers(0, 10))
+def test_chunks_do_not_depend_on_blocks(frames: int, lengths: list[int], seed: int) -> None:
+    values = np.random.default_rng(seed).normal(size=(frames, 5))
+    columns = ((0, 0), (0, 5), (2, 3), (2, 4), (1, 6))
+    rows = []
+    with ThreadPoolExecutor(2) as executor:
+        encoder = ClipEncoder(executor)
+        start, turn = 0, 0
+        while start < frames:
+            end = min(start + lengths[turn % len(lengths)], frames)
+            block = FrameBlock(values[start:end], columns, (full_shape(columns),), np.arange(start + 1, end + 1))
+            for chunk in encoder.add(block):
+                rows += chunk
+            start, turn = end, turn + 1
+        for chunk in encoder.finish():
+            rows += chunk
+    assert encoder.frames == frames
+    assert [row["chunk"] for row in rows] == sorted(row["chunk"] for row in rows)
+    joined = {}
+    for row in rows:
+        bits = bin(row["channels"]).count("1")
+        joined.setdefault(row["bone"], []).append(decompress(row["data"], bits, 1))
+    for bone, wanted in ((0, [0, 1]), (1, [4]), (2, [2, 3])):
+        assert np.array_equal(np.concatenate(joined[bone], axis=1), values[:, wanted].T)
+    assert encoder.shape_rows == [{"slot": 0, "count": frames, "shape": 0}]
