@@ -7,17 +7,17 @@ in the version it came in. GTR, the same layout with global data and no hierarch
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from service.errors import FormatError, McmlError, Notice, Place
+from service.errors import FormatError, McmlError, Notice
 from service.formats.format import Part, ReadOptions, SourceFile, need_convention
 from service.formats.frame_rows import FrameRows, RowLayout
 from service.formats.htr_head import CHANNELS, HtrHead, read_head
-from service.formats.htr_segments import Segments, index_segments, plain_ids
+from service.formats.htr_segments import HUGE, Segments, index_segments, plain_ids
 from service.formats.htr_writer import write_htr
-from service.formats.lines import Encoding, detect_encoding
+from service.formats.lines import Encoding, blocks_of, detect_encoding
 from service.formats.number_text import detect_style
 from service.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart, full_shape
 from service.motion.skeleton import CHANNEL_INDEX, Convention, Skeleton
@@ -74,7 +74,9 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
         missing, has_end = index.missing, index.has_end
         if index.repeated:
             notices.append(
-                Notice("warning", f"{index.repeated} segments stand again, as in clips glued together: the first is read")
+                Notice(
+                    "warning", f"{index.repeated} segments stand again, as in clips glued together: the first is read"
+                )
             )
         segments = Segments(stream, head.skeleton, index, head.frames, encoding.start)
         start = min((span[0] for span in index.spans.values()), default=head.data)
@@ -96,7 +98,9 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
         sections=tuple(head.unknown),
         missing=missing,
     )
-    clip_head = ClipHead("htr", head.skeleton, head.fields, number_style=detect_style(b" ".join(sample)), sources=(part,))
+    clip_head = ClipHead(
+        "htr", head.skeleton, head.fields, number_style=detect_style(b" ".join(sample)), sources=(part,)
+    )
 
     def blocks() -> Iterator[FrameBlock]:
         gaps = 0
@@ -113,3 +117,96 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
                 notices.append(notice)
 
     return ClipStream(clip_head, blocks, head.frames, notices)
+
+
+def _check_index(head: HtrHead, found: set[str]) -> None:
+    """Raises FormatError where the segments with motion are not those of the hierarchy."""
+    for joint in head.skeleton.joints:
+        if joint.source_name not in found:
+            raise FormatError(
+                f"segment {joint.source_name!r} has no motion: NumSegments says {len(head.skeleton)}, "
+                f"{len(found)} follow",
+                remedy="The file was cut off; send it whole.",
+            )
+    names = {joint.source_name for joint in head.skeleton.joints}
+    for name in sorted(found - names):
+        raise FormatError(f"section [{name[:60]}] is no segment of the hierarchy")
+
+
+def _by_segment(
+    segments: Segments, columns: tuple[tuple[int, int], ...], notices: list[Notice]
+) -> Callable[[], Iterator[FrameBlock]]:
+    shapes = (full_shape(columns),)
+
+    def blocks() -> Iterator[FrameBlock]:
+        for values, ids in segments.blocks(notices):
+            yield FrameBlock(values, columns, shapes, plain_ids(ids))
+
+    return blocks
+
+
+def _by_frame(rows: FrameRows, head: HtrHead) -> Callable[[], Iterator[FrameBlock]]:
+    def blocks() -> Iterator[FrameBlock]:
+        done = 0
+        for block in rows.blocks():
+            for place, shape in enumerate(block.shapes):
+                if len(shape) != len(head.skeleton):
+                    first = 0 if block.shape_of is None else int(np.flatnonzero(block.shape_of == place)[0])
+                    raise FormatError(
+                        f"frame {block.ids[first]} has {len(shape)} rows, NumSegments says {len(head.skeleton)}",
+                        remedy="Write a row for every segment.",
+                    )
+            done += len(block)
+            if done > head.frames:
+                break
+            yield block
+        if done != head.frames:
+            found = f"more than {head.frames}" if done > head.frames else str(done)
+            raise FormatError(
+                f"the file has {found} frames, NumFrames says {head.frames}", remedy="The file may have been cut off."
+            )
+
+    return blocks
+
+
+def _scan(file: SourceFile) -> tuple[str, bool]:
+    """(lexeme of missing values, whether the file has its end) of a frame-major file, in one pass."""
+    missing, has_end, tail = "", False, b""
+    for block in blocks_of(file.stream, 0, 1 << 20):
+        text = tail + block
+        if not missing and b"999999" in text and (huge := HUGE.search(text)):
+            missing = huge.group().decode()
+        has_end = has_end or (b"[" in text and _END.search(text) is not None)
+        tail = text[-64:]
+    return missing, has_end
+
+
+def _layout(skeleton: Skeleton, encoding: Encoding) -> RowLayout:
+    codec = "utf-8" if encoding.codec == "utf-8-sig" else encoding.codec
+    joints = {joint.source_name.encode(codec, errors="replace"): index for index, joint in enumerate(skeleton.joints)}
+    channels = dict.fromkeys(joints, tuple(_NUMBERS))
+    return RowLayout(_OPENING, 2, joints, channels, False, "hierarchy", "Name every segment there.", codec)
+
+
+def _without_missing(block: FrameBlock) -> FrameBlock:
+    """The block with NaN and shapes for samples that the file marks as missing; the same block where there are none."""
+    missing = np.abs(block.values) >= MISSING
+    if not missing.any():
+        return block
+    values = np.where(missing, np.nan, block.values)
+    patterns, pattern_of = np.unique(missing, axis=0, return_inverse=True)
+    old_of = np.zeros(len(block), dtype=np.intp) if block.shape_of is None else block.shape_of
+    place = {column: index for index, column in enumerate(block.columns)}
+    shapes: dict[Shape, int] = {}
+    known: dict[tuple[int, int], int] = {}
+    shape_of = np.empty(len(block), dtype=np.intp)
+    for frame, pair in enumerate(zip(old_of.tolist(), pattern_of.reshape(-1).tolist(), strict=True)):
+        if pair not in known:
+            gone = patterns[pair[1]]
+            shape = tuple(
+                (joint, sum(1 << c for c in range(8) if bits >> c & 1 and not gone[place[joint, c]]))
+                for joint, bits in block.shapes[pair[0]]
+            )
+            known[pair] = shapes.setdefault(shape, len(shapes))
+        shape_of[frame] = known[pair]
+    return FrameBlock(values, block.columns, tuple(shapes), block.ids, shape_of, block.motion_names)

@@ -74,7 +74,9 @@ def read_head(stream: BinaryIO, encoding: Encoding, limits: Limits, notices: lis
         elif text:
             if current is None:
                 raise FormatError(
-                    f"HTR section [Header] is missing, found {text[:40]!r}", at=line.at(1), remedy="This is no HTR file."
+                    f"HTR section [Header] is missing, found {text[:40]!r}",
+                    at=line.at(1),
+                    remedy="This is no HTR file.",
                 )
             current.append(_Row(re.findall(r"\S+", text, re.ASCII), line.at(1)))
         lines.next()
@@ -158,7 +160,9 @@ def _check_header(head: HtrHead, places: dict[str, Place], notices: list[Notice]
         if name in fields and fields[name].upper() not in ("X", "Y", "Z"):
             raise FormatError(f"{title} {fields[name]!r} is not X, Y or Z", at=places[name])
     if "units_angle" in fields and fields["units_angle"].lower()[:3] not in ("deg", "rad"):
-        raise FormatError(f"RotationUnits {fields['units_angle']!r} are not Degrees or Radians", at=places["units_angle"])
+        raise FormatError(
+            f"RotationUnits {fields['units_angle']!r} are not Degrees or Radians", at=places["units_angle"]
+        )
 
 
 def _read_segments(
@@ -214,8 +218,7 @@ def _read_base(rows: list[_Row], index_of: dict[str, int], end: Place) -> dict[i
         name, values = row.words[0], row.words[1:]
         if len(values) != 7:
             raise FormatError(
-                f"BasePosition of {name!r} has {len(row.words)} fields, expected 8 "
-                "(name Tx Ty Tz Rx Ry Rz BoneLength)",
+                f"BasePosition of {name!r} has {len(row.words)} fields, expected 8 (name Tx Ty Tz Rx Ry Rz BoneLength)",
                 at=row.at,
             )
         if name not in index_of:

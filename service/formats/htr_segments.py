@@ -29,7 +29,7 @@ _HEADING = re.compile(rb"(?:^|(?<=[\r\n]))[ \t]*\[([^\]\r\n]*)\][^\r\n]*(?=[\r\n
 _COMMENT = re.compile(rb"#[^\r\n]*")
 _LINE = re.compile(rb"[^\r\n]+")
 _PLAIN_ID = re.compile(rb"(?:0|-?[1-9][0-9]{0,15})")
-_HUGE = re.compile(rb"(?<![0-9.eE+-])[+-]?9{6,}[0-9]*(?:\.[0-9]*)?(?=\s)")
+HUGE = re.compile(rb"(?<![0-9.eE+-])[+-]?9{6,}[0-9]*(?:\.[0-9]*)?(?=\s)")
 
 
 @dataclass
@@ -62,7 +62,7 @@ def index_segments(stream: BinaryIO, start: int, encoding: Encoding) -> Index:
             if name.lower() == "endoffile":
                 index.has_end = True
                 return index
-        if not index.missing and b"999999" in text and (huge := _HUGE.search(text)):
+        if not index.missing and b"999999" in text and (huge := HUGE.search(text)):
             index.missing = huge.group().decode()
         if b"#" in text[:last]:
             found = (match.decode(codec, errors="replace").rstrip() for match in _COMMENT.findall(text, 0, last))
@@ -133,7 +133,7 @@ class Segments:
 
     def blocks(self, notices: list[Notice]) -> Iterator[tuple[Array, list[bytes]]]:
         """((n, 7 J) values in declared order, n frame ids). FormatError where segments differ in their rows."""
-        cursors = []
+        cursors: list[_Cursor] = []
         for index in self._skeleton.in_declared_order():
             name = self._skeleton.joints[index].source_name
             start, end = self._index.spans[name]
