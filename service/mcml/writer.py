@@ -101,7 +101,8 @@ def write_element(element: Element, *, pretty: bool = False, depth: int = 0) -> 
         end = b"\n" if pretty and (level > depth) else b""
         parts.append(indent + _start_tag(current))
         if current.children:
-            parts.append(b">\n" if pretty else b">")
+            # Text beside children is no MCML, but what is invalid must stay so to be refused.
+            parts.append(b">" + text_bytes(current.text) + (b"\n" if pretty else b""))
             stack.append((indent + b"</" + current.tag.encode() + b">" + end, level))
             stack.extend((child, level + 1) for child in reversed(current.children))
         elif current.text:
