@@ -52,13 +52,6 @@ metadata = MetaData(
 )
 
 
-def _valid() -> tuple[Column[int], Column[int]]:
-    return (
-        Column("from_commit", BigInteger, nullable=False),
-        Column("to_commit", BigInteger, nullable=False),
-    )
-
-
 project = Table(
     "project",
     metadata,
@@ -183,7 +176,8 @@ bone = Table(
     metadata,
     Column("document", ForeignKey("document.id"), primary_key=True),
     Column("bone", Integer, primary_key=True),
-    *_valid(),
+    Column("from_commit", BigInteger, primary_key=True),
+    Column("to_commit", BigInteger, nullable=False),
     Column("name", NAME, nullable=False),
     Index(None, "name", "document"),
 )
@@ -237,7 +231,8 @@ span = Table(
     metadata,
     Column("id", KEY, primary_key=True),
     Column("document", ForeignKey("document.id"), nullable=False),
-    *_valid(),
+    Column("from_commit", BigInteger, nullable=False),
+    Column("to_commit", BigInteger, nullable=False),
     Column("name", NAME, nullable=False),
     Column("first", BigInteger, nullable=False),
     Column("last", BigInteger, nullable=False),
