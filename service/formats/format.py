@@ -78,11 +78,16 @@ class Format(Protocol):
     name: as in the catalogue. convention: the only one that `write` takes. media_type: of its files.
     """
 
-    name: str
-    title: str
-    parts: tuple[Part, ...]
-    convention: Convention
-    media_type: str
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def parts(self) -> tuple[Part, ...]: ...
+    @property
+    def convention(self) -> Convention: ...
+    @property
+    def media_type(self) -> str: ...
 
     def sniff(self, name: str, first_bytes: bytes) -> str | None:
         """The part that a file is, by its first bytes (at least 4 kB or all) and its name; None if it is none."""
