@@ -268,6 +268,8 @@ def _keys(skeleton: Skeleton) -> list[str]:
         low, high = min(names), max(names)
         shared = next((place for place, letter in enumerate(low) if high[place] != letter), len(low))
         cut = max(low.rfind(mark, 0, shared) + 1 for mark in "_-. ")
+        # "h_" marks Table 1's own ASF names (h_left_hand); it is no prefix of one file.
+        cut = 0 if low[:cut] == "h_" else cut
     return [_key(name[cut:]) for name in names]
 
 

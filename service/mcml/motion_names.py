@@ -131,7 +131,8 @@ def nearest(side: str, part: str, movement: str) -> str:
         for wanted in related:
             if wanted in parts()[other].movements:
                 return str(_with_side(side, other, wanted))
-    return str(_with_side(side, part, (kind.movements or ("flexion",))[0]))
+    first = next(iter(kind.instead.values())) if kind.instead and not kind.movements else (part, kind.movements[0])
+    return str(_with_side(side, *first))
 
 
 def possible_names() -> Iterator[str]:

@@ -24,18 +24,21 @@ from service.mcml.prologue import refused_doctype, utf8_chunks
 from service.mcml.vocabulary import BONE, DOF, FRAME, FRAMES, FRAMETIME, MCML, MOTION, NAME, ORDER, ROOT
 from service.motion.clip import ClipStream, FrameBlock
 
+ELEMENT_SIZE = 100
+"""What an element of the head costs beside its text, in characters: many empty ones fill the memory as well."""
+
 
 @dataclass(frozen=True, slots=True)
 class Limits:
     """How much a document may hold.
 
-    max_bytes: of the file. max_frames. max_head: characters of header, root and skeleton. max_text: characters of
-    one text or tag. max_names: motion names of one frame.
+    max_bytes: of the file. max_frames. max_head: characters of header, root and skeleton, each element counting as
+    ELEMENT_SIZE more. max_text: characters of one text or tag. max_names: motion names of one frame.
     """
 
     max_bytes: int = 4 << 30
     max_frames: int = 10_000_000
-    max_head: int = 32 << 20
+    max_head: int = 16 << 20
     max_text: int = 4 << 20
     max_names: int = 1000
 
@@ -180,7 +183,7 @@ class _Pass:
         error = declared.attribute_error(element.attributes)
         if error:
             raise DocumentError(error, at=self._place())
-        self._grow(len(tag) + sum(map(len, attributes)))
+        self._grow(ELEMENT_SIZE + sum(map(len, attributes)))
         self._lines[id(element)] = self._parser.CurrentLineNumber
         if not self._stack:
             self.document = element

@@ -78,15 +78,17 @@ def test_deep_nesting_is_refused() -> None:
 
 
 def test_other_limits() -> None:
+    frame = HEAD + b'<motion><frames>1</frames><frame id="1">'
+    header = b'<mcml version="1.0"><header>'
     cases: list[tuple[bytes, dict[str, int], str]] = [
         (b'<mcml version="' + b"1" * 500_000 + b'"/>', {"max_text": 1000}, "a tag or text has more than 1000"),
-        (b'<mcml version="1.0"><header><filename>' + b"a" * 300_000, {"max_text": 1000}, "a text has more than 1000"),
+        (header + b"<filename>" + b"a" * 300_000, {"max_text": 1000}, "a text has more than 1000"),
         (HEAD, {"max_bytes": 20}, "more than 20 bytes"),
-        (b'<mcml version="1.0"><header>' + b"<comment>abc</comment>" * 99, {"max_head": 500}, "more than 500 characters"),
-        (HEAD + b"<motion><frames>9999999</frames>", {"max_frames": 10}, "more than 10 frames"),
+        (header + b"<comment>abc</comment>" * 99, {"max_head": 500}, "more than 500 characters"),
+        (frame.replace(b">1<", b">9999999<"), {"max_frames": 10}, "more than 10 frames"),
         (HEAD + b"<motion><frames>3</frames>" + b'<frame id="1"/>' * 5, {"max_frames": 3}, "more than 3 frames"),
-        (HEAD + b'<motion><frames>1</frames><frame id="1">' + b"<motion_name>x</motion_name>" * 5, {"max_names": 4}, "more than 4"),
-    ]  # fmt: skip
+        (frame + b"<motion_name>x</motion_name>" * 5, {"max_names": 4}, "more than 4 motion names"),
+    ]
     for document, limits, message in cases:
         with pytest.raises(LimitError, match=message):
             read(document, **limits)

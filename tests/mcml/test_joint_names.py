@@ -1,0 +1,152 @@
+"""Joints get MCML's names by their rig's convention, each name once, and nothing is ever lost or refused."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from service.errors import VocabularyError
+from service.mcml.joint_names import RIGS, assign, report, table, translate
+from service.motion.skeleton import Convention, Joint, Skeleton
+from tests.mcml.strategies import NAMES
+
+
+def skeleton(*names: str, convention: Convention = Convention.LISTED) -> Skeleton:
+    return Skeleton(tuple(Joint(name, index - 1, name, convention) for index, name in enumerate(names)))
+
+
+def mcml_names(*names: str) -> dict[str, str]:
+    """What each source name became, mapped joints only."""
+    return {joint.source_name: joint.name for joint in assign(skeleton(*names)).joints if joint.mapped}
+
+
+PRINTED = {
+    1: "Root", 2: "Head", 3: "neck1", 4: "neck2", 5: "left_shoulder", 6: "left_up_arm", 7: "left_low_arm",
+    8: "left_wrist", 9: "left_hand", 10: "left_fingers", 11: "left_finger_one", 12: "left_finger_two",
+    13: "left_finger_three", 14: "left_finger_four", 15: "left_finger_five", 16: "right_shoulder", 17: "right_up_arm",
+    18: "right_low_arm", 19: "right_wrist", 50: "right_toe_two", 51: "right_toe_three", 52: "right_toe_four",
+    53: "right_toe_five",
+}  # fmt: skip
+
+
+def test_table_1_has_53_rows_and_says_which_are_reconstructed() -> None:
+    assert [row.number for row in table()] == list(range(1, 54))
+    assert {row.number: row.name for row in table() if not row.reconstructed} == PRINTED
+    assert len({row.name for row in table()}) == 53
+
+
+def test_the_right_side_mirrors_the_left() -> None:
+    rows = {row.name: row for row in table()}
+    for name, row in rows.items():
+        if name.startswith("left_"):
+            mirrored = rows["right_" + name.removeprefix("left_")]
+            for column, text in row.columns.items():
+                other = mirrored.columns[column]
+                assert bool(text) == bool(other)
+                assert len(text.split("|")) == len(other.split("|"))
+                assert not text or text != other, (name, column)
+
+
+SPINE = {"Hips": "Root", "Spine": "waist", "Spine1": "torso2", "Spine2": "torso7"}
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    [
+        (["Hips", "LeftShoulder", "LeftArm"], {"LeftShoulder": "left_shoulder", "LeftArm": "left_up_arm"}),
+        (["Hips", "LeftShoulder", "LeftElbow"], {"LeftShoulder": "left_up_arm", "LeftElbow": "left_low_arm"}),
+        (["mixamorig:Hips", "mixamorig:LeftUpLeg", "mixamorig:LeftLeg"], {"mixamorig:LeftLeg": "left_low_leg"}),
+        (["root", "lhumerus", "lwrist", "lhand"], {"root": "Root", "lwrist": "left_wrist", "lhand": "left_hand"}),
+        (["root", "lshoulderjoint", "neckjoint", "lhumerus", "lwrist"], {"lwrist": "left_hand", "neckjoint": "neck1"}),
+        (["root", "upperneck", "lowerneck", "lfemur"], {"upperneck": "neck1", "lowerneck": "neck2"}),
+        (["Bip01", "Bip01 Spine", "Bip01_L_UpperArm"], {"Bip01": "Root", "Bip01_L_UpperArm": "left_up_arm"}),
+        (["LowerTorso", "UpperTorso", "LUpArm", "LLowArm"], {"LowerTorso": "Root", "UpperTorso": "torso7"}),
+        (["Pelvis", "L5", "L3", "T12", "T8", "LeftUpperArm"], {"L5": "waist", "T8": "torso7"}),
+        (["Pelvis", "L_Hip", "L_Collar", "L_Shoulder"], {"L_Hip": "left_up_leg", "L_Shoulder": "left_up_arm"}),
+        (["h_root", "h_left_up_arm", "h_torso_3"], {"h_left_up_arm": "left_up_arm", "h_torso_3": "torso3"}),
+        (["HumanoidRoot", "vl5", "l_shoulder"], {"l_shoulder": "left_up_arm", "vl5": "waist"}),
+        (["Hips", "Spine", "Spine1", "Spine2", "LeftArm"], SPINE),
+        (["Hips", "Chest", "LeftCollar"], {"Chest": "waist"}),
+        (["Hips", "LowerBack", "Chest", "LeftCollar"], {"LowerBack": "waist", "Chest": "torso7"}),
+        (["pre_hip", "pre_lShldr", "pre_abdomen", "pre_chest"], {"pre_lShldr": "left_up_arm", "pre_chest": "torso7"}),
+    ],
+)  # fmt: skip
+def test_rigs(names: list[str], expected: dict[str, str]) -> None:
+    assert expected.items() <= mcml_names(*names).items()
+
+
+def test_mcml_names_stay() -> None:
+    names = [row.name for row in table()]
+    assert mcml_names(*names) == dict(zip(names, names, strict=True))
+    assert report(skeleton(*names)).convention == "mcml"
+
+
+def test_unknown_joints_keep_their_names_and_say_why() -> None:
+    rig = skeleton("Hips", "LeftArm", "LeftArm", "tail", "LeftForeArm", "")
+    named = assign(rig)
+    assert named.names == ("Root", "left_up_arm", "LeftArm", "tail", "left_low_arm", "joint")
+    assert [joint.mapped for joint in named.joints] == [True, True, False, False, True, False]
+    said = report(rig)
+    assert said.convention == "motionbuilder"
+    assert said.unmapped[:2] == (("LeftArm", "LeftArm", "left_up_arm is taken"), ("tail", "tail", "not in Table 1"))
+    assert "motionbuilder rig, 3 of 6 joints mapped" in said.notices()[0].what
+
+
+def test_a_team_s_own_rows_come_first() -> None:
+    named = assign(skeleton("Hips", "LeftArm", "tail_1"), extra=[("Tail 1", "tail"), ("LeftArm", "left_shoulder")])
+    assert named.names == ("Root", "left_shoulder", "tail")
+    assert all(joint.mapped for joint in named.joints)
+
+
+def test_markers_are_no_joints() -> None:
+    named = assign(skeleton("LeftArm", "Head", convention=Convention.MARKER))
+    assert named.names == ("LeftArm", "Head")
+    assert not any(joint.mapped for joint in named.joints)
+
+
+ALIASES = sorted({alias for row in table() for text in row.columns.values() for alias in text.split("|") if alias})
+
+
+@given(st.lists(st.one_of(st.sampled_from(ALIASES), NAMES), max_size=30))
+def test_naming_never_fails_and_gives_each_name_once(names: list[str]) -> None:
+    rig = skeleton(*names)
+    named = assign(rig)
+    assert [joint.source_name for joint in named.joints] == names
+    assert len(set(named.names)) == len(names)
+    mapped = [joint.name for joint in named.joints if joint.mapped]
+    assert set(mapped) <= {row.name for row in table()}
+    said = report(rig)
+    assert len(said.mapped) + len(said.unmapped) == len(names)
+    assert assign(named).names == named.names
+
+
+@pytest.mark.parametrize("column", [rig.column for rig in RIGS])
+def test_a_whole_rig_is_recognised_and_mapped(column: str) -> None:
+    first = {row.name: row.columns[column].split("|")[0] for row in table()}
+    names = {name: alias for name, alias in first.items() if alias}
+    rig = skeleton(*names.values())
+    assert report(rig).convention in (column, "acclaim" if column == "vicon" else column)
+    assert [joint.name for joint in assign(rig).joints] == list(names)
+
+
+@pytest.mark.parametrize(
+    ("to", "expected"),
+    [
+        ("mcml", ["Root", "waist", "torso7", "left_hand", "tail"]),
+        ("bvh1", ["root", "Spine", "chest", "leftwrist", "tail"]),
+        ("bvh2", ["root", "lowerback", "thorax", "lwrist", "tail"]),
+        ("asf", ["h_root", "lowerback", "thorax", "lhand", "tail"]),
+        ("htr", ["Hips", "lowertorso", "uppertorso", "lhand", "tail"]),
+    ],
+)
+def test_translation(to: str, expected: list[str]) -> None:
+    named = assign(skeleton("Hips", "Spine", "Spine1", "LeftHand", "tail", "LeftArm", "LeftForeArm"))
+    translated = translate(named, to)
+    assert [joint.source_name for joint in translated.joints][:5] == expected
+    assert translated.names == named.names
+
+
+def test_no_translation_into_other_formats() -> None:
+    with pytest.raises(VocabularyError, match="no joint names of 'fbx'"):
+        translate(skeleton("a"), "fbx")
