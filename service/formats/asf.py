@@ -239,8 +239,7 @@ class _Reader:
         if not values:
             raise FormatError(f"{what}: {keyword} has no value", at=at)
         if keyword == "name":
-            if len(values[0].text.encode(errors="replace")) > self.limits.name:
-                raise LimitError(f"a name is longer than {self.limits.name} bytes", at=at)
+            self.limits.check_name(values[0].text, at)
             bone.name = values[0].text
         elif keyword == "id":
             bone.id = values[0].text

@@ -90,7 +90,7 @@ def _open_joint(tokens: Tokens, keyword: str, parent: int, joints: list[_Open], 
         name = tokens.rest_of_line() if following is not None and following.text not in "{}" else None
     if name is None:
         raise FormatError(f"{keyword} has no name", at=at, remedy="Write the name behind it.")
-    _check_name(name, limits)
+    limits.check_name(name.text, name.at)
     if len(joints) >= limits.joints:
         raise LimitError(f"the skeleton has more than {limits.joints} joints", at=name.at)
     _expect(tokens, "{", f"behind the name of joint {name.text!r}")
@@ -113,7 +113,7 @@ def _read_end_site(tokens: Tokens, joint: _Open, limits: Limits) -> None:
         raise _unexpected(site, "Site behind End", tokens)
     name = tokens.rest_of_line()
     if name is not None:
-        _check_name(name, limits)
+        limits.check_name(name.text, name.at)
     _expect(tokens, "{", f"behind End Site of joint {joint.name!r}")
     _expect(tokens, "OFFSET", f"in End Site of joint {joint.name!r}")
     offset = _read_triple(tokens, f"OFFSET of the End Site of joint {joint.name!r}")
@@ -167,11 +167,6 @@ def _read_channels(tokens: Tokens, joint: str) -> tuple[str, ...]:
 def _small(text: str) -> int:
     """A count; anything long is simply too many (int() of endless digits takes endless time)."""
     return int(text) if len(text) < 10 else 10**10
-
-
-def _check_name(name: Token, limits: Limits) -> None:
-    if len(name.text.encode(errors="replace")) > limits.name:
-        raise LimitError(f"a name is longer than {limits.name} bytes", at=name.at)
 
 
 def _expect(tokens: Tokens, text: str, where: str) -> None:

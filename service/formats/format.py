@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import BinaryIO, Protocol
 
-from service.errors import ConversionError, LimitError, Place
+from service.errors import ConversionError, FormatError, LimitError, Place
 from service.motion.clip import ClipStream
 from service.motion.skeleton import Convention, Skeleton
 
@@ -35,6 +35,18 @@ class Limits:
     name: int = 1024
     frames: int = 50_000_000
     values: int = 4_000_000_000
+
+    def check_name(self, name: str, at: Place | None = None) -> None:
+        """Raises LimitError for a name that is too long, FormatError for one with control characters."""
+        if len(name.encode(errors="replace")) > self.name:
+            raise LimitError(f"a name is longer than {self.name} bytes", at=at, remedy="Give the joint a shorter name.")
+        control = next((character for character in name if character < " " or character == "\x7f"), None)
+        if control is not None:
+            raise FormatError(
+                f"the name {name!r} holds the control character U+{ord(control):04X}",
+                at=at,
+                remedy="Write joint names in letters, digits and punctuation.",
+            )
 
     def check_size(self, frames: int, channels: int, at: Place | None = None) -> None:
         """Raises LimitError where a motion of that size is more than allowed."""

@@ -179,8 +179,7 @@ def _read_segments(
     for number, row in enumerate(hierarchy):
         if len(row.words) != 2:
             raise FormatError(f"hierarchy: expected a segment and its parent, found {len(row.words)} words", at=row.at)
-        if len(row.words[0].encode(errors="replace")) > limits.name:
-            raise LimitError(f"a name is longer than {limits.name} bytes", at=row.at)
+        limits.check_name(row.words[0], row.at)
         if row.words[0] in index_of:
             raise FormatError(f"segment {row.words[0]!r} stands twice in the hierarchy", at=row.at)
         index_of[row.words[0]] = number
