@@ -14,7 +14,7 @@ import numpy as np
 from service.motion.skeleton import Array
 
 IDENTITY: Final = np.array([0.0, 0.0, 0.0, 1.0])
-GIMBAL: Final = 1e-8
+GIMBAL: Final = 1e-11
 """Cosine of the middle angle below which the outer two axes are taken as one: what is lost is smaller than this."""
 
 _AXIS = {"X": 0, "Y": 1, "Z": 2}
@@ -34,7 +34,8 @@ def multiply(first: Array, second: Array) -> Array:
 
 def inverse(rotation: Array) -> Array:
     """The opposite rotation of a unit quaternion (..., 4)."""
-    return rotation * np.array([-1.0, -1.0, -1.0, 1.0])
+    opposite: Array = rotation * np.array([-1.0, -1.0, -1.0, 1.0])
+    return opposite
 
 
 def rotate(rotation: Array, vector: Array) -> Array:

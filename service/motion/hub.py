@@ -1,0 +1,194 @@
+"""One form of motion for all conventions: rest offset, translation and world-aligned rotation of every joint.
+
+In this hub form the rest pose has no rotations: a joint's axes at rest are the world's. With o the rest offset from
+the parent, t the translation that replaces it in a frame and L the local rotation, forward kinematics is
+P = P_parent + Q_parent t, Q = Q_parent L (formats.md 1.4, 8).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from service.motion.clip import FrameBlock
+from service.motion.layout import Held
+from service.motion.rotations import IDENTITY, from_euler, from_fixed_euler, inverse, multiply, rotate
+from service.motion.skeleton import CHANNEL_INDEX, Array, Convention, Joint, Skeleton, numbers
+from service.motion.units import DEGREES, Reading
+
+
+@dataclass(frozen=True)
+class Rest:
+    """The rest pose, in world axes.
+
+    offsets: (J, 3) from the parent's joint. orientations: (J, 4) of the source's local axes: the identity for LISTED,
+    C for FIXED, the product of base rotations for BASE. bones: (J, 3) from a joint to the tip of its own bone (FIXED
+    direction and length, BASE bone length; 0 for LISTED). tips: (joint, vector (3,)) of every end of a chain.
+    """
+
+    offsets: Array
+    orientations: Array
+    bones: Array
+    tips: tuple[tuple[int, Array], ...]
+
+
+@dataclass(frozen=True)
+class HubBlock:
+    """Frames. translations: (n, J, 3). rotations: (n, J, 4). scales: (n, J) of each joint's own bone."""
+
+    translations: Array
+    rotations: Array
+    scales: Array
+
+
+def rest_of(skeleton: Skeleton, reading: Reading = DEGREES) -> Rest:
+    """The rest pose of a skeleton of any convention."""
+    count = len(skeleton)
+    offsets, bones = np.zeros((count, 3)), np.zeros((count, 3))
+    orientations = np.tile(IDENTITY, (count, 1))
+    has_child = {joint.parent for joint in skeleton.joints}
+    tips: list[tuple[int, Array]] = []
+    for index, joint in enumerate(skeleton.joints):
+        parent = joint.parent
+        if joint.convention is Convention.LISTED:
+            offsets[index] = numbers(joint.offset)
+            tips += [(index, numbers(site.offset)) for site in joint.end_sites]
+        elif joint.convention is Convention.FIXED:
+            orientations[index] = _rest_axes(joint, reading)
+            offsets[index] = bones[parent] if parent >= 0 else numbers(joint.offset)
+            bones[index] = _bone_of(joint)
+        elif joint.convention is Convention.BASE:
+            above = orientations[parent] if parent >= 0 else IDENTITY
+            order = joint.axis_order or joint.rotation_order or "ZYX"
+            angles = numbers(joint.axis)[["XYZ".index(letter) for letter in order.upper()]]
+            orientations[index] = multiply(above, from_euler(angles * reading.rest_angle, order))
+            offsets[index] = rotate(above, numbers(joint.offset))
+            along = np.zeros(3)
+            along[reading.bone_axis] = float(joint.length or 0)
+            bones[index] = rotate(orientations[index], along)
+        if joint.convention is not Convention.LISTED and index not in has_child and bones[index].any():
+            tips.append((index, bones[index].copy()))
+    return Rest(offsets, orientations, bones, tuple(tips))
+
+
+def _rest_axes(joint: Joint, reading: Reading) -> Array:
+    """C of an ASF bone, or of its root: rotations about fixed axes in the order of `axis`."""
+    return from_fixed_euler(numbers(joint.axis) * reading.rest_angle, joint.axis_order or "XYZ")
+
+
+def _bone_of(joint: Joint) -> Array:
+    """Length times the unit direction; zero for a root and for a bone without length."""
+    direction = numbers(joint.direction)
+    norm = float(np.linalg.norm(direction))
+    length = float(joint.length or 0)
+    return direction * (length / norm) if norm else np.zeros(3)
+
+
+class HubReader:
+    """Blocks of a clip to the hub form; carries held values from block to block."""
+
+    def __init__(self, skeleton: Skeleton, reading: Reading = DEGREES) -> None:
+        self.skeleton = skeleton
+        self.rest = rest_of(skeleton, reading)
+        self._reading = reading
+        self._held = Held(skeleton)
+        place = {column: index for index, column in enumerate(self._held.columns)}
+        self._groups = _rotation_groups(skeleton, place)
+        self._moved = [
+            (index, [(axis, place[index, axis]) for axis in range(3) if (index, axis) in place])
+            for index in range(len(skeleton))
+        ]
+        scale = CHANNEL_INDEX["SF"]
+        self._scaled = [(index, place[index, scale]) for index in range(len(skeleton)) if (index, scale) in place]
+
+    @property
+    def missing(self) -> int:
+        """How many samples had to be held so far."""
+        return self._held.missing
+
+    def read(self, block: FrameBlock) -> HubBlock:
+        values = self._held.values(block)
+        scales = self._scales(values)
+        return HubBlock(self._translations(values, scales), self._rotations(values), scales)
+
+    def _rotations(self, values: Array) -> Array:
+        rotations = np.empty((len(values), len(self.skeleton), 4))
+        rotations[:] = IDENTITY
+        for (convention, order), (joints, columns) in self._groups.items():
+            angles = values[:, columns].reshape(len(values), len(joints), len(order)) * self._reading.motion_angle
+            if convention is Convention.LISTED:
+                rotations[:, joints] = from_euler(angles, order)
+                continue
+            local = from_fixed_euler(angles, order) if convention is Convention.FIXED else from_euler(angles, order)
+            axes = self.rest.orientations[joints]
+            rotations[:, joints] = multiply(multiply(axes, local), inverse(axes))
+        return rotations
+
+    def _scales(self, values: Array) -> Array:
+        scales = np.ones((len(values), len(self.skeleton)))
+        for joint, column in self._scaled:
+            item = self.skeleton.joints[joint]
+            if item.convention is Convention.FIXED:
+                # ASF's `l` is how much longer the bone is.
+                length = float(np.linalg.norm(self.rest.bones[joint]))
+                scales[:, joint] = 1.0 + values[:, column] / length if length else 1.0
+            else:
+                scales[:, joint] = values[:, column]
+        return scales
+
+    def _translations(self, values: Array, scales: Array) -> Array:
+        rest = self.rest
+        translations = np.tile(rest.offsets, (len(values), 1, 1))
+        for index, columns in self._moved:
+            joint = self.skeleton.joints[index]
+            if joint.convention is Convention.FIXED and joint.parent >= 0:
+                translations[:, index] *= scales[:, joint.parent, None]
+            if not columns:
+                continue
+            moved = np.zeros((len(values), 3))
+            for axis, column in columns:
+                moved[:, axis] = values[:, column]
+            if joint.convention is Convention.LISTED and joint.translation != "relative":
+                stated = [axis for axis, _ in columns]
+                translations[:, index, stated] = moved[:, stated]
+            elif joint.convention is Convention.BASE and joint.parent >= 0:
+                translations[:, index] += rotate(rest.orientations[joint.parent], moved)
+            elif joint.convention is Convention.FIXED and joint.parent >= 0:
+                translations[:, index] += rotate(rest.orientations[index], moved)
+            else:
+                translations[:, index] += moved
+        return translations
+
+
+def _rotation_groups(
+    skeleton: Skeleton, place: dict[tuple[int, int], int]
+) -> dict[tuple[Convention, str], tuple[list[int], list[int]]]:
+    """Joints that turn in the same way, with the columns of their angles one joint after the other."""
+    groups: dict[tuple[Convention, str], tuple[list[int], list[int]]] = {}
+    for index, joint in enumerate(skeleton.joints):
+        order = joint.rotation_order.upper()
+        if joint.convention is Convention.LISTED:
+            order = "".join(channel[1].upper() for channel in joint.channels if channel[0] == "R")
+        order = "".join(letter for letter in order if f"R{letter.lower()}" in joint.channels)
+        if order and joint.convention is not Convention.MARKER:
+            joints, columns = groups.setdefault((joint.convention, order), ([], []))
+            joints.append(index)
+            columns += [place[index, CHANNEL_INDEX[f"R{letter.lower()}"]] for letter in order]
+    return groups
+
+
+def walked(skeleton: Skeleton, block: HubBlock) -> tuple[Array, Array]:
+    """Forward kinematics: positions (n, J, 3) and rotations from the rest pose (n, J, 4), in the world."""
+    positions = np.empty_like(block.translations)
+    rotations = np.empty_like(block.rotations)
+    for index, joint in enumerate(skeleton.joints):
+        parent = joint.parent
+        if parent < 0:
+            positions[:, index] = block.translations[:, index]
+            rotations[:, index] = block.rotations[:, index]
+            continue
+        turn = rotations[:, parent]
+        positions[:, index] = positions[:, parent] + rotate(turn, block.translations[:, index])
+        rotations[:, index] = multiply(turn, block.rotations[:, index])
+    return positions, rotations
