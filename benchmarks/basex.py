@@ -1,4 +1,4 @@
-"""BaseX (Debian package `basex`) as a peer: one JVM for the whole script, text and attribute index on, its own clock."""
+"""BaseX (Debian package `basex`) as a peer: one JVM a script, text and attribute index on, its own clock."""
 
 from __future__ import annotations
 

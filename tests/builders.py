@@ -21,7 +21,11 @@ def bvh(frames: int = 3, seed: int = 0, names: Sequence[str] = ("Hips", "Spine",
     lines = ["HIERARCHY"]
     for depth, name in enumerate(names):
         pad = "\t" * depth
-        lines += [f"{pad}{'JOINT' if depth else 'ROOT'} {name}", f"{pad}{{", f"{pad}\tOFFSET 0.00 {10.5 * bool(depth)} 0.00"]
+        lines += [
+            f"{pad}{'JOINT' if depth else 'ROOT'} {name}",
+            f"{pad}{{",
+            f"{pad}\tOFFSET 0.00 {10.5 * bool(depth)} 0.00",
+        ]
         channels = "CHANNELS 3 Zrotation Xrotation Yrotation"
         if not depth:
             channels = "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation"

@@ -26,7 +26,9 @@ _MOTION = re.compile(
     r"|frame\[(?P<frame>\d{1,18})\](?:/motion_name(?:\[(?P<name>\d{1,9})\])?|/frame_bone\[(?P<bone>\d{1,9})\])?)"
     r"(?:/@(?P<attribute>[A-Za-z]+))?"
 )
-_HEAD = re.compile(r"(?P<element>/mcml(?:/(?:header|root|skeleton)(?:/[a-z_]+(?:\[\d{1,9}\])?)*)?)(?:/@(?P<attribute>[A-Za-z_]+))?")
+_HEAD = re.compile(
+    r"(?P<element>/mcml(?:/(?:header|root|skeleton)(?:/[a-z_]+(?:\[\d{1,9}\])?)*)?)(?:/@(?P<attribute>[A-Za-z_]+))?"
+)
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,9 @@ def read_element(tx: Transaction, stored: StoredDocument, address: str) -> bytes
     return element.attributes[attribute].encode()
 
 
-def change_element(tx: Transaction, stored: StoredDocument, address: str, change: Change, message: str = "") -> StoredDocument:
+def change_element(
+    tx: Transaction, stored: StoredDocument, address: str, change: Change, message: str = ""
+) -> StoredDocument:
     """Change attributes or text of the element at an address, as one revision."""
     match = _MOTION.fullmatch(address)
     if match is None:
@@ -103,7 +107,7 @@ def _done(tx: Transaction, stored: StoredDocument, operation: str, message: str)
 
 
 def _attribute(address: str) -> str | None:
-    head, slash, name = address.rpartition("/@")
+    _, slash, name = address.rpartition("/@")
     return name if slash else None
 
 
@@ -174,9 +178,7 @@ def _numbers(change: Change, address: str) -> dict[int, float | None]:
 def _change_motion_leaf(tx: Transaction, stored: StoredDocument, tag: str, change: Change) -> None:
     address = f"/mcml/motion/{tag}"
     if tag == "frames":
-        raise DocumentError(
-            "frames is counted, not set.", at=Place(element=address), remedy="Insert or delete frames."
-        )
+        raise DocumentError("frames is counted, not set.", at=Place(element=address), remedy="Insert or delete frames.")
     try:
         good = change.text is not None and 0 < float(change.text) < 1e6
     except ValueError:
@@ -201,7 +203,7 @@ def _edit_head(tx: Transaction, stored: StoredDocument, address: str, change: Ch
     match = _HEAD.fullmatch(address)
     document = tx.heads.document(stored)
     before = joint_names(document)
-    found = {here: element for here, element in addresses(document)}
+    found = dict(addresses(document))
     if match is None or match["element"] not in found:
         raise _missing(address)
     target = found[match["element"]]

@@ -56,7 +56,9 @@ def rewrite_frame_bone(
     new_bits = bits
     for channel, value in wanted.items():
         if value is None and not bits >> channel & 1:
-            raise NotFoundError("The frame_bone has no such attribute.", at=Place(element=f"{address}/@{CHANNELS[channel]}"))
+            raise NotFoundError(
+                "The frame_bone has no such attribute.", at=Place(element=f"{address}/@{CHANNELS[channel]}")
+            )
         new_bits = new_bits & ~(1 << channel) if value is None else new_bits | 1 << channel
     if wanted:
         _rewrite_track(tx, stored, slot, bone, wanted)
@@ -88,11 +90,11 @@ def _reshape(tx: Transaction, stored: StoredDocument, slot: int, shape: Shape) -
     """Give one stored frame another shape: its run is split in up to three."""
     number = tx.tracks.shape_number(stored.key, shape)
     run = tx.tracks.close_run(shape_run, stored.key, shape_run.c.slot, slot)
-    start, count = run.slot, run.count
+    start, count = run["slot"], run["count"]
     rows = [
-        {"slot": start, "count": slot - start, "shape": run.shape},
+        {"slot": start, "count": slot - start, "shape": run["shape"]},
         {"slot": slot, "count": 1, "shape": number},
-        {"slot": slot + 1, "count": start + count - slot - 1, "shape": run.shape},
+        {"slot": slot + 1, "count": start + count - slot - 1, "shape": run["shape"]},
     ]
     tx.tracks.write_shape_runs(stored.key, [row for row in rows if row["count"]], tx.commit)
 
@@ -120,7 +122,9 @@ def delete_frame(tx: Transaction, stored: StoredDocument, position: int) -> None
     pieces = tx.tracks.pieces(stored.key, 1, stored.frames)
     tx.tracks.close(timeline, stored.key)
     tx.tracks.write_timeline(
-        stored.key, [Piece(*item) for item in without_position([(p.first, p.slot, p.count) for p in pieces], position)], tx.commit
+        stored.key,
+        [Piece(*item) for item in without_position([(p.first, p.slot, p.count) for p in pieces], position)],
+        tx.commit,
     )
     tx.tracks.rewrite_frame_ids(stored.key, [before, after])
     _shift_spans(tx, stored, position)
@@ -130,16 +134,13 @@ def delete_frame(tx: Transaction, stored: StoredDocument, position: int) -> None
 def _shift_spans(tx: Transaction, stored: StoredDocument, position: int) -> None:
     moved = [span for span in tx.spans.of(stored.key) if span.last >= position]
     tx.spans.close([span.key for span in moved])
+    shifted = [(span, span.first - (span.first > position), span.last - 1) for span in moved]
     rows = [
-        {
-            "name": span.name,
-            "rank": span.rank,
-            "first": span.first - (span.first > position),
-            "last": span.last - 1,
-        }
-        for span in moved
+        {"name": span.name, "rank": span.rank, "first": first, "last": last}
+        for span, first, last in shifted
+        if first <= last
     ]
-    tx.spans.write(stored.key, [row for row in rows if row["first"] <= row["last"]], tx.commit)
+    tx.spans.write(stored.key, rows, tx.commit)
 
 
 def _write_counts(tx: Transaction, stored: StoredDocument, frames: int) -> None:
@@ -152,5 +153,3 @@ def _write_counts(tx: Transaction, stored: StoredDocument, frames: int) -> None:
         frame_time=stored.frame_time,
         intact=False,
     )
-
-

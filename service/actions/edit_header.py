@@ -6,15 +6,21 @@ from collections.abc import Iterable
 
 from service.errors import DocumentError
 from service.mcml.elements import Element, leaf
+from service.mcml.vocabulary import HEADER_LEAVES_AFTER_UNITS, HEADER_LEAVES_BEFORE_UNITS
 from service.motion.units import UNITS
 
 UP_AXES = ("X", "Y", "Z")
 
-_ORDER = (
-    "filetype datatype filename version skeleton_name units num_segments num_frames dataframe_rate "
-    "euler_rotation_order calibration_unit global_axis_of_gravity bone_length_axis scale_factor description property "
-    "source section comment"
-).split()
+_ORDER = [
+    *HEADER_LEAVES_BEFORE_UNITS,
+    "units",
+    *HEADER_LEAVES_AFTER_UNITS,
+    "description",
+    "property",
+    "source",
+    "section",
+    "comment",
+]
 """The children of `header` in the order of `mcml.dtd`."""
 
 

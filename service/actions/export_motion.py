@@ -5,8 +5,9 @@ from __future__ import annotations
 import io
 import re
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 import orjson
@@ -95,7 +96,7 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
     clip = _converted(source, name, options)
     parts = [item.name for item in FORMATS[name].parts]
     if part is None:
-        files = {f"{stem}{_extension(name, item)}": (lambda item=item: FORMATS[name].write(clip, item)) for item in parts}
+        files = {f"{stem}{_extension(name, item)}": partial(FORMATS[name].write, clip, item) for item in parts}
         return Export(f"{stem}.zip", "application/zip", zipped(files), clip.notices)
     content = FORMATS[name].write(clip, part)
     return Export(f"{stem}{_extension(name, part)}", FORMATS[name].media_type, content, clip.notices)
@@ -179,7 +180,7 @@ def _csv(source: StoredClip) -> Iterator[bytes]:
             position += 1
 
 
-def zipped(files: dict[str, Callable[[], Iterator[bytes]]]) -> Iterator[bytes]:
+def zipped(files: Mapping[str, Callable[[], Iterator[bytes]]]) -> Iterator[bytes]:
     """A zip of the files, streamed; times are fixed so that equal content gives equal bytes."""
     buffer = _Tail()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:

@@ -10,7 +10,7 @@ import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
-from typing import BinaryIO, TypeAlias
+from typing import BinaryIO, TypeAlias, cast
 
 from service.errors import FormatError, LimitError, McmlError, Place
 from service.formats import FORMATS, find_format
@@ -135,9 +135,7 @@ def _skeleton_for(motion: SourceFile, skeletons: list[SourceFile]) -> SourceFile
     return skeletons[0] if len(skeletons) == 1 else None
 
 
-def _unpacked(
-    files: list[SourceFile], settings: Settings, stack: ExitStack, result: Gathered
-) -> Iterator[SourceFile]:
+def _unpacked(files: list[SourceFile], settings: Settings, stack: ExitStack, result: Gathered) -> Iterator[SourceFile]:
     for file in files:
         file.stream.seek(0)
         is_zip = file.stream.read(4) in (b"PK\x03\x04", b"PK\x05\x06")
@@ -168,7 +166,7 @@ def _members(file: SourceFile, settings: Settings, stack: ExitStack) -> list[Sou
     members, total = [], 0
     for info in names:
         # Declared sizes may lie, so the bytes themselves are counted while they are unpacked.
-        spool: BinaryIO = stack.enter_context(tempfile.SpooledTemporaryFile(max_size=8 * COPY_BYTES))  # type: ignore[assignment]
+        spool = cast(BinaryIO, stack.enter_context(tempfile.SpooledTemporaryFile(max_size=8 * COPY_BYTES)))  # noqa: SIM115
         size = 0
         with archive.open(info) as member:
             while block := member.read(COPY_BYTES):

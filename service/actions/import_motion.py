@@ -104,13 +104,13 @@ def open_clip(
 
 
 def _with_options(document: Element, options: ImportOptions) -> Element:
-    facts = {
-        "description": options.description or None,
-        "unit": options.unit,
-        "up": options.up,
-        "properties": options.properties or None,
-    }
-    return with_facts(document, **{key: value for key, value in facts.items() if value is not None})
+    return with_facts(
+        document,
+        description=options.description or None,
+        properties=options.properties or None,
+        unit=options.unit,
+        up=options.up,
+    )
 
 
 def _limits(settings: Settings) -> Limits:

@@ -39,13 +39,19 @@ def load_demo(database: Database, settings: Settings, seed: int = 1) -> int:
         name = f"wave_{person + 1}"
         clip = body.clip(name, height, *body.wave(height, 3.5, rng.uniform(1.2, 2.0)))
         last = clip.frames or 0
-        raised = (Label("wave", 1, last), Label("left-arm-abduction", 1, 48), Label("left-arm-adduction", last - 47, last))
+        raised = (
+            Label("wave", 1, last),
+            Label("left-arm-abduction", 1, 48),
+            Label("left-arm-adduction", last - 47, last),
+        )
         count += _add(database, settings, name, "htr", clip, raised, about)
         name = f"dance_{person + 1}"
         tempo = float(rng.integers(96, 132))
         clip = body.clip(name, height, *body.dance(height, 8.0, tempo, rng.uniform(0.6, 1.4)))
         properties = (*about, ("tempo", str(tempo), "bpm"))
-        count += _add(database, settings, name, "mcml", clip, (Label("dance"), *_bars(tempo, clip.frames or 0)), properties)
+        count += _add(
+            database, settings, name, "mcml", clip, (Label("dance"), *_bars(tempo, clip.frames or 0)), properties
+        )
         text, labels = face.face_htr(seed * 100 + person)
         done = import_files(
             database,

@@ -80,7 +80,8 @@ def names_of_frames(spans: Sequence[StoredSpan], positions: range) -> list[tuple
         return None
     changes = sorted({span.first for span in spans} | {span.last + 1 for span in spans})
     result: list[tuple[str, ...]] = []
-    change, current = 0, ()
+    change = 0
+    current: tuple[str, ...] = ()
     for position in positions:
         moved = False
         while change < len(changes) and changes[change] <= position:

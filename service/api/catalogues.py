@@ -57,7 +57,9 @@ def list_joint_names() -> JointNameList:
                 number=row.number,
                 name=row.name,
                 reconstructed=row.reconstructed,
-                aliases={rig: [name for name in names.split("|") if name] for rig, names in row.columns.items() if names},
+                aliases={
+                    rig: [name for name in names.split("|") if name] for rig, names in row.columns.items() if names
+                },
             )
             for row in joint_names.table()
         ]

@@ -21,6 +21,7 @@ from schemas.documents import (
 )
 from service.actions.change_document import change_document, delete_document, restore_document, restore_revision
 from service.actions.describe_document import detail, summary
+from service.actions.describe_problem import problem_of
 from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions, parse_label, parse_property
 from service.actions.inspect_files import inspect_files
@@ -37,7 +38,6 @@ from service.api.dependencies import (
     encode_cursor,
     etag,
 )
-from service.actions.describe_problem import problem_of
 from service.api.streaming import unchanged
 from service.errors import QueryError
 from service.formats.format import SourceFile
@@ -101,9 +101,7 @@ def upload_documents(
 
 
 @router.post("/inspect", operation_id="inspect_files")
-def inspect(
-    settings: SettingsDep, file: Files, encoding: Annotated[str | None, Form()] = None
-) -> InspectResult:
+def inspect(settings: SettingsDep, file: Files, encoding: Annotated[str | None, Form()] = None) -> InspectResult:
     """What an upload of these files would find. Nothing is stored."""
     clips, problems = inspect_files(_sources(file), ImportOptions(encoding=encoding), settings)
     return InspectResult(
@@ -134,7 +132,7 @@ def list_documents(
     )
     after = None if page.cursor is None else decode_cursor(page.cursor, str, int)
     with database.read() as tx:
-        found = tx.documents.list(
+        found = tx.documents.page(
             wanted,
             after=None if after is None else (after[0], after[1]),
             limit=page.limit + 1,
@@ -242,4 +240,6 @@ def _condition(text: str) -> tuple[str, float | None, float | None, str | None]:
     try:
         return name, float(low) if low else None, float(high) if high else None, None
     except ValueError:
-        raise QueryError(f"{value!r} is not a range of numbers.", remedy="Write age:20..30, age:20.. or age:..30.") from None
+        raise QueryError(
+            f"{value!r} is not a range of numbers.", remedy="Write age:20..30, age:20.. or age:..30."
+        ) from None

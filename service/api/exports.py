@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 
@@ -16,7 +16,7 @@ router = APIRouter(tags=["export"])
 
 First = Annotated[int, Query(ge=1, description="First frame, a position from 1")]
 Last = Annotated[int | None, Query(ge=1, description="Last frame, included; default the last one")]
-_FILE = {200: {"content": {"application/octet-stream": {}}, "description": "The file"}}
+_FILE: dict[int | str, dict[str, Any]] = {200: {"content": {"application/octet-stream": {}}, "description": "The file"}}
 
 
 @router.get("/documents/{id}/mcml", operation_id="get_mcml", response_class=Response, responses=_FILE)
@@ -43,8 +43,12 @@ def export(
     revision: RevisionQuery = None,
     first: First = 1,
     last: Last = None,
-    names: Annotated[str | None, Query(description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's")] = None,
-    unit: Annotated[str | None, Query(description="Scale lengths to this unit; the document must state its own")] = None,
+    names: Annotated[
+        str | None, Query(description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's")
+    ] = None,
+    unit: Annotated[
+        str | None, Query(description="Scale lengths to this unit; the document must state its own")
+    ] = None,
     up: Annotated[str | None, Query(description="Turn so that this axis points up")] = None,
     original: Annotated[bool, Query(description="Answer the kept bytes of an unedited document")] = True,
 ) -> Response:
@@ -79,5 +83,3 @@ def _answer(
         return content, export.media_type, headers
 
     return streamed(database, make)
-
-

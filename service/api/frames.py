@@ -49,8 +49,8 @@ def get_frames(
 ) -> Any:
     """Frames of a document as numbers in the source's units.
 
-    `npy` with channels: (frames, channels) in the order of the header `x-mcml-columns`, missing samples NaN. With positions
-    (frames, bones, 3), with rotations (frames, bones, 4), bones in the order of `x-mcml-columns`.
+    `npy` with channels: (frames, channels) in the order of the header `x-mcml-columns`, missing samples NaN. With
+    positions (frames, bones, 3), with rotations (frames, bones, 4), bones in that order.
     """
     if format == "npy":
         return _array(request, database, id, revision, first, last, step, bone, space, dtype)
@@ -79,9 +79,7 @@ def _bones(names: tuple[str, ...], wanted: list[str] | None) -> dict[int, str]:
     known = {name: number for number, name in enumerate(names)}
     unknown = [name for name in wanted if name not in known]
     if unknown:
-        raise NotFoundError(
-            f"The document has no bone {unknown[0]!r}.", remedy=f"It has: {', '.join(names[:60])}."
-        )
+        raise NotFoundError(f"The document has no bone {unknown[0]!r}.", remedy=f"It has: {', '.join(names[:60])}.")
     return {known[name]: name for name in wanted}
 
 
@@ -120,9 +118,7 @@ def _array(
 
         def content() -> Iterator[bytes]:
             header = io.BytesIO()
-            np.lib.format.write_array_header_1_0(
-                header, {"descr": f"<{dtype}", "fortran_order": False, "shape": shape}
-            )
+            np.lib.format.write_array_header_1_0(header, {"descr": f"<{dtype}", "fortran_order": False, "shape": shape})
             yield header.getvalue()
             for block in source.clip.blocks():
                 if space == "channels":

@@ -66,14 +66,18 @@ class Guard:
         host = urlsplit(f"//{headers.get('host', '')}").hostname or ""
         origin = headers.get("origin")
         if origin and scope["method"] not in SAFE_METHODS and urlsplit(origin).netloc != headers.get("host"):
-            return plain(403, f"Pages of {origin} may not write here.", "Send the request from this server's own pages.")
+            return plain(
+                403, f"Pages of {origin} may not write here.", "Send the request from this server's own pages."
+            )
         length = headers.get("content-length", "0")
         if length.isdigit() and int(length) > self.max_bytes:
             return plain(413, f"The request has {length} bytes, the limit is {self.max_bytes}.", "Send it in parts.")
         if self.local:
             if not is_loopback(host):
                 # A foreign name that resolves to this machine would let any page read the repository (DNS rebinding).
-                return plain(403, f"{host!r} is not a name of this machine.", "Use http://127.0.0.1 or http://localhost.")
+                return plain(
+                    403, f"{host!r} is not a name of this machine.", "Use http://127.0.0.1 or http://localhost."
+                )
             return None
         return self._token_refusal(scope, headers)
 

@@ -9,8 +9,8 @@ import fastapi_offline
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
 
-from service.api.dependencies import DatabaseDep
 from service.actions.describe_problem import STATUS_OF, slug
+from service.api.dependencies import DatabaseDep
 from service.errors import NotFoundError
 from service.resources import dtd_path
 from service.storage.documents import DocumentFilter, StoredDocument
@@ -22,14 +22,23 @@ _ASSETS = ("swagger-ui-bundle.js", "swagger-ui.css", "favicon.png")
 _SHOWN = 200
 
 _STYLE = """
-:root{color-scheme:dark light;--bg:#10141A;--panel:#171C24;--text:#E9EDF3;--dim:#97A3B3;--accent:#3FD0BC;--line:#2E3844}
-@media(prefers-color-scheme:light){:root{--bg:#F3F5F8;--panel:#fff;--text:#141A22;--dim:#566272;--accent:#0A7568;
---line:#D3DAE3}}
-body{margin:0;background:var(--bg);color:var(--text);font:14px/1.45 system-ui,"Segoe UI",Roboto,"Noto Sans KR",sans-serif}
-main{max-width:1040px;margin:0 auto;padding:32px 24px}h1{font-size:24px;margin:0 0 4px}h2{font-size:15px;margin:28px 0 8px}
-p{color:var(--dim);margin:0 0 12px}a{color:var(--accent)}table{border-collapse:collapse;width:100%;background:var(--panel)}
-th,td{text-align:left;padding:6px 10px;border-bottom:1px solid var(--line);vertical-align:top}th{color:var(--dim);font-weight:600}
-td.n{text-align:right;font-variant-numeric:tabular-nums}pre{background:var(--panel);padding:12px;overflow:auto;border-radius:6px}
+:root { color-scheme: dark light; --bg: #10141A; --panel: #171C24; --text: #E9EDF3; --dim: #97A3B3; --accent: #3FD0BC;
+  --line: #2E3844 }
+@media (prefers-color-scheme: light) {
+  :root { --bg: #F3F5F8; --panel: #fff; --text: #141A22; --dim: #566272; --accent: #0A7568; --line: #D3DAE3 }
+}
+body { margin: 0; background: var(--bg); color: var(--text);
+  font: 14px/1.45 system-ui, "Segoe UI", Roboto, "Apple SD Gothic Neo", "Malgun Gothic", "Noto Sans KR", sans-serif }
+main { max-width: 1040px; margin: 0 auto; padding: 32px 24px }
+h1 { font-size: 24px; margin: 0 0 4px }
+h2 { font-size: 15px; margin: 28px 0 8px }
+p { color: var(--dim); margin: 0 0 12px }
+a { color: var(--accent) }
+table { border-collapse: collapse; width: 100%; background: var(--panel) }
+th, td { text-align: left; padding: 6px 10px; border-bottom: 1px solid var(--line); vertical-align: top }
+th { color: var(--dim); font-weight: 600 }
+.n { text-align: right; font-variant-numeric: tabular-nums }
+pre { background: var(--panel); padding: 12px; overflow: auto; border-radius: 6px }
 """
 
 
@@ -37,7 +46,7 @@ td.n{text-align:right;font-variant-numeric:tabular-nums}pre{background:var(--pan
 def front_page(request: Request, database: DatabaseDep) -> str:
     """What is stored, and where to go from here."""
     with database.read() as tx:
-        found = tx.documents.list(DocumentFilter(), after=None, limit=_SHOWN, newest_first=True)
+        found = tx.documents.page(DocumentFilter(), after=None, limit=_SHOWN, newest_first=True)
         total = tx.documents.count(DocumentFilter())
         names = {stored.key: {span.name: None for span in tx.spans.of(stored.key)} for stored in found}
         counts = tx.spans.counts()
@@ -56,7 +65,8 @@ mcml import walk.bvh --label walk --server {base}</pre>
 <h2>Find frames by motion name</h2><pre>curl -G {base}/api/v1/xpath \\
   --data-urlencode "q=//frame[motion_name='{html.escape(example)}']" -d as=runs</pre>
 <h2>Library ({total:,})</h2>{more}
-<table><thead><tr><th>Name</th><th>Project</th><th>Format</th><th>Frames</th><th>Motion names</th><th>Get</th></tr></thead>
+<table><thead><tr><th>Name</th><th>Project</th><th>Format</th><th class="n">Frames</th><th>Motion names</th>
+<th>Get</th></tr></thead>
 <tbody>{rows or '<tr><td colspan="6">Nothing is stored yet.</td></tr>'}</tbody></table>
 </main></body></html>"""
 
@@ -100,7 +110,8 @@ def problems_page() -> Response:
         for kind, status in STATUS_OF.items()
     )
     return HTMLResponse(
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>Problems</title><style>{_STYLE}</style></head>'
+        '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>Problems</title>'
+        f"<style>{_STYLE}</style></head>"
         f"<body><main><h1>Problems</h1><table>{rows}</table></main></body></html>"
     )
 

@@ -20,7 +20,9 @@ def query(
     q: Annotated[str, Query(min_length=1, max_length=10_000, description="An XPath 1.0 expression")],
     document: Annotated[list[str] | None, Query(description="Documents to ask; default all")] = None,
     project: Annotated[str | None, Query(description="Ask this project only")] = None,
-    as_: Annotated[Literal["json", "xml", "runs"], Query(alias="as", description="Nodes, nodes as XML, or runs of frames")] = "json",
+    as_: Annotated[
+        Literal["json", "xml", "runs"], Query(alias="as", description="Nodes, nodes as XML, or runs of frames")
+    ] = "json",
     limit: Annotated[int, Query(ge=1)] = 100,
     cursor: Annotated[str | None, Query(max_length=4096)] = None,
     explain: Annotated[bool, Query(description="Say how the query ran")] = False,

@@ -11,9 +11,16 @@ from urllib.parse import unquote
 
 import httpx
 
-from schemas.documents import DocumentDetail, DocumentPage, FileProblem, ImportedDocument, LabelPage, Receipt
+from schemas.documents import (
+    DocumentDetail,
+    DocumentPage,
+    FileProblem,
+    ImportedDocument,
+    LabelPage,
+    Receipt,
+    UploadResult,
+)
 from schemas.documents import Label as WireLabel
-from schemas.documents import UploadResult
 from schemas.queries import QueryAnswer, QueryRequest
 from service.actions.change_document import add_labels
 from service.actions.describe_document import detail, summary
@@ -71,7 +78,7 @@ class LocalLibrary(Library):
 
     def documents(self, wanted: DocumentFilter, limit: int) -> DocumentPage:
         with self.database.read() as tx:
-            found = tx.documents.list(wanted, after=None, limit=limit)
+            found = tx.documents.page(wanted, after=None, limit=limit)
             return DocumentPage(items=[summary(stored) for stored in found], total=tx.documents.count(wanted))
 
     def document(self, uuid: str) -> DocumentDetail:

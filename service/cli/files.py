@@ -81,7 +81,8 @@ def _format_of(path: Path) -> str:
         if any(extension in part.extensions for part in format_.parts):
             return name
     raise UnsupportedError(
-        f"{path.name!r} does not say which format to write.", remedy=f"Use --to with one of: {', '.join(sorted(targets()))}."
+        f"{path.name!r} does not say which format to write.",
+        remedy=f"Use --to with one of: {', '.join(sorted(targets()))}.",
     )
 
 
@@ -109,4 +110,3 @@ def validate(
 def _told(name: str, error: McmlError) -> str:
     text = str(error)
     return text if name in text else f"{name}: {text}"
-

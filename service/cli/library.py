@@ -109,7 +109,11 @@ def _groups(paths: list[Path]) -> Iterator[list[Path]]:
     for path in paths:
         if not path.exists():
             raise UnsupportedError(f"{path} does not exist.")
-        files = sorted(found for found in path.rglob("*") if found.suffix.lower() in EXTENSIONS) if path.is_dir() else [path]
+        files = (
+            sorted(found for found in path.rglob("*") if found.suffix.lower() in EXTENSIONS)
+            if path.is_dir()
+            else [path]
+        )
         paired: dict[Path, list[Path]] = {}
         for file in files:
             if file.suffix.lower() in (".asf", ".amc"):
@@ -161,9 +165,11 @@ def show(
         return
     rate = f"{1 / found.seconds_per_frame:.6g} Hz" if found.seconds_per_frame else "rate unknown"
     console.print(f"[bold]{found.name}[/bold]  {found.id}  revision {found.revision}")
-    console.print(f"{found.format}, {found.frames:,} frames, {rate}, unit {found.unit or 'unknown'}, up {found.up or 'unknown'}")
-    for item in found.properties:
-        console.print(f"  {item.name} = {item.value} {item.unit}")
+    console.print(
+        f"{found.format}, {found.frames:,} frames, {rate}, unit {found.unit or 'unknown'}, up {found.up or 'unknown'}"
+    )
+    for fact in found.properties:
+        console.print(f"  {fact.name} = {fact.value} {fact.unit}")
     rows = table("bone", "source name", "parent", "channels")
     for bone in found.bones:
         rows.add_row(bone.name, bone.source_name, bone.parent or "", " ".join(bone.channels))
@@ -175,7 +181,9 @@ def show(
 def export(
     ids: Annotated[list[str], typer.Argument(help="Documents")],
     format: Annotated[str, typer.Option(help="bvh, asf-amc, asf, amc, htr, mcml or csv")] = "bvh",
-    output: Annotated[Path | None, typer.Option("--output", "-o", help="File or folder; default this folder, - prints")] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="File or folder; default this folder, - prints")
+    ] = None,
     first: Annotated[int, typer.Option(help="First frame, from 1")] = 1,
     last: Annotated[int | None, typer.Option(help="Last frame, included")] = None,
     names: Annotated[str | None, typer.Option(help="Joint names: mcml, bvh1, bvh2, asf or htr")] = None,

@@ -38,14 +38,14 @@ def serve(
     store = open_database(settings)
     if not is_loopback(settings.host):
         with store.read() as tx:
-            if not tx.tokens.list():
+            if not tx.tokens.all():
                 raise AccessError(
                     f"{settings.host} is open to other machines, and the repository has no token yet.",
                     remedy="Make one first: `mcml token add NAME`; or listen on 127.0.0.1.",
                 )
     if with_demo:
         with store.read() as tx:
-            empty = not tx.documents.list(DocumentFilter(), after=None, limit=1)
+            empty = not tx.documents.page(DocumentFilter(), after=None, limit=1)
         if empty:
             _load_demo(database)
     store.close()
@@ -93,7 +93,12 @@ def doctor(database: DatabaseOption = None) -> None:
         faults += not good
         console.print(f"{'ok  ' if good else 'LACK'} {what:<16} {fact}" + (f"\n     {remedy}" if remedy else ""))
 
-    line("python", platform.python_version(), sys.version_info >= (3, 11), "" if sys.version_info >= (3, 11) else "Use 3.11+.")
+    line(
+        "python",
+        platform.python_version(),
+        sys.version_info >= (3, 11),
+        "" if sys.version_info >= (3, 11) else "Use 3.11+.",
+    )
     line("sqlite", sqlite3.sqlite_version)
     line("mcml.dtd", str(dtd_path()))
     line("migrations", str(migrations_path()))
@@ -114,7 +119,10 @@ def doctor(database: DatabaseOption = None) -> None:
             sizes = store.size()
             with store.read() as tx:
                 count = tx.documents.count(DocumentFilter())
-            line("documents", f"{count:,} in {sizes['total'] / 1e6:,.1f} MB, {sizes['uploads'] / 1e6:,.1f} MB of it uploads")
+            line(
+                "documents",
+                f"{count:,} in {sizes['total'] / 1e6:,.1f} MB, {sizes['uploads'] / 1e6:,.1f} MB of it uploads",
+            )
     path = settings.database_url.removeprefix("sqlite:///")
     if path != settings.database_url:
         folder = os.path.dirname(path) or "."

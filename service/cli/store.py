@@ -34,9 +34,7 @@ def upgrade(database: DatabaseOption = None) -> None:
     console.print(f"schema {before or 'none'} -> {wanted}" if before != wanted else f"schema {wanted}, nothing to do")
 
 
-def backup_(
-    output: Annotated[Path, typer.Argument(help="File to write")], database: DatabaseOption = None
-) -> None:
+def backup_(output: Annotated[Path, typer.Argument(help="File to write")], database: DatabaseOption = None) -> None:
     """Copy the whole store into one file while it is in use."""
     size = backup(open_database(chosen_settings(database)), output)
     console.print(f"wrote {output} ({size / 1e6:,.1f} MB)")
@@ -77,13 +75,15 @@ def token_add(
     with open_database(chosen_settings(database)).write() as tx:
         secret = tx.tokens.add(name, expires)
     print(secret)
-    console.print(f"curl -H 'Authorization: Bearer {secret}' …\nMCML_TOKEN={secret} mcml ls --server http://…", style="dim")
+    console.print(
+        f"curl -H 'Authorization: Bearer {secret}' …\nMCML_TOKEN={secret} mcml ls --server http://…", style="dim"
+    )
 
 
 def token_list(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
     """List tokens: their names, first characters and dates."""
     with open_database(chosen_settings(database)).read() as tx:
-        found = tx.tokens.list()
+        found = tx.tokens.all()
     if as_json:
         print_json([vars(item) for item in found])
         return

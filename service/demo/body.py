@@ -50,7 +50,7 @@ def skeleton(height: float) -> Skeleton:
     place = {name: index for index, name in enumerate(order)}
     result = []
     for name in order:
-        parent, offset = joints[name]
+        above, offset = joints[name]
         tip = next((_TIPS[end] for end in _TIPS if name.endswith(end)), None)
         if tip is not None and name.startswith("Right"):
             tip = (-tip[0], tip[1], tip[2])
@@ -59,13 +59,13 @@ def skeleton(height: float) -> Skeleton:
         result.append(
             Joint(
                 name=name,
-                parent=-1 if parent is None else place[parent],
+                parent=-1 if above is None else place[above],
                 source_name=name,
                 convention=Convention.LISTED,
-                channels=("Tx", "Ty", "Tz", *rotations) if parent is None else rotations,
+                channels=("Tx", "Ty", "Tz", *rotations) if above is None else rotations,
                 rotation_order="ZXY",
-                offset=_triple((0.0, 0.0, 0.0) if parent is None else offset, height),
-                translation="absolute" if parent is None else "",
+                offset=_triple((0.0, 0.0, 0.0) if above is None else offset, height),
+                translation="absolute" if above is None else "",
                 end_sites=sites,
             )
         )
@@ -170,9 +170,7 @@ def dance(height: float, seconds: float, tempo: float, depth: float) -> tuple[Ar
     time = np.arange(round(seconds * RATE)) / RATE
     beat = np.pi * tempo / 60 * time
     zero = np.zeros_like(time)
-    root = np.stack(
-        [0.1 * height * np.sin(beat), (0.52 - 0.02 * depth * np.abs(np.cos(beat))) * height, zero], axis=1
-    )
+    root = np.stack([0.1 * height * np.sin(beat), (0.52 - 0.02 * depth * np.abs(np.cos(beat))) * height, zero], axis=1)
     angles = {
         "Spine": _turn(6 * np.sin(beat), zero, 14 * np.sin(beat)),
         "Head": _turn(-4 * np.sin(beat), zero, -8 * np.sin(beat)),

@@ -14,7 +14,8 @@ _POINTS = {
 }  # fmt: skip
 _EXPRESSIONS: dict[str, dict[str, tuple[float, float, float]]] = {
     "smile": {"mouth": (7, 8, -4), "cheek": (3, 6, 2), "lip_low": (0, -2, -1)},
-    "surprise": {"brow_in": (0, 9, 0), "brow_out": (0, 8, 0), "lid_up": (0, 3, 0), "jaw": (0, -16, -4), "lip_low": (0, -12, -2)},
+    "surprise": {"brow_in": (0, 9, 0), "brow_out": (0, 8, 0), "lid_up": (0, 3, 0), "jaw": (0, -16, -4),
+                 "lip_low": (0, -12, -2)},
     "anger": {"brow_in": (-3, -7, 1), "brow_out": (0, -3, 0), "mouth": (-2, -3, 0), "lip_up": (0, -1, 1)},
 }  # fmt: skip
 

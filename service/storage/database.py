@@ -74,6 +74,13 @@ class Transaction:
         """The same transaction, reading the state of an earlier commit."""
         return Transaction(self.connection, self.dialect, commit, self._author)
 
+    def insert_row(self, table: Table, **values: Any) -> int:
+        """Insert one row and answer the key it got."""
+        key = self.connection.execute(insert(table).values(values)).inserted_primary_key
+        if key is None:
+            raise StoreError(f"The database gave no key to a row of {table.name}.")
+        return int(key[0])
+
     def insert_rows(self, table: Table, rows: list[dict[str, Any]]) -> None:
         if rows:
             self.dialect.insert(self.connection, table, rows)

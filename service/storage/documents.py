@@ -83,8 +83,7 @@ class Documents:
             "next_slot": 0,
             "receipt": "{}",
         }
-        result = self._tx.connection.execute(insert(document).values(row))
-        return int(result.inserted_primary_key[0]), uuid
+        return self._tx.insert_row(document, **row), uuid
 
     def renew_lease(self, key: int) -> None:
         self._tx.connection.execute(
@@ -105,7 +104,15 @@ class Documents:
         self._tx.connection.execute(insert(revision).values(row))
 
     def write_content(
-        self, key: int, from_commit: int, *, skeleton: int, version: str, frames: int, frame_time: str | None, intact: bool
+        self,
+        key: int,
+        from_commit: int,
+        *,
+        skeleton: int,
+        version: str,
+        frames: int,
+        frame_time: str | None,
+        intact: bool,
     ) -> None:
         """Set the values that a document has once a revision; the last call in a transaction wins."""
         self._tx.connection.execute(
@@ -206,7 +213,7 @@ class Documents:
         """The condition that a document's import was complete at the transaction's commit."""
         return and_(document.c.state == "ready", document.c.created_commit <= self._tx.at)
 
-    def list(
+    def page(
         self, wanted: DocumentFilter, *, after: tuple[str, int] | None, limit: int, newest_first: bool = False
     ) -> list[StoredDocument]:
         """Documents by name and key after (name, key), or newest first after (_, key)."""

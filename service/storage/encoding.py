@@ -51,16 +51,22 @@ def track_row(chunk: int, bone: int, channels: Sequence[int], columns: Array) ->
     channels: channel of each of the (k, n) `columns`, which are NaN where the frame has no such attribute. Columns
     without any sample are left out; None where none is left.
     """
-    missing = np.isnan(columns)
-    kept = ~missing.all(axis=1)
+    kept: list[bool] = (~np.isnan(columns)).any(axis=1).tolist()
     order = [index for index in np.argsort(channels).tolist() if kept[index]]
     if not order:
         return None
-    columns, missing = columns[order], missing[order]
+    columns = columns[order]
     channels = [channels[index] for index in order]
-    has_missing = sum(1 << channel for channel, gap in zip(channels, missing.any(axis=1), strict=True) if gap)
+    gaps: list[bool] = np.isnan(columns).any(axis=1).tolist()
+    has_missing = sum(1 << channel for channel, gap in zip(channels, gaps, strict=True) if gap)
     return _row(
-        chunk, bone, channels, columns, np.nanmin(columns, axis=1).tolist(), np.nanmax(columns, axis=1).tolist(), has_missing
+        chunk,
+        bone,
+        channels,
+        columns,
+        np.nanmin(columns, axis=1).tolist(),
+        np.nanmax(columns, axis=1).tolist(),
+        has_missing,
     )
 
 
@@ -254,7 +260,11 @@ class ClipEncoder:
             else:
                 self.shape_rows.append({"slot": slot, "count": count, "shape": number})
             slot += count
-        if block.shape_of is None and block.shapes[0] == full_shape(block.columns) and not np.isfinite(block.values).all():
+        if (
+            block.shape_of is None
+            and block.shapes[0] == full_shape(block.columns)
+            and not np.isfinite(block.values).all()
+        ):
             raise StoreError("A block of frames holds a value that is not a finite number.")
 
 

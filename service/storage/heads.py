@@ -90,10 +90,7 @@ class Heads:
         found = self._tx.connection.execute(query).scalar_one_or_none()
         if found is not None:
             return int(found)
-        result = self._tx.connection.execute(
-            insert(skeleton).values(project=project_key, hash=key_hash, joints=joints)
-        )
-        key = int(result.inserted_primary_key[0])
+        key = self._tx.insert_row(skeleton, project=project_key, hash=key_hash, joints=joints)
         self._tx.insert_rows(skeleton_element, [row | {"skeleton": key} for row in rows])
         return key
 

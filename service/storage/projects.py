@@ -33,7 +33,9 @@ class Projects:
         """The project's key; NotFoundError."""
         found = self.find(name)
         if found is None:
-            raise NotFoundError(f"There is no project {name!r}.", remedy="Upload into it to make it, or check the name.")
+            raise NotFoundError(
+                f"There is no project {name!r}.", remedy="Upload into it to make it, or check the name."
+            )
         return found
 
     def get_or_add(self, name: str) -> int:
@@ -44,8 +46,7 @@ class Projects:
         found = self.find(name)
         if found is not None:
             return found
-        result = self._tx.connection.execute(insert(project).values(name=name, created=now()))
-        return int(result.inserted_primary_key[0])
+        return self._tx.insert_row(project, name=name, created=now())
 
 
 @dataclass(frozen=True)
@@ -66,14 +67,14 @@ class Tokens:
 
     def add(self, name: str, expires: str | None = None) -> str:
         """A new token, in clear for the only time. ConflictError where the name is taken."""
-        if any(summary.name == name for summary in self.list()):
+        if any(summary.name == name for summary in self.all()):
             raise ConflictError(f"There is a token {name!r} already.", remedy="Choose another name or revoke that one.")
         secret = f"mcml_{secrets.token_urlsafe(32)}"
         row = {"name": name, "sha256": _digest(secret), "hint": secret[:9], "created": now(), "expires": expires}
         self._tx.connection.execute(insert(token).values(row))
         return secret
 
-    def list(self) -> list[TokenSummary]:
+    def all(self) -> list[TokenSummary]:
         rows = self._tx.connection.execute(select(token).order_by(token.c.name))
         return [TokenSummary(row.name, row.hint, row.created, row.expires) for row in rows]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import func, insert, select, update
+from sqlalchemy import func, select, update
 
 from service.storage.tables import CURRENT, document, project, span
 
@@ -88,8 +88,7 @@ class Spans:
             "last": last,
             "rank": rank,
         }
-        result = self._tx.connection.execute(insert(span).values(row))
-        return StoredSpan(first, last, rank, name, int(result.inserted_primary_key[0]))
+        return StoredSpan(first, last, rank, name, self._tx.insert_row(span, **row))
 
     def close(self, keys: list[int]) -> None:
         """End spans with this transaction's commit."""

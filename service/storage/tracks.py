@@ -90,22 +90,21 @@ class Tracks:
         """Replace one track row from this commit on; returns the bytes written. Empty columns leave no row."""
         commit = self._tx.commit
         valid = and_(track.c.document == document_key, track.c.chunk == chunk, track.c.bone == bone)
-        self._tx.connection.execute(
-            update(track).where(valid, track.c.to_commit == CURRENT).values(to_commit=commit)
-        )
+        self._tx.connection.execute(update(track).where(valid, track.c.to_commit == CURRENT).values(to_commit=commit))
         row = track_row(chunk, bone, channels, columns)
         if row is None:
             return 0
         self.write_chunks(document_key, [row], commit)
         return len(row["data"])
 
-    def close_run(self, table: Any, document_key: int, start: Any, position: int) -> Any:
-        """End the run that holds a position (or slot) with this commit, and answer its row."""
+    def close_run(self, table: Any, document_key: int, start: Any, position: int) -> dict[str, Any]:
+        """End the run that holds a position (or slot) with this commit, and answer its columns by name."""
         holds = and_(table.c.document == document_key, table.c.to_commit == CURRENT, start <= position)
-        row = self._tx.connection.execute(select(table).where(holds, start + table.c.count > position)).one()
+        run = self._tx.connection.execute(select(table).where(holds, start + table.c.count > position)).one()
+        row = dict(run._mapping)
         self._tx.connection.execute(
             update(table)
-            .where(table.c.document == document_key, start == row._mapping[start], table.c.to_commit == CURRENT)
+            .where(table.c.document == document_key, start == row[start.name], table.c.to_commit == CURRENT)
             .values(to_commit=self._tx.commit)
         )
         return row
@@ -279,26 +278,28 @@ class Tracks:
             frame_run.c.first + frame_run.c.count > first,
         )
         parts: list[NDArray[np.int64] | list[str]] = []
-        for row in self._tx.connection.execute(query.order_by(frame_run.c.first)):
-            a, b = max(first, row.first) - row.first, min(last + 1, row.first + row.count) - row.first
-            if row.texts is not None:
-                parts.append(json.loads(row.texts)[a:b])
+        for start, count, first_id, step, texts in self._tx.connection.execute(query.order_by(frame_run.c.first)):
+            a, b = max(first, start) - start, min(last + 1, start + count) - start
+            if texts is not None:
+                parts.append(json.loads(texts)[a:b])
             else:
-                parts.append(row.first_id + row.step * np.arange(a, b, dtype=np.int64))
+                parts.append(first_id + step * np.arange(a, b, dtype=np.int64))
         if all(isinstance(part, np.ndarray) for part in parts):
             return np.concatenate([*parts, np.empty(0, np.int64)])
         return [str(item) for part in parts for item in part]
 
     def positions_of_id(self, document_key: int, text: str) -> list[int]:
         """Positions of the frames with this id, ascending."""
-        query = select(frame_run).where(frame_run.c.document == document_key, self._tx.valid(frame_run))
-        found = []
-        for row in self._tx.connection.execute(query.order_by(frame_run.c.first)):
-            if row.texts is not None:
-                found += [row.first + i for i, other in enumerate(json.loads(row.texts)) if other == text]
-                continue
-            ids = row.first_id + row.step * np.arange(row.count, dtype=np.int64)
-            found += [row.first + int(i) for i in np.flatnonzero(ids == int(text))] if _is_plain(text) else []
+        query = select(
+            frame_run.c.first, frame_run.c.count, frame_run.c.first_id, frame_run.c.step, frame_run.c.texts
+        ).where(frame_run.c.document == document_key, self._tx.valid(frame_run))
+        found: list[int] = []
+        for first, count, first_id, step, texts in self._tx.connection.execute(query.order_by(frame_run.c.first)):
+            if texts is not None:
+                found += [first + i for i, other in enumerate(json.loads(texts)) if other == text]
+            elif _is_plain(text):
+                ids = first_id + step * np.arange(count, dtype=np.int64)
+                found += [first + int(i) for i in np.flatnonzero(ids == int(text))]
         return found
 
 

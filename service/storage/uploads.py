@@ -47,18 +47,13 @@ class Uploads:
 
     def begin(self, sha256: str, size: int) -> int:
         lease = time.time() + LEASE_SECONDS
-        result = self._tx.connection.execute(
-            insert(upload).values(sha256=sha256, size=size, complete=False, lease=lease)
-        )
-        return int(result.inserted_primary_key[0])
+        return self._tx.insert_row(upload, sha256=sha256, size=size, complete=False, lease=lease)
 
     def add_blocks(self, key: int, first: int, blocks: Iterable[bytes]) -> None:
         """Append compressed blocks, numbered from `first`, and renew the lease."""
         rows = [{"upload": key, "number": first + index, "data": data} for index, data in enumerate(blocks)]
         self._tx.insert_rows(upload_block, rows)
-        self._tx.connection.execute(
-            update(upload).where(upload.c.id == key).values(lease=time.time() + LEASE_SECONDS)
-        )
+        self._tx.connection.execute(update(upload).where(upload.c.id == key).values(lease=time.time() + LEASE_SECONDS))
 
     def complete(self, key: int) -> None:
         self._tx.connection.execute(update(upload).where(upload.c.id == key).values(complete=True, lease=None))

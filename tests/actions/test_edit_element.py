@@ -186,7 +186,12 @@ def test_nonsense_is_refused(database: Database, where: str, change: Change) -> 
 
 def test_nothing_is_not_found(database: Database) -> None:
     uuid = store(database, {"hand.mcml": MCML})[0]
-    for where in ("/mcml/motion/frame[9]", "/mcml/motion/frame[1]/frame_bone[3]", "/mcml/header/nope", "/mcml/header/@x"):
+    for where in (
+        "/mcml/motion/frame[9]",
+        "/mcml/motion/frame[1]/frame_bone[3]",
+        "/mcml/header/nope",
+        "/mcml/header/@x",
+    ):
         with pytest.raises(NotFoundError), database.read() as tx:
             read_element(tx, tx.documents.get(uuid), where)
 

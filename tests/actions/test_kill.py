@@ -67,7 +67,7 @@ def killed_at_seeded_points(database: Database, url: str, folder: Path, times: i
         outcome = run(url, path, point)
         assert outcome.returncode in (-9, 0), outcome.stderr
         with database.read() as tx:
-            found = tx.documents.list(DocumentFilter(), after=None, limit=1000)
+            found = tx.documents.page(DocumentFilter(), after=None, limit=1000)
             assert len(found) in (whole, whole + 1)
             if len(found) == whole + 1:
                 whole += 1

@@ -115,7 +115,13 @@ def real_files() -> list[tuple[str, list[Path]]]:
     if folder is None:
         return []
     chosen: list[tuple[str, list[Path]]] = []
-    for pattern in ("bvh/edge/*.bvh", "bvh/exporters/*.bvh", "bvh/dance/1*.bvh", "bvh/bandai/*run*.bvh", "bvh/mae_gestures/a*.bvh"):
+    for pattern in (
+        "bvh/edge/*.bvh",
+        "bvh/exporters/*.bvh",
+        "bvh/dance/1*.bvh",
+        "bvh/bandai/*run*.bvh",
+        "bvh/mae_gestures/a*.bvh",
+    ):
         chosen += [("bvh", [path]) for path in sorted(folder.glob(pattern))]
     chosen += [("htr", [path]) for path in sorted(folder.glob("htr/*.[hH]*"))]
     pairs = {

@@ -23,7 +23,12 @@ def test_upload_answers_a_receipt_and_the_location(client: TestClient) -> None:
     answer = client.post(
         f"{API}/documents",
         files=[("file", ("walk.bvh", bvh(40)))],
-        data={"label": ["walk", "left arm_abduction:3-9"], "property": ["age=23 year", "take=calm"], "unit": "cm", "up": "Y"},
+        data={
+            "label": ["walk", "left arm_abduction:3-9"],
+            "property": ["age=23 year", "take=calm"],
+            "unit": "cm",
+            "up": "Y",
+        },
     )
     assert answer.status_code == 201
     (document,) = answer.json()["documents"]
@@ -53,7 +58,10 @@ def test_unit_and_rate_are_never_assumed(client: TestClient) -> None:
 
 def test_amc_finds_its_asf(client: TestClient) -> None:
     other = ASF.replace(b":name leg", b":name other")
-    done = upload(client, {"leg.asf": ASF, "take_01.amc": amc(), "other.asf": other, "other_02.amc": amc().replace(b"leg.asf", b"x")})
+    done = upload(
+        client,
+        {"leg.asf": ASF, "take_01.amc": amc(), "other.asf": other, "other_02.amc": amc().replace(b"leg.asf", b"x")},
+    )
     names = {document["name"]: document["receipt"]["frames"] for document in done["documents"]}
     assert names == {"take_01": 2, "other_02": 2}
     first = done["documents"][0]["id"]
@@ -91,7 +99,12 @@ def test_nothing_is_stored_of_a_refused_file(client: TestClient) -> None:
 
 def test_list_filters_and_pages(client: TestClient) -> None:
     for number in range(5):
-        only(client, {f"walk_{number}.bvh": bvh(3, seed=number)}, property=f"age={20 + number} year", label=f"walk-{number}")
+        only(
+            client,
+            {f"walk_{number}.bvh": bvh(3, seed=number)},
+            property=f"age={20 + number} year",
+            label=f"walk-{number}",
+        )
     only(client, {"two.htr": HTR}, project="lab")
     assert client.get(f"{API}/documents", params={"q": "WALK_"}).json()["total"] == 5
     ages = client.get(f"{API}/documents", params={"property": "age:21..23"}).json()
@@ -102,7 +115,9 @@ def test_list_filters_and_pages(client: TestClient) -> None:
     for sort in ("name", "newest"):
         seen, cursor = [], None
         while True:
-            page = client.get(f"{API}/documents", params={"limit": 2, "sort": sort} | ({"cursor": cursor} if cursor else {})).json()
+            page = client.get(
+                f"{API}/documents", params={"limit": 2, "sort": sort} | ({"cursor": cursor} if cursor else {})
+            ).json()
             seen += [item["name"] for item in page["items"]]
             cursor = page["next_cursor"]
             if cursor is None:
@@ -145,7 +160,10 @@ def test_any_revision_can_be_read_and_restored(client: TestClient) -> None:
     assert client.delete(f"{address}/labels/{label}", headers={"if-match": "*"}).status_code == 204
     added = client.post(f"{address}/labels", json=[{"name": "hop", "first": 2, "last": 3}], headers={"if-match": "*"})
     assert added.status_code == 201
-    names = {n: [i["name"] for i in client.get(f"{address}/labels", params={"revision": n}).json()["items"]] for n in (1, 2, 3)}
+    names = {
+        n: [i["name"] for i in client.get(f"{address}/labels", params={"revision": n}).json()["items"]]
+        for n in (1, 2, 3)
+    }
     assert names == {1: ["walk"], 2: [], 3: ["hop"]}
     assert b"walk" in client.get(f"{address}/mcml", params={"revision": 1}).content
     assert client.post(f"{address}/restore", params={"revision": 1}, headers={"if-match": "*"}).json()["revision"] == 4

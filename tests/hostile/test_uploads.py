@@ -33,7 +33,8 @@ REFUSED = {
     "inf.bvh": bvh(1, names=("Hips",)).rsplit(b"\n", 2)[0] + b"\ninf 0 0 0 0 0\n",
     "comma.bvh": bvh(1, names=("Hips",)).rsplit(b"\n", 2)[0] + b"\n0,5 0 0 0 0 0\n",
     "deep.bvh": b"HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 0\n" + b"JOINT b\n{\nOFFSET 0 0 0\nCHANNELS 0\n" * 5000,
-    "wide.bvh": b"HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 0\n" + b"JOINT b\n{\nOFFSET 0 0 0\nCHANNELS 0\n}\n" * 20000,
+    "wide.bvh": b"HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 0\n"
+    + b"JOINT b\n{\nOFFSET 0 0 0\nCHANNELS 0\n}\n" * 20000,
     "name.bvh": bvh(2).replace(b"Spine", b"Sp\x07ne"),
     "long_name.bvh": bvh(2).replace(b"Spine", b"S" * 100_000),
     "alone.amc": amc(),
@@ -74,7 +75,9 @@ def test_refused_with_a_reason(client: TestClient, name: str) -> None:
 def test_random_bytes(client: TestClient) -> None:
     chance = random.Random(5)
     for number in range(30):
-        head = chance.choice([b"", b"HIERARCHY\n", b"# x\n[Header]\n", b":version 1\n", b"<mcml", b"PK\x03\x04", b"\xff\xfe<"])
+        head = chance.choice(
+            [b"", b"HIERARCHY\n", b"# x\n[Header]\n", b":version 1\n", b"<mcml", b"PK\x03\x04", b"\xff\xfe<"]
+        )
         assert_refused(client, f"{number}.bin", head + chance.randbytes(chance.randint(0, 3000)))
 
 

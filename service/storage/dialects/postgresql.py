@@ -56,6 +56,6 @@ class PostgreSQL(Dialect):
                 connection.execute(
                     text(
                         f"SELECT setval(pg_get_serial_sequence('\"{table.name}\"', '{key.name}'), "
-                        f"GREATEST((SELECT MAX({key.name}) FROM \"{table.name}\"), 1))"
+                        f'GREATEST((SELECT MAX({key.name}) FROM "{table.name}"), 1))'
                     )
                 )

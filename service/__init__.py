@@ -1,0 +1,1 @@
+"""The MCML repository: motion capture in one open XML language."""

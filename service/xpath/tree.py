@@ -1,0 +1,138 @@
+"""Expressions of XPath 1.0 as a typed tree. Frozen; every node knows its place in the text.
+
+Abbreviations are written out (`@a` is `attribute::a`, `//` is `/descendant-or-self::node()/`), so that equivalent
+spellings look alike. Operators that associate hold all their operands: `a or b or c` is one node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+Span: TypeAlias = tuple[int, int]
+"""First and last + 1 character in the text."""
+
+FORWARD_AXES = ("child", "descendant", "descendant-or-self", "self", "attribute", "following", "following-sibling")
+REVERSE_AXES = ("parent", "ancestor", "ancestor-or-self", "preceding", "preceding-sibling")
+AXES = (*FORWARD_AXES, *REVERSE_AXES, "namespace")
+KIND_TESTS = ("node", "text", "comment", "processing-instruction")
+
+
+@dataclass(frozen=True, slots=True)
+class Literal:
+    """A string or a number."""
+
+    value: str | float
+    span: Span = (0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """`axis::test[predicate]…`. name: of the test, "*" for any, or a kind test such as "node()"."""
+
+    axis: str
+    name: str
+    predicates: tuple[Expression, ...] = ()
+    span: Span = (0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """Steps from a start: an expression, the document (absolute), or the context node."""
+
+    steps: tuple[Step, ...]
+    absolute: bool = False
+    start: Expression | None = None
+    span: Span = (0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Filter:
+    """A parenthesised expression with predicates: `(//frame)[3]`."""
+
+    operand: Expression
+    predicates: tuple[Expression, ...]
+    span: Span = (0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A function call."""
+
+    function: str
+    arguments: tuple[Expression, ...] = ()
+    span: Span = (0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """operator: or and = != < <= > >= + - * div mod | with two or more operands, or "negate" with one."""
+
+    operator: str
+    operands: tuple[Expression, ...]
+    span: Span = (0, 0)
+
+
+Expression: TypeAlias = Literal | Path | Filter | Call | Operation
+
+NODES_FUNCTIONS = frozenset({"id"})
+NUMBER_FUNCTIONS = frozenset(
+    {"last", "position", "count", "string-length", "number", "sum", "floor", "ceiling", "round"}
+)
+STRING_FUNCTIONS = frozenset(
+    {
+        "local-name",
+        "namespace-uri",
+        "name",
+        "string",
+        "concat",
+        "substring-before",
+        "substring-after",
+        "substring",
+        "normalize-space",
+        "translate",
+    }
+)
+
+
+def type_of(expression: Expression) -> str:
+    """Type of the value: "nodes", "number", "string" or "boolean". XPath 1.0 knows it from the text."""
+    if isinstance(expression, Literal):
+        return "string" if isinstance(expression.value, str) else "number"
+    if isinstance(expression, Path | Filter):
+        return "nodes"
+    if isinstance(expression, Call):
+        if expression.function in NODES_FUNCTIONS:
+            return "nodes"
+        if expression.function in NUMBER_FUNCTIONS:
+            return "number"
+        return "string" if expression.function in STRING_FUNCTIONS else "boolean"
+    if expression.operator == "|":
+        return "nodes"
+    return "number" if expression.operator in ("+", "-", "*", "div", "mod", "negate") else "boolean"
+
+
+def children(expression: Expression) -> Iterator[Expression]:
+    """The expressions directly inside an expression."""
+    if isinstance(expression, Path):
+        if expression.start is not None:
+            yield expression.start
+        for step in expression.steps:
+            yield from step.predicates
+    elif isinstance(expression, Filter):
+        yield expression.operand
+        yield from expression.predicates
+    elif isinstance(expression, Call):
+        yield from expression.arguments
+    elif isinstance(expression, Operation):
+        yield from expression.operands
+
+
+def walk(expression: Expression) -> Iterator[Expression]:
+    """The expression and all expressions in it, outer ones first."""
+    stack = [expression]
+    while stack:
+        current = stack.pop()
+        yield current
+        stack.extend(children(current))
