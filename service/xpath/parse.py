@@ -20,7 +20,11 @@ from service.mcml.motion_names import canonical
 from service.mcml.vocabulary import MOTION_NAME
 from service.xpath.tree import (
     AXES,
+    BOOLEAN_FUNCTIONS,
     KIND_TESTS,
+    NODES_FUNCTIONS,
+    NUMBER_FUNCTIONS,
+    STRING_FUNCTIONS,
     Call,
     Expression,
     Filter,
@@ -30,11 +34,14 @@ from service.xpath.tree import (
     Span,
     Step,
     children,
+    type_of,
+    walk,
 )
 
 MAX_LENGTH = 10_000
 MAX_NESTING = 100
 OPERATORS = ("or", "and", "=", "!=", "<", "<=", ">", ">=", "+", "-", "*", "div", "mod", "|")
+FUNCTIONS = NODES_FUNCTIONS | NUMBER_FUNCTIONS | STRING_FUNCTIONS | BOOLEAN_FUNCTIONS
 ANY_NODE = Step("descendant-or-self", "node()")
 
 
@@ -65,12 +72,46 @@ def parse(text: str) -> Query:
 def _parse_tree(text: str) -> Expression:
     _bound(text)
     try:
-        token = Parser.parse(XPath1Parser(), text)
-        return _expression(token)
-    except ElementPathError as error:
-        raise _query_error(text, str(error)) from None
+        try:
+            tree = _expression(Parser.parse(XPath1Parser(), text))
+        except ElementPathError as error:
+            tree = _parse_more(text, error)
+        _check_types(tree)
     except RecursionError:
         raise LimitError("the expression is nested too deeply", remedy="Write it flatter.") from None
+    return tree
+
+
+def _parse_more(text: str, error: ElementPathError) -> Expression:
+    """What elementpath's parser of XPath 1.0 refuses though it is XPath 1.0: a path that starts with a function."""
+    try:
+        tree = _expression(Parser.parse(XPath2Parser(), text))
+    except (ElementPathError, QueryError):
+        raise _query_error(text, str(error)) from None
+    if any(isinstance(part, Call) and part.function not in FUNCTIONS for part in walk(tree)):
+        raise _query_error(text, str(error)) from None
+    return tree
+
+
+def _check_types(tree: Expression) -> None:
+    """Refuses what XPath 1.0 gives no meaning: a predicate, path, union or count of something that is no node set."""
+    for part in walk(tree):
+        needed: tuple[Expression, ...] = ()
+        if isinstance(part, Filter):
+            needed = (part.operand,)
+        elif isinstance(part, Path) and part.start is not None:
+            needed = (part.start,)
+        elif isinstance(part, Operation) and part.operator == "|":
+            needed = part.operands
+        elif isinstance(part, Call) and part.function in ("count", "sum", "name", "local-name", "namespace-uri"):
+            needed = part.arguments
+        for operand in needed:
+            if type_of(operand) != "nodes":
+                raise QueryError(
+                    f"this is a {type_of(operand)} where nodes are needed",
+                    at=Place(column=operand.span[0] + 1),
+                    remedy="Use a path here.",
+                )
 
 
 def _bound(text: str) -> None:
@@ -133,6 +174,8 @@ def _expression(token: Any) -> Expression:
         return _path(token)
     if symbol == "[":
         return _filter(token)
+    if symbol == "(" and len(operands) == 1:
+        return _expression(operands[0])
     if _is_step(token):
         return Path((_step(token),), span=span)
     if symbol == "(string)":

@@ -94,6 +94,7 @@ STRING_FUNCTIONS = frozenset(
         "translate",
     }
 )
+BOOLEAN_FUNCTIONS = frozenset({"boolean", "not", "true", "false", "lang", "contains", "starts-with"})
 
 
 def type_of(expression: Expression) -> str:

@@ -1,0 +1,130 @@
+"""A process of its own that evaluates XPath 1.0 with libxml2: it can be killed, and its memory is bounded.
+
+Run as a program: `python worker.py MEMORY_BYTES`. It imports nothing of the service. On its input, messages: a length
+in 8 bytes, big-endian, and so many bytes. A request is a JSON object {expression, document (whether the document node
+may be selected), limit, offset}, then the document in pieces, then an empty message. On its output, one JSON object.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import struct
+import sys
+from collections import Counter
+from typing import IO, Any
+
+from lxml import etree
+
+ALWAYS_NUMBERED = ("frame", "frame_bone")
+"""Tags that have their position in an address even where they stand alone."""
+
+LAST = ("memory", "document")
+"""Errors after which the process ends: the rest of the request was not read, or memory may be in pieces."""
+
+
+def main() -> None:
+    memory = int(sys.argv[1])
+    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    source, target = sys.stdin.buffer, sys.stdout.buffer
+    while (request := read_message(source)) is not None:
+        parser = etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True, load_dtd=False)
+        try:
+            while piece := read_message(source):
+                parser.feed(piece)
+            answer = evaluate(parser.close().getroottree(), **json.loads(request))
+        except MemoryError:
+            answer = {"error": "memory"}
+        except etree.XPathError as error:
+            answer = {"error": "expression", "message": str(error)}
+        except etree.XMLSyntaxError as error:
+            # libxml2 reports memory that it could not get as an error of line 0.
+            answer = {"error": "document" if error.lineno else "memory", "message": str(error)}
+        write_message(target, json.dumps(answer).encode())
+        if answer.get("error") in LAST:
+            return
+        del answer, parser
+
+
+def evaluate(tree: Any, expression: str, document: bool, limit: int, offset: int) -> dict[str, Any]:
+    """The value of the expression with the document as context node.
+
+    Nodes: {"type": "nodes", "total": n, "items": [[kind, address, value] …]} for items offset … offset + limit - 1
+    in document order. Scalars: {"type": "number" | "string" | "boolean", "value": …}, NaN and infinities as texts.
+    """
+    value: Any = etree.XPath(expression)(tree)
+    if isinstance(value, bool):
+        return {"type": "boolean", "value": value}
+    if isinstance(value, float):
+        special = {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}.get(str(value))
+        return {"type": "number", "value": special or value}
+    if isinstance(value, str):
+        return {"type": "string", "value": str(value)}
+    nodes: list[Any] = value
+    # lxml leaves the document node out of its lists; counted, it shows. It is always the first.
+    count: Any = etree.XPath(f"count({expression})")(tree) if document else 0
+    if count > len(nodes):
+        nodes = [tree, *nodes]
+    addresses = Addresses()
+    page = nodes[offset : offset + limit]
+    return {"type": "nodes", "total": len(nodes), "items": [describe(node, addresses) for node in page]}
+
+
+def describe(node: Any, addresses: Addresses) -> list[str]:
+    """Kind, canonical address and value of a node."""
+    if isinstance(node, etree._ElementTree):
+        return ["document", "/", etree.tostring(node.getroot(), encoding="unicode")]
+    if isinstance(node, tuple):
+        return ["namespace", "", str(node[1])]
+    if isinstance(node, str):
+        smart: Any = node
+        parent = addresses.of(smart.getparent())
+        if smart.is_attribute:
+            return ["attribute", f"{parent}/@{smart.attrname}", str(node)]
+        return ["text", f"{parent}/text()", str(node)]
+    return ["element", addresses.of(node), etree.tostring(node, encoding="unicode", with_tail=False)]
+
+
+class Addresses:
+    """Canonical addresses, each list of siblings numbered once."""
+
+    def __init__(self) -> None:
+        self._steps: dict[Any, dict[Any, str]] = {}
+        self._known: dict[Any, str] = {}
+
+    def of(self, element: Any) -> str:
+        parent = element.getparent()
+        if parent is None:
+            return f"/{element.tag}"
+        if parent not in self._known:
+            self._known[parent] = self.of(parent)
+        if parent not in self._steps:
+            self._steps[parent] = self._number(parent)
+        return f"{self._known[parent]}/{self._steps[parent][element]}"
+
+    @staticmethod
+    def _number(parent: Any) -> dict[Any, str]:
+        total = Counter(child.tag for child in parent)
+        seen: Counter[str] = Counter()
+        steps = {}
+        for child in parent:
+            seen[child.tag] += 1
+            numbered = total[child.tag] > 1 or child.tag in ALWAYS_NUMBERED
+            steps[child] = f"{child.tag}[{seen[child.tag]}]" if numbered else str(child.tag)
+        return steps
+
+
+def read_message(source: IO[bytes]) -> bytes | None:
+    """The next message, None at the end of the input."""
+    head = source.read(8)
+    return source.read(struct.unpack(">Q", head)[0]) if len(head) == 8 else None
+
+
+def write_message(target: IO[bytes], message: bytes) -> None:
+    target.write(struct.pack(">Q", len(message)) + message)
+    target.flush()
+
+
+if __name__ == "__main__":
+    main()
