@@ -14,10 +14,11 @@ from service.formats.bvh_hierarchy import read_hierarchy, write_hierarchy
 from service.formats.bvh_motion import Motion, guess_translation
 from service.formats.format import Limits, Part, ReadOptions, SourceFile, need_convention
 from service.formats.lines import Lines, Token, Tokens, detect_encoding, encoded
-from service.formats.number_text import detect_style, lexeme, rows_of_text
+from service.formats.number_text import detect_style, rows_of_text
 from service.formats.numbers import is_number, is_whole, what_is_wrong
 from service.motion.clip import ClipHead, ClipStream, SourcePart
 from service.motion.layout import Held, count_frames
+from service.motion.lexemes import lexeme
 from service.motion.skeleton import Convention
 
 _MOTION = re.compile(rb"\bMOTION\s+Frames\b", re.IGNORECASE)

@@ -11,10 +11,11 @@ import numpy as np
 from service.errors import ConversionError, Notice
 from service.formats.htr_head import CHANNELS, FIELD_OF_KEYWORD, GLOBAL
 from service.formats.lines import encoded
-from service.formats.number_text import lexeme, rows_of_text
+from service.formats.number_text import rows_of_text
 from service.formats.target_names import legal_names
 from service.motion.clip import ClipHead, ClipStream, FrameBlock, SourcePart
 from service.motion.layout import count_frames
+from service.motion.lexemes import lexeme
 from service.motion.skeleton import CHANNEL_INDEX, Array, Skeleton
 
 WIDTH: Final = len(CHANNELS)

@@ -6,7 +6,6 @@ Styles: "shortest" (the fewest digits that read back as the same double, orjson'
 
 from __future__ import annotations
 
-import math
 import re
 
 import numpy as np
@@ -90,18 +89,3 @@ def _template(style: str) -> str | None:
     if match is None:
         return None
     return f"%.{match[2]}{'f' if match[1] == 'fixed' else 'g'}"
-
-
-def lexeme(value: float) -> str:
-    """The shortest text of a finite double, as heads hold numbers: `0`, `1.5`, `1e-5`."""
-    if value == 0:
-        return "0"
-    if value == math.floor(value) and abs(value) < 1e15:
-        return str(int(value))
-    return orjson.dumps(float(value)).decode()
-
-
-def triple(values: Array) -> tuple[str, str, str]:
-    """The lexemes of a vector (3,)."""
-    x, y, z = (lexeme(float(value)) for value in values)
-    return x, y, z

@@ -35,11 +35,15 @@ class Rest:
 
 @dataclass(frozen=True)
 class HubBlock:
-    """Frames. translations: (n, J, 3). rotations: (n, J, 4). scales: (n, J) of each joint's own bone."""
+    """Frames. translations: (n, J, 3). rotations: (n, J, 4). scales: (n, J) of each joint's own bone.
+
+    values: (n, D) the channels they come from, in the skeleton's columns, missing ones held.
+    """
 
     translations: Array
     rotations: Array
     scales: Array
+    values: Array
 
 
 def rest_of(skeleton: Skeleton, reading: Reading = DEGREES) -> Rest:
@@ -91,7 +95,7 @@ class HubReader:
     def __init__(self, skeleton: Skeleton, reading: Reading = DEGREES) -> None:
         self.skeleton = skeleton
         self.rest = rest_of(skeleton, reading)
-        self._reading = reading
+        self.reading = reading
         self._held = Held(skeleton)
         place = {column: index for index, column in enumerate(self._held.columns)}
         self._groups = _rotation_groups(skeleton, place)
@@ -110,13 +114,13 @@ class HubReader:
     def read(self, block: FrameBlock) -> HubBlock:
         values = self._held.values(block)
         scales = self._scales(values)
-        return HubBlock(self._translations(values, scales), self._rotations(values), scales)
+        return HubBlock(self._translations(values, scales), self._rotations(values), scales, values)
 
     def _rotations(self, values: Array) -> Array:
         rotations = np.empty((len(values), len(self.skeleton), 4))
         rotations[:] = IDENTITY
         for (convention, order), (joints, columns) in self._groups.items():
-            angles = values[:, columns].reshape(len(values), len(joints), len(order)) * self._reading.motion_angle
+            angles = values[:, columns].reshape(len(values), len(joints), len(order)) * self.reading.motion_angle
             if convention is Convention.LISTED:
                 rotations[:, joints] = from_euler(angles, order)
                 continue

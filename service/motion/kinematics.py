@@ -62,7 +62,7 @@ def rest_positions(skeleton: Skeleton, reading: Reading = DEGREES) -> Array:
     """Positions (J + T, 3) of the rest pose: joints, then tips."""
     rest = rest_of(skeleton, reading)
     count = len(skeleton)
-    still = HubBlock(rest.offsets[None], np.tile(IDENTITY, (1, count, 1)), np.ones((1, count)))
+    still = HubBlock(rest.offsets[None], np.tile(IDENTITY, (1, count, 1)), np.ones((1, count)), np.empty((1, 0)))
     positions = walked(skeleton, still)[0][0]
     tips = [positions[joint] + vector for joint, vector in rest.tips]
     return np.vstack([positions, *tips]) if tips else positions

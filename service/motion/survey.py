@@ -18,15 +18,13 @@ STILL = 1e-9
 @dataclass(frozen=True)
 class Survey:
     """rest: the pose at rest. low, high: (J, 3) extremes of each joint's translation in the hub form; the rest offset
-    for joints that have no such channel. scaled: whether any bone is scaled. missing: samples that had to be held.
-    root_still: whether no root turns.
+    for joints that have no such channel. scaled: whether any bone is scaled. root_still: whether no root turns.
     """
 
     rest: Rest
     low: Array
     high: Array
     scaled: bool
-    missing: int
     root_still: bool
 
     def moving(self) -> Array:
@@ -52,7 +50,7 @@ def survey(clip: ClipStream, reading: Reading) -> Survey:
     hub = HubReader(skeleton, reading)
     low, high = hub.rest.offsets.copy(), hub.rest.offsets.copy()
     if not _needs_frames(skeleton):
-        return Survey(hub.rest, low, high, False, 0, False)
+        return Survey(hub.rest, low, high, False, False)
     scaled, root_still, first = False, True, True
     for block in clip.blocks():
         if not len(block):
@@ -65,7 +63,7 @@ def survey(clip: ClipStream, reading: Reading) -> Survey:
         scaled = scaled or bool((frames.scales != 1.0).any())
         roots = list(skeleton.roots)
         root_still = root_still and bool((np.abs(frames.rotations[:, roots, :3]) < 1e-12).all())
-    return Survey(hub.rest, low, high, scaled, hub.missing, root_still)
+    return Survey(hub.rest, low, high, scaled, root_still)
 
 
 def _needs_frames(skeleton: Skeleton) -> bool:
