@@ -13,6 +13,7 @@ from service.api import ROUTERS, problems
 from service.api.guard import Guard
 from service.settings import Settings
 from service.storage.database import Database
+from service.xpath.run import Queries
 
 DESCRIPTION = """
 Every motion-capture clip in one open XML language, stored element by element, searched with XPath.
@@ -38,6 +39,7 @@ def create_app(settings: Settings, database: Database | None = None) -> FastAPI:
         store.require_schema()
         store.sweep()
         yield
+        app.state.queries.close()
         if database is None:
             store.close()
 
@@ -52,6 +54,7 @@ def create_app(settings: Settings, database: Database | None = None) -> FastAPI:
     )
     app.state.settings = settings
     app.state.database = store
+    app.state.queries = Queries(store, settings)
     app.state.requests = {}
     problems.install(app)
     for router, prefix in ROUTERS:

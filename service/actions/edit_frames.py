@@ -8,13 +8,13 @@ from collections.abc import Mapping
 import numpy as np
 import orjson
 
-from service.actions.read_clip import names_of_frames
 from service.errors import DocumentError, NotFoundError, Place
 from service.mcml.elements import Element, leaf
 from service.motion.clip import Shape
 from service.motion.skeleton import CHANNELS
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.motion_names import names_of_frames
 from service.storage.runs import without_position
 from service.storage.tables import CHUNK, shape_run, timeline
 from service.storage.tracks import Piece

@@ -18,7 +18,7 @@ from service.actions.describe_clip import receipt
 from service.actions.edit_header import with_facts
 from service.actions.gather_files import Clip, SkeletonLookup, gathered
 from service.actions.import_options import ImportOptions
-from service.errors import DocumentError, McmlError, NotFoundError, Place
+from service.errors import DocumentError, McmlError, Notice, NotFoundError, Place
 from service.formats import FORMATS
 from service.formats.format import Limits, ReadOptions, SourceFile
 from service.mcml import joint_names, motion_names
@@ -165,6 +165,7 @@ class _Importer:
         head = to_head(document, frame_time)
         if self.clip.format != "mcml":
             validate_by_shapes(document, [(shape, 1) for shape in encoder.shapes], head.skeleton.names)
+        self._make_names_canonical(encoder, stream)
         self._add_labels(encoder)
         facts = receipt(head, encoder.frames, report, stream.notices)
         facts["twins"] = twins
@@ -187,6 +188,16 @@ class _Importer:
                 f"frame_time {stated!r} is not a time in seconds.", remedy="Give seconds a frame, such as 0.008333333."
             ) from None
         return stated
+
+    def _make_names_canonical(self, encoder: ClipEncoder, stream: ClipStream) -> None:
+        """Motion names that the document itself has are stored as labels are: synonyms canonically, no impossible one."""
+        for row in encoder.spans.rows:
+            said = row["name"]
+            row["name"] = motion_names.canonical(said, strict=self.options.strict_names)
+            if row["name"] != said:
+                notice = Notice("note", f"motion name {said!r} is stored as {row['name']!r}")
+                if notice not in stream.notices:
+                    stream.notices.append(notice)
 
     def _add_labels(self, encoder: ClipEncoder) -> None:
         for label in self.options.labels:

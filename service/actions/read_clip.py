@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from service.errors import NotFoundError
@@ -10,7 +10,7 @@ from service.mcml.elements import Element, refresh_counts, to_head
 from service.motion.clip import ClipStream, FrameBlock
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
-from service.storage.spans import StoredSpan
+from service.storage.motion_names import names_of_frames
 
 
 @dataclass(frozen=True)
@@ -72,22 +72,3 @@ def _renumbered(block: FrameBlock, joint_of: Mapping[int, int]) -> FrameBlock:
         columns=tuple((joint_of[bone], channel) for bone, channel in block.columns),
         shapes=tuple(tuple((joint_of[bone], bits) for bone, bits in shape) for shape in block.shapes),
     )
-
-
-def names_of_frames(spans: Sequence[StoredSpan], positions: range) -> list[tuple[str, ...]] | None:
-    """The motion names of each frame in order of rank, None where no frame has any."""
-    if not spans:
-        return None
-    changes = sorted({span.first for span in spans} | {span.last + 1 for span in spans})
-    result: list[tuple[str, ...]] = []
-    change = 0
-    current: tuple[str, ...] = ()
-    for position in positions:
-        moved = False
-        while change < len(changes) and changes[change] <= position:
-            change, moved = change + 1, True
-        if moved or not result:
-            covering = [span for span in spans if span.first <= position <= span.last]
-            current = tuple(span.name for span in sorted(covering, key=lambda span: (span.rank, span.key)))
-        result.append(current)
-    return result if any(result) else None

@@ -15,6 +15,7 @@ from service.errors import NotFoundError, QueryError
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
+from service.xpath.run import Queries
 
 
 def _settings(request: Request) -> Settings:
@@ -31,9 +32,15 @@ def _author(request: Request) -> str:
     return str(request.scope.get("mcml.author", "local"))
 
 
+def _queries(request: Request) -> Queries:
+    queries: Queries = request.app.state.queries
+    return queries
+
+
 SettingsDep = Annotated[Settings, Depends(_settings)]
 DatabaseDep = Annotated[Database, Depends(_database)]
 AuthorDep = Annotated[str, Depends(_author)]
+QueriesDep = Annotated[Queries, Depends(_queries)]
 RevisionQuery = Annotated[int | None, Query(ge=1, description="Read this revision instead of the current one")]
 
 

@@ -33,7 +33,7 @@ from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.documents import DocumentFilter
-from service.xpath.run import answer_query
+from service.xpath.run import Queries
 
 
 class Library(ABC):
@@ -98,7 +98,11 @@ class LocalLibrary(Library):
             yield export.file_name, content(), notices
 
     def query(self, request: QueryRequest) -> QueryAnswer:
-        return answer_query(self.database, self.settings, request)
+        queries = Queries(self.database, self.settings)
+        try:
+            return queries.answer(request)
+        finally:
+            queries.close()
 
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage:
         with self.database.write() as tx:

@@ -13,7 +13,7 @@ from service.actions.convert_files import convert_files
 from service.actions.export_motion import targets
 from service.actions.import_options import ImportOptions
 from service.actions.inspect_files import inspect_files
-from service.cli.common import JsonOption, chosen_settings, console, print_json
+from service.cli.shared import JsonOption, chosen_settings, console, print_json
 from service.errors import McmlError, UnsupportedError
 from service.formats import FORMATS
 from service.formats.format import SourceFile

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from schemas.documents import ImportedDocument
 from service.actions.export_motion import ExportOptions
 from service.actions.import_options import ImportOptions, parse_label, parse_property
-from service.cli.common import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
 from service.errors import UnsupportedError
 from service.storage.documents import DocumentFilter
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem
-from service.cli.common import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
 
 
 def add_to(app: typer.Typer) -> None:

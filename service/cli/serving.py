@@ -13,7 +13,7 @@ from typing import Annotated
 import typer
 
 from service.api.guard import is_loopback
-from service.cli.common import DatabaseOption, chosen_settings, console, open_database
+from service.cli.shared import DatabaseOption, chosen_settings, console, open_database
 from service.errors import AccessError
 from service.resources import dtd_path, migrations_path
 from service.storage.documents import DocumentFilter

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from service.actions.keep_store import backup, restore
-from service.cli.common import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
+from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
 
 
 def add_to(app: typer.Typer) -> None:

@@ -51,13 +51,13 @@ def track_row(chunk: int, bone: int, channels: Sequence[int], columns: Array) ->
     channels: channel of each of the (k, n) `columns`, which are NaN where the frame has no such attribute. Columns
     without any sample are left out; None where none is left.
     """
-    kept: list[bool] = (~np.isnan(columns)).any(axis=1).tolist()
+    kept = [not np.isnan(column).all() for column in columns]
     order = [index for index in np.argsort(channels).tolist() if kept[index]]
     if not order:
         return None
     columns = columns[order]
     channels = [channels[index] for index in order]
-    gaps: list[bool] = np.isnan(columns).any(axis=1).tolist()
+    gaps = [bool(np.isnan(column).any()) for column in columns]
     has_missing = sum(1 << channel for channel, gap in zip(channels, gaps, strict=True) if gap)
     return _row(
         chunk,

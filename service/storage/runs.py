@@ -20,3 +20,23 @@ def without_position(pieces: Sequence[tuple[int, int, int]], position: int) -> l
             if count - before - 1:
                 result.append((position, slot + before + 1, count - before - 1))
     return result
+
+
+def intersection(one: Sequence[tuple[int, int]], other: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """What two lists of ascending, disjoint ranges (first, last) have in common, as such a list."""
+    result: list[tuple[int, int]] = []
+    i = j = 0
+    while i < len(one) and j < len(other):
+        first, last = max(one[i][0], other[j][0]), min(one[i][1], other[j][1])
+        if first <= last:
+            result.append((first, last))
+        if one[i][1] < other[j][1]:
+            i += 1
+        else:
+            j += 1
+    return result
+
+
+def total(ranges: Sequence[tuple[int, int]]) -> int:
+    """How many frames the ranges hold."""
+    return sum(last - first + 1 for first, last in ranges)

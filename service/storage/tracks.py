@@ -15,6 +15,7 @@ from service.errors import NotFoundError, StoreError
 from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import Array
 from service.storage.encoding import FrameIdRuns, channels_of, decompress, pack_shape, track_row, unpack_shape
+from service.storage.runs import intersection
 from service.storage.tables import CHUNK, CURRENT, frame_run, shape, shape_run, timeline, track
 
 if TYPE_CHECKING:
@@ -128,6 +129,33 @@ class Tracks:
         )
         return [unpack_shape(packed) for packed in self._tx.connection.execute(query).scalars()]
 
+    def shape_ranges(self, document_key: int, ranges: Sequence[tuple[int, int]]) -> Iterator[tuple[int, int, Shape]]:
+        """The ranges (first, last: positions, ascending) cut where the shape of frames changes, each with its shape."""
+        if not ranges:
+            return
+        for piece in self.pieces(document_key, ranges[0][0], ranges[-1][1]):
+            shift = piece.first - piece.slot
+            for slot, count, found in self._shape_runs(document_key, piece.slot, piece.slot + piece.count):
+                for first, last in intersection(ranges, [(slot + shift, slot + shift + count - 1)]):
+                    yield first, last, found
+
+    def _shape_runs(self, document_key: int, start: int, end: int) -> Iterator[tuple[int, int, Shape]]:
+        """(slot, count, shape) of the runs in slots start to end - 1, cut to them."""
+        query = (
+            select(shape_run.c.slot, shape_run.c.count, shape.c.bones)
+            .join(shape, and_(shape.c.document == shape_run.c.document, shape.c.shape == shape_run.c.shape))
+            .where(
+                shape_run.c.document == document_key,
+                self._tx.valid(shape_run),
+                shape_run.c.slot < end,
+                shape_run.c.slot + shape_run.c.count > start,
+            )
+            .order_by(shape_run.c.slot)
+        )
+        for slot, count, packed in self._tx.connection.execute(query):
+            first, last = max(slot, start), min(slot + count, end)
+            yield first, last - first, unpack_shape(packed)
+
     def shape_at(self, document_key: int, slot: int) -> Shape:
         """The shape of the frame in a slot."""
         return self._shapes(document_key, slot, slot + 1, None)[0][0]
@@ -239,33 +267,18 @@ class Tracks:
     def _shapes(
         self, document_key: int, start: int, end: int, bones: Sequence[int] | None
     ) -> tuple[tuple[Shape, ...], NDArray[np.intp] | None]:
-        query = (
-            select(shape_run.c.slot, shape_run.c.count, shape_run.c.shape, shape.c.bones)
-            .join(shape, and_(shape.c.document == shape_run.c.document, shape.c.shape == shape_run.c.shape))
-            .where(
-                shape_run.c.document == document_key,
-                self._tx.valid(shape_run),
-                shape_run.c.slot < end,
-                shape_run.c.slot + shape_run.c.count > start,
-            )
-            .order_by(shape_run.c.slot)
-        )
-        numbers: dict[int, int] = {}
-        shapes: list[Shape] = []
+        numbers: dict[Shape, int] = {}
         runs: list[tuple[int, int]] = []
         wanted = None if bones is None else set(bones)
-        for slot, count, number, packed in self._tx.connection.execute(query):
-            if number not in numbers:
-                numbers[number] = len(shapes)
-                whole = unpack_shape(packed)
-                shapes.append(whole if wanted is None else tuple(pair for pair in whole if pair[0] in wanted))
-            runs.append((numbers[number], min(slot + count, end) - max(slot, start)))
+        for _, count, whole in self._shape_runs(document_key, start, end):
+            kept = whole if wanted is None else tuple(pair for pair in whole if pair[0] in wanted)
+            runs.append((numbers.setdefault(kept, len(numbers)), count))
         if sum(count for _, count in runs) != end - start:
             raise StoreError("The store has no shape for some frames.", remedy="Run `mcml db check`.")
-        if len(shapes) == 1:
-            return tuple(shapes), None
+        if len(numbers) == 1:
+            return tuple(numbers), None
         indices = np.repeat([number for number, _ in runs], [count for _, count in runs])
-        return tuple(shapes), indices.astype(np.intp)
+        return tuple(numbers), indices.astype(np.intp)
 
     def frame_ids(self, document_key: int, first: int, last: int) -> NDArray[np.int64] | list[str]:
         """The ids of frames first to last: integers, or texts where one of them is not a plain integer."""

@@ -42,6 +42,11 @@ MAX_LENGTH = 10_000
 MAX_NESTING = 100
 OPERATORS = ("or", "and", "=", "!=", "<", "<=", ">", ">=", "+", "-", "*", "div", "mod", "|")
 FUNCTIONS = NODES_FUNCTIONS | NUMBER_FUNCTIONS | STRING_FUNCTIONS | BOOLEAN_FUNCTIONS
+CONTEXT_FUNCTIONS = (
+    "string", "number", "string-length", "normalize-space", "name", "local-name", "namespace-uri",
+)  # fmt: skip
+"""Functions that without an argument take the context node."""
+
 ANY_NODE = Step("descendant-or-self", "node()")
 
 
@@ -49,7 +54,8 @@ ANY_NODE = Step("descendant-or-self", "node()")
 class Query:
     """A parsed expression.
 
-    text: as evaluated: motion names in comparisons are in the form in which they are stored. tree: of that text.
+    text: as evaluated: motion names in comparisons are in the form in which they are stored, and paths outside of
+    predicates start at the document, which is the context node: `mcml` is `/mcml`. tree: of that text.
     warnings: what the writer should know, such as a name that was a synonym.
     """
 
@@ -65,12 +71,18 @@ def parse(text: str) -> Query:
     too deeply.
     """
     tree = _parse_tree(text)
-    stored, warnings = _with_stored_names(text, tree)
-    return Query(stored, tree if stored == text else _parse_tree(stored), warnings)
+    changes, warnings = _stored_names(text, tree)
+    changes += [(place, place, "/") for place in _relative_places(text, tree)]
+    if not changes:
+        return Query(text, tree, warnings)
+    changed = text
+    for first, last, replacement in sorted(changes, reverse=True):
+        changed = changed[:first] + replacement + changed[last:]
+    return Query(changed, _parse_tree(changed, MAX_LENGTH * 2), warnings)
 
 
-def _parse_tree(text: str) -> Expression:
-    _bound(text)
+def _parse_tree(text: str, max_length: int = MAX_LENGTH) -> Expression:
+    _bound(text, max_length)
     try:
         try:
             tree = _expression(Parser.parse(XPath1Parser(), text))
@@ -114,10 +126,10 @@ def _check_types(tree: Expression) -> None:
                 )
 
 
-def _bound(text: str) -> None:
+def _bound(text: str, max_length: int) -> None:
     """Refuses texts that are too long or nested too deeply, before anything recursive sees them."""
-    if len(text) > MAX_LENGTH:
-        raise LimitError(f"the expression has {len(text)} characters, the limit is {MAX_LENGTH}")
+    if len(text) > max_length:
+        raise LimitError(f"the expression has {len(text)} characters, the limit is {max_length}")
     if "\x00" in text:
         raise QueryError("an expression cannot hold the character U+0000", at=Place(column=text.index("\x00") + 1))
     depth = 0
@@ -289,13 +301,37 @@ def _test(token: Any) -> str:
 
 
 def _span(token: Any) -> Span:
+    """From the first character of the whole expression to the last of the token that joins it."""
     first, last = token.span
+    while len(token):
+        token = token[0]
+        first = min(first, token.span[0])
     return int(first), int(last)
 
 
-def _with_stored_names(text: str, tree: Expression) -> tuple[str, tuple[str, ...]]:
-    """The text with motion names that are compared with `motion_name` in the form in which they are stored."""
-    changes: list[tuple[Span, str]] = []
+def _relative_places(text: str, tree: Expression) -> list[int]:
+    """Where a path, or a function of the context node, outside of predicates needs a slash to start at the document."""
+    places = []
+    stack = [tree]
+    while stack:
+        current = stack.pop()
+        if isinstance(current, Path):
+            if current.start is not None:
+                stack.append(current.start)
+            elif not current.absolute:
+                places.append(current.span[0])
+        elif isinstance(current, Filter):
+            stack.append(current.operand)
+        elif isinstance(current, Call) and not current.arguments and current.function in CONTEXT_FUNCTIONS:
+            places.append(text.index("(", current.span[0]) + 1)
+        else:
+            stack.extend(children(current))
+    return places
+
+
+def _stored_names(text: str, tree: Expression) -> tuple[list[tuple[int, int, str]], tuple[str, ...]]:
+    """Changes (first, last, new text) that put motion names in comparisons in the form in which they are stored."""
+    changes: list[tuple[int, int, str]] = []
     warnings: list[str] = []
     for literal in _compared_names(tree, in_name=False):
         said = str(literal.value)
@@ -306,11 +342,9 @@ def _with_stored_names(text: str, tree: Expression) -> tuple[str, tuple[str, ...
             continue
         if stored != said:
             first, last = literal.span
-            changes.append((literal.span, text[first] + stored + text[last - 1]))
+            changes.append((first, last, text[first] + stored + text[last - 1]))
             warnings.append(f"motion name {said!r} is stored as {stored!r}; that was searched")
-    for (first, last), replacement in sorted(changes, reverse=True):
-        text = text[:first] + replacement + text[last:]
-    return text, tuple(dict.fromkeys(warnings))
+    return list(dict.fromkeys(changes)), tuple(dict.fromkeys(warnings))
 
 
 def _compared_names(expression: Expression, *, in_name: bool) -> list[Literal]:

@@ -1,0 +1,35 @@
+"""What a query is asked of, and what it gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from service.storage.documents import StoredDocument
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """keys: the documents asked, None for all. project, project_name: only of this project."""
+
+    keys: list[int] | None = None
+    project: int | None = None
+    project_name: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A node of a result. value: an element as XML, else the text."""
+
+    kind: str
+    stored: StoredDocument
+    address: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Frames first to last of a document."""
+
+    stored: StoredDocument
+    first: int
+    last: int

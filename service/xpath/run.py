@@ -1,0 +1,216 @@
+"""Questions to answers: parse, plan, and run in one read transaction, a page at a time."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import math
+import time
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import orjson
+
+from schemas.queries import Explain, NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
+from service.errors import LimitError, QueryError
+from service.settings import Settings
+from service.storage.database import LATEST, Database, Transaction
+from service.xpath.evaluate import Evaluator
+from service.xpath.indexed import Indexed, scope_documents
+from service.xpath.nodes import Node, Run, Scope
+from service.xpath.parse import Query, parse
+from service.xpath.plan import COUNT, Plan, plan
+from service.xpath.projected import Projected
+
+MAX_RUNS = 100_000
+
+
+@dataclass(frozen=True, slots=True)
+class _Cursor:
+    """commit: the state that is read. offset: items on the pages before. check: of the question it belongs to."""
+
+    commit: int
+    offset: int
+    check: int
+
+
+class Queries:
+    """The query engine of one process: the store, the limits, and the pool of evaluating processes."""
+
+    def __init__(self, database: Database, settings: Settings) -> None:
+        self.database = database
+        self.settings = settings
+        self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
+
+    def close(self) -> None:
+        self.evaluator.close()
+
+    def answer(self, request: QueryRequest) -> QueryAnswer:
+        """A page of the answer.
+
+        Raises QueryError (with column and hint) for what is no XPath or a cursor of another question, NotFoundError
+        for a document or project that does not exist, LimitError for what exceeds the limits.
+        """
+        start = time.perf_counter()
+        query = parse(request.q)
+        cursor = _read_cursor(request)
+        with self.database.read(LATEST if cursor is None else cursor.commit) as tx:
+            scope = _scope(tx, request)
+            found = plan(query.tree)
+            limit = min(request.limit, self.settings.page_limit)
+            if cursor is None and found is not None and found.aggregate != "nodes":
+                answer = _aggregate(tx, found, scope)
+            else:
+                page = _Page(request, limit, cursor or _Cursor(-1, 0, _check(request)))
+                source = Indexed(tx, found, scope) if found is not None else Projected(self, tx, query, scope)
+                answer = page.of(source, tx)
+            answer.warnings += query.warnings
+            if request.explain:
+                answer.explain = _explain(query, found, scope, (time.perf_counter() - start) * 1000)
+        return answer
+
+
+def _scope(tx: Transaction, request: QueryRequest) -> Scope:
+    keys = [tx.documents.get(uuid).key for uuid in dict.fromkeys(request.document)] if request.document else None
+    project = tx.projects.get(request.project) if request.project else None
+    return Scope(keys, project, request.project)
+
+
+def _aggregate(tx: Transaction, found: Plan, scope: Scope) -> QueryAnswer:
+    """A count is one number for all documents; whether there is any node is said for each."""
+    source = Indexed(tx, replace(found, aggregate="nodes"), scope)
+    if found.aggregate == COUNT:
+        return QueryAnswer(type="number", value=float(source.count()))
+    having = {run.stored.key for run in source.runs()}
+    documents = scope_documents(tx, scope)
+    if len(documents) == 1:
+        return QueryAnswer(type="boolean", value=documents[0].key in having)
+    items = [
+        ScalarItem(document=stored.uuid, revision=stored.revision, value=stored.key in having) for stored in documents
+    ]
+    return QueryAnswer(type="boolean", items=list(items))
+
+
+class _Page:
+    """One page of a source of nodes, runs or scalars."""
+
+    def __init__(self, request: QueryRequest, limit: int, cursor: _Cursor) -> None:
+        self.request = request
+        self.limit = limit
+        self.cursor = cursor
+
+    def of(self, source: Indexed | Projected, tx: Transaction) -> QueryAnswer:
+        offset = self.cursor.offset
+        if isinstance(source, Projected) and source.type != "nodes":
+            return self._scalars(source)
+        if self.request.as_ == "runs":
+            runs = list(_page_of(source.runs(), offset, self.limit + 1))
+            items = [_run_item(tx, run) for run in runs[: self.limit]]
+            return QueryAnswer(type="runs", items=list(items), next_cursor=self._next(tx, len(runs) > self.limit))
+        nodes = source.nodes(offset, self.limit + 1)
+        shown = [_node_item(node) for node in nodes[: self.limit]]
+        return QueryAnswer(type="nodes", items=list(shown), next_cursor=self._next(tx, len(nodes) > self.limit))
+
+    def _scalars(self, source: Projected) -> QueryAnswer:
+        if self.request.as_ != "json":
+            raise QueryError(f"The answer is a {source.type}, not a node set.", remedy="Ask for it with as=json.")
+        kind, value, each = source.scalars()
+        if value is not None:
+            return QueryAnswer(type=kind, value=_plain(value))
+        items = [
+            ScalarItem(document=stored.uuid, revision=stored.revision, value=_plain(item)) for stored, item in each
+        ]
+        return QueryAnswer(type=kind, items=list(items))
+
+    def _next(self, tx: Transaction, more: bool) -> str | None:
+        if not more:
+            return None
+        commit = self.cursor.commit if self.cursor.commit >= 0 else tx.newest_commit()
+        parts = [commit, self.cursor.offset + self.limit, self.cursor.check]
+        return base64.urlsafe_b64encode(orjson.dumps(parts)).decode().rstrip("=")
+
+
+def _page_of(runs: Iterator[Run], offset: int, limit: int) -> Iterator[Run]:
+    for number, run in enumerate(runs):
+        if number >= offset + limit:
+            return
+        if number >= MAX_RUNS:
+            raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
+        if number >= offset:
+            yield run
+
+
+def _run_item(tx: Transaction, run: Run) -> RunItem:
+    ids = tx.tracks.frame_ids(run.stored.key, run.first, run.first)
+    last_ids = tx.tracks.frame_ids(run.stored.key, run.last, run.last)
+    return RunItem(
+        document=run.stored.uuid,
+        name=run.stored.name,
+        revision=run.stored.revision,
+        first=run.first,
+        last=run.last,
+        first_id=str(ids[0]),
+        last_id=str(last_ids[0]),
+        frames=run.last - run.first + 1,
+    )
+
+
+def _node_item(node: Node) -> NodeItem:
+    return NodeItem(
+        kind=node.kind,
+        document=node.stored.uuid,
+        revision=node.stored.revision,
+        address=node.address,
+        value=node.value,
+    )
+
+
+def _plain(value: float | str | bool) -> float | str | bool:
+    """JSON has no NaN and no infinities: they are the texts that XPath's string() gives."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
+    return value
+
+
+def _check(request: QueryRequest) -> int:
+    return zlib.crc32(orjson.dumps([request.q, request.document, request.project, request.as_]))
+
+
+def _read_cursor(request: QueryRequest) -> _Cursor | None:
+    if request.cursor is None:
+        return None
+    try:
+        text = request.cursor + "=" * (-len(request.cursor) % 4)
+        commit, offset, check = (int(part) for part in orjson.loads(base64.urlsafe_b64decode(text)))
+    except (binascii.Error, ValueError, TypeError):
+        commit, offset, check = -1, -1, -1
+    if check != _check(request) or commit < 0 or offset < 0:
+        raise QueryError("This cursor belongs to another question.", remedy="Begin again without a cursor.")
+    return _Cursor(commit, offset, check)
+
+
+def _explain(query: Query, found: Plan | None, scope: Scope, milliseconds: float) -> Explain:
+    asked = 0 if scope.keys is None else len(scope.keys)
+    if found is None:
+        steps = ["the documents as XML, without what the expression cannot touch", "libxml2 evaluates the expression"]
+        return Explain(way="projection", plan=steps, documents=asked, milliseconds=milliseconds)
+    steps = []
+    for group in found.motion_names:
+        steps.append(f"spans named {' or '.join(repr(name) for name in group)}, by the index on names")
+    if not found.motion_names:
+        steps.append("all frames, by the timeline")
+    if found.position is not None:
+        steps.append(f"the frame at position {found.position}")
+    if found.nth is not None:
+        steps.append(f"the frame number {found.nth} of these")
+    if found.bones:
+        which = f"named {found.bone!r}" if found.bone else f"number {found.ordinal}" if found.ordinal else "all"
+        steps.append(f"their frame_bones ({which}), by the shapes of the frames")
+    if found.attribute:
+        steps.append(f"their attribute {found.attribute}")
+    if found.aggregate != "nodes":
+        steps.append(f"{found.aggregate}, by arithmetic on ranges: no track is read")
+    else:
+        steps.append("tracks of the frames and bones on the page")
+    return Explain(way="index", plan=steps, documents=asked, milliseconds=milliseconds)

@@ -1,0 +1,93 @@
+"""Tables in docs/ that come from catalogues. `python -m tests.docs.generate` writes them; a test compares."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import typer
+from typer.main import get_command
+
+from service.app import create_app
+from service.cli import app as cli
+from service.mcml import joint_names, motion_names
+from service.settings import Settings
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+MARK = re.compile(r"(<!-- generated: (?P<name>[a-z-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def endpoints() -> str:
+    schema = create_app(Settings(database="sqlite://")).openapi()
+    lines = ["| endpoint | operation | what it does |", "|---|---|---|"]
+    for path, methods in sorted(schema["paths"].items()):
+        for method, operation in methods.items():
+            what = operation.get("description", operation.get("summary", "")).split("\n")[0]
+            lines.append(f"| `{method.upper()} {path}` | `{operation['operationId']}` | {what} |")
+    return "\n".join(lines) + "\n"
+
+
+def commands() -> str:
+    lines = ["| command | what it does | options |", "|---|---|---|"]
+
+    def add(command: object, name: str) -> None:
+        children = getattr(command, "commands", None)
+        if children:
+            for child, inner in children.items():
+                add(inner, f"{name} {child}")
+            return
+        options = [
+            f"`{max(parameter.opts, key=len)}`"
+            for parameter in command.params  # type: ignore[attr-defined]
+            if parameter.param_type_name == "option" and "--help" not in parameter.opts
+        ]
+        arguments = " ".join(
+            (parameter.human_readable_name or "").upper()
+            for parameter in command.params  # type: ignore[attr-defined]
+            if parameter.param_type_name == "argument"
+        )
+        what = (command.help or "").split("\n")[0]  # type: ignore[attr-defined]
+        lines.append(f"| `{f'{name} {arguments}'.strip()}` | {what} | {' '.join(options)} |")
+
+    add(get_command(cli), "mcml")
+    return "\n".join(lines) + "\n"
+
+
+def joints() -> str:
+    heads = ("asf", "asf_alias", "bvh1", "bvh2", "htr")
+    lines = ["| # | MCML | ASF/AMC | alias | BVH (1) | BVH (2) | HTR | |", "|---|---|---|---|---|---|---|---|"]
+    for row in joint_names.table():
+        cells = " | ".join((row.columns.get(head) or "").replace("|", ", ") for head in heads)
+        lines.append(f"| {row.number} | {row.name} | {cells} | {'reconstructed' if row.reconstructed else ''} |")
+    return "\n".join(lines) + "\n"
+
+
+def movements() -> str:
+    lines = ["| part | side | joints | movements |", "|---|---|---|---|"]
+    for part in motion_names.parts().values():
+        lines.append(
+            f"| {part.name} | {'needed' if part.sided else 'none'} | {', '.join(part.joints)} "
+            f"| {', '.join(part.movements)} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+TABLES = {"endpoints": endpoints, "commands": commands, "joint-names": joints, "movements": movements}
+
+
+def renewed(text: str) -> str:
+    """A page with its generated tables made again."""
+    return MARK.sub(lambda match: match[1] + TABLES[match["name"]]() + match[3], text)
+
+
+def main() -> None:
+    for page in sorted(DOCS.rglob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        fresh = renewed(text)
+        if fresh != text:
+            page.write_text(fresh, encoding="utf-8")
+            typer.echo(f"wrote {page.relative_to(DOCS)}")
+
+
+if __name__ == "__main__":
+    main()

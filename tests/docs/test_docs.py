@@ -1,0 +1,44 @@
+"""The documentation is complete and true: tables from catalogues, settings, formats, links."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from service.formats import FORMATS
+from service.settings import Settings
+from tests.docs.generate import DOCS, TABLES, renewed
+
+PAGES = sorted(DOCS.rglob("*.md")) + [DOCS.parent / "README.md"]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_generated_tables_are_fresh(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert renewed(text) == text, "run `make docs`"
+
+
+def test_every_table_is_shown() -> None:
+    shown = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    for name in TABLES:
+        assert f"<!-- generated: {name} -->" in shown
+
+
+def test_every_setting_is_explained() -> None:
+    text = (DOCS / "settings.md").read_text(encoding="utf-8")
+    for name in Settings.model_fields:
+        assert f"`MCML_{name.upper()}`" in text, name
+
+
+def test_every_format_has_its_page() -> None:
+    for name in [*FORMATS, "mcml"]:
+        assert (DOCS / "formats" / f"{name}.md").is_file(), name
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8")):
+        if "://" not in target:
+            assert (page.parent / target).exists(), target

@@ -1,0 +1,177 @@
+"""Text to tree: equivalent spellings, errors with columns and hints, limits."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from service.errors import LimitError, QueryError
+from service.xpath.parse import parse
+from service.xpath.plan import plan
+from service.xpath.tree import Operation, Path, Step, type_of, walk
+
+
+def test_abbreviations_are_written_out() -> None:
+    tree = parse("//a/@b/..").tree
+    assert isinstance(tree, Path)
+    assert tree.absolute
+    assert [(step.axis, step.name) for step in tree.steps] == [
+        ("descendant-or-self", "node()"),
+        ("child", "a"),
+        ("attribute", "b"),
+        ("parent", "node()"),
+    ]
+
+
+def test_parentheses_and_predicates() -> None:
+    assert parse("((//a))").tree.__class__ is Path
+    tree = parse("(//a)[1]/b[2][c]").tree
+    assert isinstance(tree, Path)
+    assert tree.start is not None
+    assert len(tree.steps[0].predicates) == 2
+    assert isinstance(tree.steps[0], Step)
+
+
+def test_operators_that_associate_are_one_node() -> None:
+    tree = parse("+".join("1" * 3000)).tree
+    assert isinstance(tree, Operation)
+    assert len(tree.operands) == 3000
+    assert sum(1 for _ in walk(tree)) == 3001
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "hint"),
+    [
+        ("//frame[", 8, "do not match"),
+        ("//frame[motion_name='X'", 21, "do not match"),
+        ("foo(1)", 1, "XPath 1.0"),
+        ("a == b", 4, "single ="),
+        ("//x:frame", 4, "no namespaces"),
+        ("for $x in a return 1", 5, "XPath 2.0"),
+        ("matches('a', 'b')", 1, "XPath 2.0"),
+        ("$x", 1, "value instead"),
+        ("'abc", 1, "not closed"),
+        ("a && b", 3, "`and`"),
+        ("+1", 1, "Leave it out"),
+        ("count('x')", 7, "Use a path"),
+        ("1[2]", 1, "Use a path"),
+        ("a | 'x'", 5, "Use a path"),
+        ("a/'x'", 3, ""),
+        ("a/(b | c)", 3, ""),
+        ("\n\n//frame]", 10, "do not match"),
+        ("a\x00", 2, ""),
+        ("", 1, ""),
+    ],
+)
+def test_errors_have_a_column_and_a_hint(text: str, column: int, hint: str) -> None:
+    with pytest.raises(QueryError) as caught:
+        parse(text)
+    assert caught.value.at is not None
+    assert caught.value.at.column == column
+    assert hint in (caught.value.remedy or "")
+
+
+HOSTILE = [
+    "(" * 5000 + ")" * 4000,
+    "a[" * 4000,
+    "-" * 9000 + "1",
+    "- " * 4000 + "1",
+    "1" + "+1-1" * 2000,
+    "a" * 10_001,
+    "a" + "/a" * 4999,
+    "//*" * 3000,
+    "not(" * 2000,
+    "'" + "x" * 9998 + "'",
+    "a or " * 1900 + "a",
+    "1=1" + "=1!=1" * 1500,
+    "[" * 9999,
+    '"' * 9999,
+]
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=range(len(HOSTILE)))
+def test_hostile_texts_end_quickly(text: str) -> None:
+    start = time.perf_counter()
+    try:
+        tree = parse(text).tree
+    except (QueryError, LimitError):
+        pass
+    else:
+        plan(tree)
+        type_of(tree)
+    assert time.perf_counter() - start < 3
+
+
+@given(st.text(alphabet="/@[]()|*.:='\"$-+<>!,ab1 \n", max_size=40))
+def test_any_text_is_parsed_or_refused(text: str) -> None:
+    try:
+        query = parse(text)
+    except (QueryError, LimitError):
+        return
+    plan(query.tree)
+    assert parse(query.text).text == query.text
+
+
+@pytest.mark.parametrize(
+    ("text", "stored"),
+    [
+        ("//frame[motion_name='left-arm-front']", "//frame[motion_name='left-arm-flexion']"),
+        ('count(//motion_name[. = "left-arm_abduction"])', 'count(//motion_name[. = "left-arm-abduction"])'),
+        ("//frame['back-bend'=motion_name/text()]", "//frame['trunk-flexion'=motion_name/text()]"),
+    ],
+)
+def test_synonyms_are_asked_in_the_form_in_which_they_are_stored(text: str, stored: str) -> None:
+    query = parse(text)
+    assert query.text == stored
+    assert len(query.warnings) == 1
+    assert "is stored as" in query.warnings[0]
+
+
+@pytest.mark.parametrize(
+    "text", ["//frame[motion_name='walk']", "//bone[name='left-arm-front']", "//frame[@id='back-bend']"]
+)
+def test_other_texts_stay(text: str) -> None:
+    assert parse(text).text == text
+    assert parse(text).warnings == ()
+
+
+def test_impossible_names_are_asked_with_a_warning() -> None:
+    (warning,) = parse("//frame[motion_name='left-shoulder-abduction']").warnings
+    assert "left-arm-abduction" in warning
+
+
+@pytest.mark.parametrize(
+    ("text", "type"),
+    [
+        ("//a", "nodes"), ("a|b", "nodes"), ("(a)[1]", "nodes"), ("id('x')", "nodes"), ("1", "number"),
+        ("-a", "number"), ("count(a)", "number"), ("a+1", "number"), ("'x'", "string"), ("name()", "string"), ("a=b", "boolean"),
+        ("not(a)", "boolean"), ("a and b", "boolean"), ("contains('a', 'b')", "boolean"),
+    ],
+)  # fmt: skip
+def test_types(text: str, type: str) -> None:
+    assert type_of(parse(text).tree) == type
+
+
+@pytest.mark.parametrize(
+    ("text", "rooted"),
+    [
+        ("mcml/motion", "/mcml/motion"),
+        (".", "/."),
+        ("..", "/.."),
+        ("@id", "/@id"),
+        ("*[a]/b", "/*[a]/b"),
+        ("child::mcml", "/child::mcml"),
+        ("count( mcml [1] )", "count( /mcml [1] )"),
+        ("(mcml | //frame)[last()]", "(/mcml | //frame)[last()]"),
+        ("(mcml)[1]/motion", "(/mcml)[1]/motion"),
+        ("mcml * mcml", "/mcml * /mcml"),
+        ("string( )", "string(/ )"),
+        ("//frame[string()]", "//frame[string()]"),
+        ("- name()", "- name(/)"),
+    ],
+)
+def test_paths_start_at_the_document(text: str, rooted: str) -> None:
+    assert parse(text).text == rooted

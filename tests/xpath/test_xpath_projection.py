@@ -1,0 +1,171 @@
+"""Projected documents give the same answers as whole ones, and hostile expressions end in time."""
+
+from __future__ import annotations
+
+import math
+import time
+from random import Random
+
+import pytest
+
+from service.errors import LimitError, StoreError
+from service.mcml.vocabulary import FRAME_BONE
+from service.xpath.evaluate import Evaluator, Nodes, Scalar
+from service.xpath.parse import parse
+from service.xpath.projection import Projection, may_select_document, projection
+from service.xpath.tree import AXES
+from tests.xpath.small import DOCUMENT, answer, projected, tree
+
+TAGS = [
+    "mcml",
+    "header",
+    "comment",
+    "property",
+    "root",
+    "skeleton",
+    "bone",
+    "name",
+    "length",
+    "end_site",
+    "motion",
+    "frames",
+    "frame",
+    "motion_name",
+]
+ATTRIBUTES = ["name", "id", "Rx", "version", "mapped", "position", "order"]
+
+
+def expression(random: Random, depth: int = 0) -> str:
+    """A random XPath 1.0 expression over the language."""
+    kind = random.randrange(12 if depth < 3 else 6)
+    path = _path(random, depth)
+    if kind < 6:
+        return path
+    inner = expression(random, depth + 1)
+    if kind == 6:
+        return random.choice(["count({})", "string({})", "boolean({})", "not({})", "name({})", "sum({})"]).format(path)
+    if kind == 7:
+        return f"({path} {random.choice(['=', '!=', '<', '>', '+'])} {inner})"
+    if kind == 8:
+        return f"({path} | {_path(random, depth + 1)})"
+    if kind == 9:
+        return f"({path})[{random.choice(['1', '2', 'last()', 'position() < 3'])}]"
+    if kind == 10:
+        return f"contains({path}, 'l')"
+    return random.choice(["string-length()", "'walk'", "1", "position()", "last()", f"string-length({path})"])
+
+
+def _path(random: Random, depth: int) -> str:
+    steps = "/".join(_step(random, depth) for _ in range(random.randint(1, 3)))
+    return random.choice(["", "/", "//", "//", ".//", "../"]) + steps
+
+
+def _step(random: Random, depth: int) -> str:
+    tag = random.choice([*TAGS, "frame", FRAME_BONE, "*", "node()", "text()"])
+    kind = random.randrange(6)
+    step = tag if kind < 4 else f"{random.choice(AXES)}::{tag}"
+    if kind == 3:
+        step = "@" + random.choice([*ATTRIBUTES, "*"])
+    if depth < 2 and random.random() < 0.35:
+        step += f"[{expression(random, depth + 1)}]"
+    return step
+
+
+def test_projected_documents_give_the_same_answers() -> None:
+    random = Random(3)
+    whole = tree()
+    small = {level: projected(level) for level in Projection}
+    used = dict.fromkeys(Projection, 0)
+    for _ in range(6000):
+        text = expression(random)
+        query = parse(text)
+        try:
+            expected = answer(whole, query.text)
+        except Exception:  # libxml2 refuses a type that only shows while it runs
+            continue
+        level = projection(query.tree)
+        used[level] += 1
+        found = answer(small[level], query.text)
+        both_nan = isinstance(found, float) and math.isnan(found) and math.isnan(expected)
+        assert both_nan or found == expected, (text, level)
+    assert min(used.values()) > 300
+
+
+@pytest.mark.parametrize(
+    ("text", "level"),
+    [
+        ("//bone[@mapped='true']/name", Projection.HEAD),
+        ("count(//frame)", Projection.FRAMES),
+        ("count(//frame[motion_name='walk'])", Projection.FRAMES),
+        ("//motion_name", Projection.FRAMES),
+        ("//frame[2]/@id", Projection.FRAMES),
+        ("//property[@name='age']/@value", Projection.HEAD),
+        ("/mcml/motion/frametime", Projection.HEAD),
+        ("string(/mcml)", Projection.FRAMES),
+        ("//frame", Projection.WHOLE),
+        ("/", Projection.WHOLE),
+        ("count(//*)", Projection.WHOLE),
+        ("count(//namespace::*)", Projection.WHOLE),
+    ],
+)
+def test_levels(text: str, level: Projection) -> None:
+    assert projection(parse(text).tree) is level
+
+
+@pytest.mark.parametrize("text", ["/", "//..", "/.", "(/)[1]", "//frame | /", "//frame/ancestor-or-self::node()"])
+def test_the_document_node_is_counted(text: str) -> None:
+    assert may_select_document(parse(text).tree)
+    pool = Evaluator(processes=1)
+    try:
+        found = pool.evaluate(parse(text), [DOCUMENT.encode()])
+    finally:
+        pool.close()
+    assert isinstance(found, Nodes)
+    assert (found.items[0].kind, found.items[0].address) == ("document", "/")
+    assert found.total == tree().xpath(f"count({text})")
+
+
+MANY = "<mcml>" + "<frame/>" * 30_000 + "</mcml>"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "count(//*[count(//*) > count(.//*)])",
+        "//*[preceding::*[following::*[preceding::*]]][count(preceding::*) = 0]",
+        "count(//frame[count(preceding-sibling::frame[count(following-sibling::frame) > 1]) > 1])",
+    ],
+)
+def test_expressions_that_take_too_long_are_ended(text: str) -> None:
+    pool = Evaluator(seconds=1.0, processes=1)
+    start = time.perf_counter()
+    try:
+        with pytest.raises(LimitError) as caught:
+            pool.evaluate(parse(text), [MANY.encode()])
+        assert caught.value.details["code"] == "query-timeout"
+        assert time.perf_counter() - start < 3
+        assert pool.evaluate(parse("count(//frame)"), [MANY.encode()]) == Scalar(30_000.0)
+    finally:
+        pool.close()
+
+
+def test_expressions_that_take_too_much_memory_are_ended() -> None:
+    pool = Evaluator(memory_bytes=150 << 20, processes=1)
+    pieces = [b"<mcml>", *[b"<frame><frame_bone name='a' Tx='1'/></frame>" * 1000] * 1000, b"</mcml>"]
+    try:
+        with pytest.raises(LimitError) as caught:
+            pool.evaluate(parse("count(//frame)"), pieces)
+        assert caught.value.details["code"] == "query-memory"
+        assert pool.evaluate(parse("count(//frame)"), [MANY.encode()]) == Scalar(30_000.0)
+    finally:
+        pool.close()
+
+
+def test_a_document_that_is_no_xml_is_the_store_s_fault() -> None:
+    pool = Evaluator(processes=1)
+    try:
+        with pytest.raises(StoreError, match="not well-formed"):
+            pool.evaluate(parse("1"), [b"<mcml>", b"<", b"</x>" * 100_000])
+        assert pool.evaluate(parse("1 + 1"), [b"<mcml/>"]) == Scalar(2.0)
+    finally:
+        pool.close()
