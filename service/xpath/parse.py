@@ -47,6 +47,9 @@ CONTEXT_FUNCTIONS = (
 )  # fmt: skip
 """Functions that without an argument take the context node."""
 
+_KIND_TEST_BEFORE_SIGN = re.compile(
+    r"""'[^']*'|"[^"]*"|\b((?:node|text|comment|processing-instruction)\(\s*\))(?=\s*[+*?])"""
+)
 ANY_NODE = Step("descendant-or-self", "node()")
 
 
@@ -70,7 +73,10 @@ def parse(text: str) -> Query:
     Raises QueryError with the column and a hint for what is none, LimitError for a text that is too long or nested
     too deeply.
     """
-    tree = _parse_tree(text)
+    _bound(text, MAX_LENGTH)
+    # elementpath takes the + of `node() + 1` for an occurrence indicator of XPath 2.0; a predicate keeps them apart.
+    text = _KIND_TEST_BEFORE_SIGN.sub(lambda match: match.group() + "[true()]" * bool(match.group(1)), text)
+    tree = _parse_tree(text, MAX_LENGTH * 2)
     changes, warnings = _stored_names(text, tree)
     changes += [(place, place, "/") for place in _relative_places(text, tree)]
     if not changes:
@@ -78,10 +84,10 @@ def parse(text: str) -> Query:
     changed = text
     for first, last, replacement in sorted(changes, reverse=True):
         changed = changed[:first] + replacement + changed[last:]
-    return Query(changed, _parse_tree(changed, MAX_LENGTH * 2), warnings)
+    return Query(changed, _parse_tree(changed, MAX_LENGTH * 4), warnings)
 
 
-def _parse_tree(text: str, max_length: int = MAX_LENGTH) -> Expression:
+def _parse_tree(text: str, max_length: int) -> Expression:
     _bound(text, max_length)
     try:
         try:
@@ -218,6 +224,11 @@ def _operation(token: Any) -> Operation:
         operands.append(_expression(current[1]))
         current = current[0]
     operands.append(_expression(current))
+    first = operands[-1]
+    if symbol == "|" and isinstance(first, Operation) and first.operator == "negate" and current.symbol == "-":
+        # XPath 1.0 binds | more tightly than a minus sign, later versions do not.
+        union = Operation("|", (*first.operands, *reversed(operands[:-1])), _span(token))
+        return Operation("negate", (union,), _span(token))
     return Operation(symbol, tuple(reversed(operands)), _span(token))
 
 
@@ -319,7 +330,7 @@ def _relative_places(text: str, tree: Expression) -> list[int]:
             if current.start is not None:
                 stack.append(current.start)
             elif not current.absolute:
-                places.append(current.span[0])
+                places.append(current.steps[0].span[0])
         elif isinstance(current, Filter):
             stack.append(current.operand)
         elif isinstance(current, Call) and not current.arguments and current.function in CONTEXT_FUNCTIONS:

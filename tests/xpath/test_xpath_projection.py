@@ -16,22 +16,8 @@ from service.xpath.projection import Projection, may_select_document, projection
 from service.xpath.tree import AXES
 from tests.xpath.small import DOCUMENT, answer, projected, tree
 
-TAGS = [
-    "mcml",
-    "header",
-    "comment",
-    "property",
-    "root",
-    "skeleton",
-    "bone",
-    "name",
-    "length",
-    "end_site",
-    "motion",
-    "frames",
-    "frame",
-    "motion_name",
-]
+TAGS = ["mcml", "header", "comment", "property", "root", "skeleton", "bone", "name", "length", "end_site", "motion"]
+TAGS += ["frames", "frame", "motion_name"]
 ATTRIBUTES = ["name", "id", "Rx", "version", "mapped", "position", "order"]
 
 
