@@ -11,8 +11,7 @@ from service.storage.documents import StoredDocument
 
 
 def summary(stored: StoredDocument) -> DocumentSummary:
-    seconds = float(stored.frame_time) if stored.frame_time is not None else None
-    seconds = seconds if seconds and seconds > 0 else None
+    seconds = stored.seconds_per_frame
     return DocumentSummary(
         id=stored.uuid,
         name=stored.name,
@@ -33,9 +32,6 @@ def detail(tx: Transaction, stored: StoredDocument) -> DocumentDetail:
     joints = head.skeleton.joints
     address = f"/api/v1/documents/{stored.uuid}"
     fields = summary(stored).model_dump()
-    seconds = head.seconds_per_frame()
-    fields["seconds_per_frame"] = seconds
-    fields["duration"] = None if seconds is None else stored.frames * seconds
     return DocumentDetail(
         **fields,
         description=head.description,

@@ -18,7 +18,7 @@ from service.actions.describe_clip import receipt
 from service.actions.edit_header import with_facts
 from service.actions.gather_files import Clip, SkeletonLookup, gathered
 from service.actions.import_options import ImportOptions
-from service.errors import DocumentError, McmlError, Notice, NotFoundError, Place
+from service.errors import DocumentError, McmlError, NotFoundError, Notice, Place
 from service.formats import FORMATS
 from service.formats.format import Limits, ReadOptions, SourceFile
 from service.mcml import joint_names, motion_names
@@ -190,7 +190,7 @@ class _Importer:
         return stated
 
     def _make_names_canonical(self, encoder: ClipEncoder, stream: ClipStream) -> None:
-        """Motion names that the document itself has are stored as labels are: synonyms canonically, no impossible one."""
+        """Motion names that the document itself has are stored as labels are: canonically, and none impossible."""
         for row in encoder.spans.rows:
             said = row["name"]
             row["name"] = motion_names.canonical(said, strict=self.options.strict_names)

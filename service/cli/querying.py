@@ -42,7 +42,7 @@ def xpath(
     for warning in answer.warnings:
         print(f"mcml: {warning}", file=sys.stderr)
     if answer.value is not None:
-        print(answer.value)
+        print(_text(answer.value))
     elif answer.type == "runs":
         rows = table("document", "name", "first#", "last#", "frames#")
         for item in answer.items or []:
@@ -54,10 +54,17 @@ def xpath(
             if isinstance(item, NodeItem):
                 print(item.value if as_ == "xml" else f"{item.document} {item.address} {item.value}")
             elif isinstance(item, ScalarItem):
-                print(f"{item.document} {item.value}")
+                print(f"{item.document} {_text(item.value)}")
     if answer.next_cursor:
         print(f"mcml: only the first {limit} items; ask for more with --limit", file=sys.stderr)
     if answer.explain:
         for line in answer.explain.plan:
             print(f"plan: {line}", file=sys.stderr)
         print(f"plan: {answer.explain.way}, {answer.explain.milliseconds:.2f} ms", file=sys.stderr)
+
+
+def _text(value: str | float | bool) -> str:
+    """A value as XPath's string() writes it: whole numbers without a point."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)

@@ -70,7 +70,7 @@ def _read_motion_head(tokens: Tokens, limits: Limits, channels: int, notices: li
         raise _expected("MOTION", token, tokens)
     count = _value_behind(tokens, ("frames",))
     if count is None:
-        raise _expected("the number of frames", None, tokens)
+        raise FormatError("Frames: has no value", at=tokens.here, remedy="Write the number of frames behind it.")
     if not is_whole(count.text):
         raise FormatError(f"Frames: {count.text[:40]!r} is not a whole number", at=count.at)
     frames = int(count.text)

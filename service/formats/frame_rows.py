@@ -106,7 +106,8 @@ class FrameRows:
             if self._stop is not None and (match := self._stop.search(rest)) is not None:
                 rest, self.stopped = rest[: match.start()], True
                 break
-            cut = self._last_opening(rest)
+            # A short block is the last one: what is left of it needs no cut.
+            cut = self._last_opening(rest) if len(block) == BLOCK_BYTES else 0
             if cut:
                 yield rest[:cut], offset
                 rest, offset = rest[cut:], offset + cut

@@ -55,6 +55,11 @@ def index_segments(stream: BinaryIO, start: int, encoding: Encoding) -> Index:
             last = len(text) if len(text) > 1 << 22 else 0
         if len(block) < 1 << 20:
             last = len(text)
+        if not index.missing and b"999999" in text and (huge := HUGE.search(text)):
+            index.missing = huge.group().decode()
+        if b"#" in text[:last]:
+            found = (match.decode(codec, errors="replace").rstrip() for match in _COMMENT.findall(text, 0, last))
+            index.comments += [text for text in dict.fromkeys(found) if text not in index.comments][:100]
         for heading in _HEADING.finditer(text, 0, last):
             if name is not None:
                 _close(index, name, begin, offset + heading.start())
@@ -62,11 +67,6 @@ def index_segments(stream: BinaryIO, start: int, encoding: Encoding) -> Index:
             if name.lower() == "endoffile":
                 index.has_end = True
                 return index
-        if not index.missing and b"999999" in text and (huge := HUGE.search(text)):
-            index.missing = huge.group().decode()
-        if b"#" in text[:last]:
-            found = (match.decode(codec, errors="replace").rstrip() for match in _COMMENT.findall(text, 0, last))
-            index.comments += [text for text in dict.fromkeys(found) if text not in index.comments][:100]
         rest, offset = text[last:], offset + last
     if name is not None:
         _close(index, name, begin, offset)

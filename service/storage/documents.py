@@ -11,7 +11,7 @@ from sqlalchemy import Select, and_, delete, func, insert, select, update
 from service.errors import NotFoundError
 from service.storage import tables
 from service.storage.identifiers import new_uuid
-from service.storage.tables import CURRENT, commit, content, document, project, property_, revision, span
+from service.storage.tables import CURRENT, commit, content, document, header, project, property_, revision, span
 from service.storage.uploads import LEASE_SECONDS
 
 if TYPE_CHECKING:
@@ -20,7 +20,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StoredDocument:
-    """A document at one revision. key: its number inside the store; uuid: its name outside."""
+    """A document at one revision.
+
+    key: its number inside the store; uuid: its name outside. frame_time: seconds a frame, as written.
+    data_rate: frames a second, where the header states them.
+    """
 
     key: int
     uuid: str
@@ -32,11 +36,21 @@ class StoredDocument:
     skeleton: int
     frames: int
     frame_time: str | None
+    data_rate: str | None
     intact: bool
     revision: int
     created: str
     modified: str
     next_slot: int
+
+    @property
+    def seconds_per_frame(self) -> float | None:
+        """From the frame time, else from the header's rate; None where neither says anything usable."""
+        if self.frame_time is not None:
+            return float(self.frame_time) if float(self.frame_time) > 0 else None
+        if self.data_rate is not None and float(self.data_rate) > 0:
+            return 1.0 / float(self.data_rate)
+        return None
 
 
 @dataclass(frozen=True)
@@ -178,6 +192,11 @@ class Documents:
             .where(revision.c.document == document.c.id, revision.c.commit <= at)
             .scalar_subquery()
         )
+        rate = (
+            select(header.c.text)
+            .where(header.c.document == document.c.id, header.c.tag == "dataframe_rate", self._tx.valid(header))
+            .scalar_subquery()
+        )
         made = select(commit.c.time).where(commit.c.number == document.c.created_commit).scalar_subquery()
         changed = (
             select(func.max(commit.c.time))
@@ -197,6 +216,7 @@ class Documents:
                 content.c.skeleton,
                 content.c.frames,
                 content.c.frame_time,
+                rate.label("data_rate"),
                 content.c.intact,
                 newest.label("revision"),
                 made.label("created"),

@@ -149,7 +149,16 @@ class FormatContract:
 
     def test_junk_is_refused(self) -> None:
         chance = random.Random(22)
-        junk = [b"", b" ", b"\n\n", b"\0" * 100, b"\xff\xfe" + "text".encode("utf-16-le"), b"{}", b"a" * 5000, b"#" * 99]
+        junk = [
+            b"",
+            b" ",
+            b"\n\n",
+            b"\0" * 100,
+            b"\xff\xfe" + "text".encode("utf-16-le"),
+            b"{}",
+            b"a" * 5000,
+            b"#" * 99,
+        ]
         junk += [chance.randbytes(size) for size in (1, 10, 1000)]
         for files in self.samples.values():
             for part in files:
