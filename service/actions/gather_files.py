@@ -116,7 +116,7 @@ _NAMED_SKELETON = re.compile(rb"^\s*#!\s*OML\s*:\s*ASF\s+([^\r\n]+)", re.IGNOREC
 
 
 def _skeleton_for(motion: SourceFile, skeletons: list[SourceFile]) -> SourceFile | None:
-    """The skeleton that the motion names, else the one of its stem, of a prefix of its stem, or the only one."""
+    """The skeleton that the motion names, else that of its stem, a prefix of it, its first word, or the only one."""
     by_name = {posixpath.basename(file.name).lower(): file for file in skeletons}
     by_stem = {name.rsplit(".", 1)[0]: file for name, file in by_name.items()}
     motion.stream.seek(0)
@@ -129,10 +129,26 @@ def _skeleton_for(motion: SourceFile, skeletons: list[SourceFile]) -> SourceFile
     stem = posixpath.basename(motion.name).lower().rsplit(".", 1)[0]
     if stem in by_stem:
         return by_stem[stem]
-    prefixes = [other for other in by_stem if re.match(rf"{re.escape(other)}[^a-z0-9]", stem)]
+    prefixes = [other for other in by_stem if _begins(stem, other)]
     if prefixes:
         return by_stem[max(prefixes, key=len)]
+    # CMU copies are named 07-walk.asf and 07_05-walk.amc: the subject is the first word.
+    subject = _WORDS.findall(stem)[:1]
+    same = [file for other, file in by_stem.items() if subject and _WORDS.findall(other)[:1] == subject]
+    if len(same) == 1:
+        return same[0]
     return skeletons[0] if len(skeletons) == 1 else None
+
+
+_WORDS = re.compile(r"[^\W_]+")
+
+
+def _begins(stem: str, prefix: str) -> bool:
+    """Whether a stem is a prefix and more, cut between words or between a word and a number."""
+    rest = stem.removeprefix(prefix)
+    if rest == stem or not rest or not prefix:
+        return False
+    return not rest[0].isalnum() or rest[0].isdigit() != prefix[-1].isdigit()
 
 
 def _unpacked(files: list[SourceFile], settings: Settings, stack: ExitStack, result: Gathered) -> Iterator[SourceFile]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,7 +19,7 @@ DatabaseOption = Annotated[str | None, typer.Option("--database", help="Store to
 ServerOption = Annotated[str | None, typer.Option("--server", help="Work against this server instead, http://…")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts")]
 
-console = Console(highlight=False, soft_wrap=True)
+console = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 1000)
 
 
 def chosen_settings(database: str | None = None, **changes: Any) -> Settings:

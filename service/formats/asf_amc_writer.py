@@ -34,7 +34,6 @@ def write_asf(clip: ClipStream) -> Iterator[bytes]:
         )
     part = next((source for source in head.sources if source.part == "asf"), SourcePart("asf"))
     names = names_of(skeleton, clip.notices)
-    sections = dict(part.sections)
     written = {
         ":version": [f":version {head.fields.get('version', '1.10') if head.format == 'asf-amc' else '1.10'}"],
         ":name": [f":name {head.fields.get('skeleton_name', 'skeleton')}"],
@@ -59,7 +58,6 @@ def write_asf(clip: ClipStream) -> Iterator[bytes]:
                 lines += [found[0], *([found[1]] if found[1] else [])]
     for title, text in left:
         lines += [title, *([text] if text else [])]
-    del sections
     yield encoded("\n".join(lines) + "\n", part.encoding, clip.notices)
 
 
@@ -121,10 +119,10 @@ def _hierarchy(skeleton: Skeleton, names: list[str]) -> Iterator[str]:
 def write_amc(clip: ClipStream) -> Iterator[bytes]:
     """The motion file: frames with the bones, order and ids they came with."""
     head = clip.head
-    part = next((source for source in head.sources if source.part == "amc"), SourcePart("amc"))
+    default = SourcePart("amc", flags=(":FULLY-SPECIFIED", ":DEGREES"))
+    part = next((source for source in head.sources if source.part == "amc"), default)
     names = names_of(head.skeleton, clip.notices)
-    flags = part.flags or (":FULLY-SPECIFIED", ":DEGREES")
-    head_text = "".join(f"{line}\n" for line in (*part.comments, *flags))
+    head_text = "".join(f"{line}\n" for line in (*part.comments, *part.flags))
     yield encoded(head_text, part.encoding, clip.notices)
     codec = "utf-8" if part.encoding == "utf-8-sig" else part.encoding
     shown = [encoded(name, codec, clip.notices) for name in names]

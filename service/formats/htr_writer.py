@@ -154,17 +154,20 @@ def _rows(values: Array, style: str, missing: bytes) -> list[bytes]:
 
 
 def _by_frame(clip: ClipStream, names: list[bytes], style: str, missing: bytes) -> Iterator[bytes]:
-    order = clip.head.skeleton.in_declared_order()
+    skeleton = clip.head.skeleton
+    declared = skeleton.in_declared_order()
+    place = {joint: row for row, joint in enumerate(declared)}
     for block in clip.blocks():
-        values = _dense(clip.head.skeleton, block)
-        rows = _rows(values.reshape(-1, WIDTH), style, missing)
+        # The rows of a frame stay in the order in which it lists its segments.
+        listed = [[joint for joint, _ in shape] for shape in block.shapes]
+        orders = [[*own, *(joint for joint in declared if joint not in set(own))] for own in listed]
+        rows = _rows(_dense(skeleton, block).reshape(-1, WIDTH), style, missing)
         lines: list[bytes] = []
         for index, frame_id in enumerate(block.ids):
             lines.append(b"Frame %b:" % str(frame_id).encode())
-            start = index * len(order)
-            lines += [
-                names[joint] + b"\t" + row for joint, row in zip(order, rows[start : start + len(order)], strict=True)
-            ]
+            start = index * len(declared)
+            order = orders[0 if block.shape_of is None else int(block.shape_of[index])]
+            lines += [names[joint] + b"\t" + rows[start + place[joint]] for joint in order]
         yield b"\n".join(lines) + b"\n"
 
 
