@@ -14,7 +14,6 @@ from service.motion.clip import ClipStream, FrameBlock, Shape, SourcePart
 from service.motion.skeleton import CHANNEL_INDEX, Joint, Skeleton
 
 _ILLEGAL = frozenset(" \t\v\f\r\n\0#(),")
-_SECTIONS = (":version", ":name", ":units", ":documentation", ":root", ":bonedata", ":hierarchy")
 
 
 def names_of(skeleton: Skeleton, notices: list[Notice]) -> list[str]:
@@ -35,20 +34,18 @@ def write_asf(clip: ClipStream) -> Iterator[bytes]:
     part = next((source for source in head.sources if source.part == "asf"), SourcePart("asf"))
     names = names_of(skeleton, clip.notices)
     written = {
-        ":version": [f":version {head.fields.get('version', '1.10') if head.format == 'asf-amc' else '1.10'}"],
+        ":version": [f":version {head.fields.get('version', '1.10')}"],
         ":name": [f":name {head.fields.get('skeleton_name', 'skeleton')}"],
         ":units": [":units", *_units(head.fields)],
         ":root": [":root", *_root(skeleton.joints[0])],
         ":bonedata": [":bonedata", *_bones(skeleton, names)],
         ":hierarchy": [":hierarchy", "  begin", *_hierarchy(skeleton, names), "  end"],
     }
-    optional = {":version": "version" in head.fields, ":name": "skeleton_name" in head.fields, ":units": True}
-    order = [keyword.lower() for keyword in part.keywords] or [
-        keyword for keyword in _SECTIONS if optional.get(keyword, True)
-    ]
+    order = [keyword.lower() for keyword in part.keywords] or list(written)
+    order += [keyword for keyword in (":root", ":bonedata", ":hierarchy") if keyword not in order]
     lines = list(part.comments)
     left = list(part.sections)
-    for keyword in [*order, *(key for key in (":root", ":bonedata", ":hierarchy") if key not in order)]:
+    for keyword in order:
         if keyword in written:
             lines += written[keyword]
         else:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
 
@@ -89,7 +91,7 @@ def notices(asf: str = ASF, amc: str | None = AMC) -> str:
 
 class TestAsfAmc(FormatContract):
     name = NAME
-    samples = {
+    samples: ClassVar = {
         "basic": {"asf": ASF.encode(), "amc": AMC.encode()},
         "sparse": {
             "asf": ASF.encode(),
@@ -134,7 +136,8 @@ def test_keeps_what_the_file_says() -> None:
 def test_numbers_keep_every_bit() -> None:
     block = next(iter(clip_of().blocks()))
     assert block.values[0, 8] == -1e-15
-    assert np.signbit(block.values[1, 7]) and block.values[1, 8] == 0.5
+    assert np.signbit(block.values[1, 7])
+    assert block.values[1, 8] == 0.5
 
 
 @pytest.mark.parametrize(
@@ -209,7 +212,9 @@ def test_refuses_skeletons(change: tuple[str, str], message: str) -> None:
     with pytest.raises(FormatError) as error:
         clip_of(ASF.replace(change[0], change[1], 1))
     assert message in str(error.value)
-    assert error.value.at is not None and error.value.at.line is not None and error.value.at.file == "clip.asf"
+    assert error.value.at is not None
+    assert error.value.at.line is not None
+    assert error.value.at.file == "clip.asf"
 
 
 @pytest.mark.parametrize(
@@ -233,7 +238,9 @@ def test_refuses_motion(change: tuple[str, str], message: str) -> None:
     with pytest.raises(FormatError) as error:
         frames(clip_of(amc=AMC.replace(change[0], change[1], 1)))
     assert message in str(error.value)
-    assert error.value.at is not None and error.value.at.line is not None and error.value.at.file == "clip.amc"
+    assert error.value.at is not None
+    assert error.value.at.line is not None
+    assert error.value.at.file == "clip.amc"
 
 
 def test_amc_needs_its_asf_and_frames() -> None:
@@ -246,7 +253,8 @@ def test_amc_needs_its_asf_and_frames() -> None:
 def test_the_line_of_a_bad_row_is_named() -> None:
     with pytest.raises(FormatError) as error:
         frames(clip_of(amc=AMC.replace("ltibia 16.5", "ltibia")))
-    assert error.value.at is not None and error.value.at.line == 11
+    assert error.value.at is not None
+    assert error.value.at.line == 11
 
 
 def test_sparse_frames_keep_their_bones_and_their_order() -> None:
@@ -277,7 +285,8 @@ def test_regular_and_irregular_frames_give_the_same() -> None:
     plain = "\n".join(rows)
     commented = "\n".join(row + (" # x" if place % 50 == 7 else "") for place, row in enumerate(rows))
     fast, slow = frames(clip_of(amc=plain)), frames(clip_of(amc=commented))
-    assert len(fast) == 6000 and fast == slow
+    assert len(fast) == 6000
+    assert fast == slow
 
 
 def test_no_frame_rate_is_assumed() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,7 @@ Frame Time: 0.0333333
 0.5 1.1 0 11 21 31 1.5 2.5 3.5 4.5 5.5
 """
 BASIC = (HEAD + MOTION).encode()
+ODD_NUMBERS = "-0 -0.0 +1 .5 -.25 5. 1e-011 -4.0020632E-7 007 1E5 0"
 
 
 def motion(text: str) -> bytes:
@@ -67,7 +70,8 @@ def notices(data: bytes) -> str:
 def refusal(data: bytes, **options: object) -> str:
     with pytest.raises(FormatError) as error:
         frames(clip_of(data, **options))
-    assert error.value.at is not None and error.value.at.line is not None
+    assert error.value.at is not None
+    assert error.value.at.line is not None
     return str(error.value)
 
 
@@ -76,11 +80,11 @@ EXPECTED = [[0, 1.1, 0, 10, 20, 30, 1, 2, 3, 4, 5], [0.5, 1.1, 0, 11, 21, 31, 1.
 
 class TestBvh(FormatContract):
     name = "bvh"
-    samples = {
+    samples: ClassVar = {
         "basic": {"bvh": BASIC},
         "one frame": {"bvh": motion("Frames: 1\nFrame Time: .5\n0 1.1 0 10 20 30 1 2 3 4 5\n")},
         "no frame": {"bvh": motion("Frames: 0\nFrame Time: 0.1\n")},
-        "numbers": {"bvh": motion("Frames: 1\nFrame Time: 1e-2\n-0 -0.0 +1 .5 -.25 5. 1e-011 -4.0020632E-7 007 1E5 0\n")},
+        "numbers": {"bvh": motion(f"Frames: 1\nFrame Time: 1e-2\n{ODD_NUMBERS}\n")},
         "two roots": {
             "bvh": b"HIERARCHY\nROOT A\n{\nOFFSET 0 0 0\nCHANNELS 1 Xposition\n}\nROOT A\n{\nOFFSET 1 0 0\n}\n"
             b"MOTION\nFrames: 1\nFrame Time: 1\n5\n"
@@ -89,9 +93,9 @@ class TestBvh(FormatContract):
         "latin": {"bvh": BASIC.replace(b"Hips", "Hüfte".encode("latin-1"))},
         "unicode": {"bvh": BASIC.replace(b"Hips", "骨盤 é".encode())},
         "end sites": {
-            "bvh": b"HIERARCHY\nROOT R\n{\nOFFSET 0 0 0\nEnd Site first\n{\nOFFSET 1 0 0\n}\nJOINT End Site\n{\nOFFSET 0 1 0\n"
-            b"CHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 0 0\n}\n}\nEnd Site last one\n{\nOFFSET 0 0 1\n}\n}\n"
-            b"MOTION\nFrames: 1\nFrame Time: 1\n45\n"
+            "bvh": b"HIERARCHY\nROOT R\n{\nOFFSET 0 0 0\nEnd Site first\n{\nOFFSET 1 0 0\n}\n"
+            b"JOINT End Site\n{\nOFFSET 0 1 0\nCHANNELS 1 Xrotation\nEnd Site\n{\nOFFSET 0 0 0\n}\n}\n"
+            b"End Site last one\n{\nOFFSET 0 0 1\n}\n}\nMOTION\nFrames: 1\nFrame Time: 1\n45\n"
         },
     }  # fmt: skip
 
@@ -130,9 +134,8 @@ def test_keeps_what_the_file_says() -> None:
 
 
 def test_numbers_keep_every_bit() -> None:
-    text = "-0 -0.0 +1 .5 -.25 5. 1e-011 -4.0020632E-7 007 1E5 0"
-    found = np.array(values(motion(f"Frames: 1\nFrame Time: 1\n{text}\n"))[0])
-    expected = np.array([float(word) for word in text.split()])
+    found = np.array(values(motion(f"Frames: 1\nFrame Time: 1\n{ODD_NUMBERS}\n"))[0])
+    expected = np.array([float(word) for word in ODD_NUMBERS.split()])
     assert found.view(np.int64).tolist() == expected.view(np.int64).tolist()
 
 
@@ -154,7 +157,8 @@ def test_a_value_that_the_style_would_change_is_written_in_full() -> None:
     clip = clip_of(data)
     assert clip.head.number_style == "fixed:2"
     last = written(FORMATS["bvh"], clip)["bvh"].splitlines()[-2:]
-    assert last[0].startswith(b"0.12345 1.10 ") and last[1].endswith(b"4.00 1e-30")
+    assert last[0].startswith(b"0.12345 1.10 ")
+    assert last[1].endswith(b"4.00 1e-30")
 
 
 @pytest.mark.parametrize(

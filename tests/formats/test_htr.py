@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
 
@@ -74,11 +76,11 @@ def notices(text: str) -> str:
 
 class TestHtr(FormatContract):
     name = NAME
-    samples = {
+    samples: ClassVar = {
         "version 1": {"htr": (HEAD + V1).encode()},
         "version 2": {"htr": (HEAD2 + V2).encode()},
         "missing 1": {
-            "htr": (HEAD + V1).replace("1\t0\t0\t0\t4\t5\t6\t1", "1\t9999999.0\t9999999.0\t9999999.0\t4\t5\t6\t1").encode()
+            "htr": (HEAD + V1).replace("1\t0\t0\t0\t4", "1\t9999999.0\t9999999.0\t9999999.0\t4").encode()
         },
         "missing 2": {"htr": (HEAD2 + V2).replace("0 0 0 4 5 6 1", " ".join(["-9999999"] * 7)).encode()},
         "no frame": {
@@ -124,14 +126,16 @@ def test_both_versions_hold_the_same_motion() -> None:
 def test_numbers_keep_every_bit() -> None:
     block = next(iter(clip_of().blocks()))
     arm = block.values[0, 7:14]
-    assert np.signbit(arm[3:5]).all() and arm[5] == 1e-11
+    assert np.signbit(arm[3:5]).all()
+    assert arm[5] == 1e-11
 
 
 def test_missing_samples_are_no_numbers() -> None:
     text = (HEAD + V1).replace("1\t0\t0\t0\t4\t5\t6\t1", "1\t" + "\t".join(["9999999.000"] * 7))
     clip = clip_of(text)
     block = next(iter(clip.blocks()))
-    assert np.isnan(block.values[1, 7:14]).all() and np.isfinite(block.values[0]).all()
+    assert np.isnan(block.values[1, 7:14]).all()
+    assert np.isfinite(block.values[0]).all()
     assert block.shapes[int(block.shape_of[1])][1] == (1, 0)  # type: ignore[index]
     assert clip.head.sources[0].missing == "9999999.000"
     assert "9999999.000 say that a sample is missing" in notices(text)
@@ -212,7 +216,8 @@ def test_refuses(change: tuple[str, str], message: str) -> None:
     with pytest.raises(FormatError) as error:
         frames(clip_of((HEAD + V1).replace(change[0], change[1], 1)))
     assert message in str(error.value)
-    assert error.value.at is not None and error.value.at.file == "clip.htr"
+    assert error.value.at is not None
+    assert error.value.at.file == "clip.htr"
 
 
 @pytest.mark.parametrize(
