@@ -13,7 +13,7 @@ from typing import BinaryIO
 from service.errors import FormatError, LimitError, Notice, Place
 from service.formats.asf_tree import build_skeleton
 from service.formats.format import Limits
-from service.formats.lines import BLANKS, Encoding, Line, Lines
+from service.formats.lines import BLANKS, Encoding, Line, Lines, shown
 from service.formats.numbers import is_number, what_is_wrong
 from service.motion.skeleton import Skeleton, Triple
 
@@ -81,7 +81,7 @@ class _Reader:
             if not text:
                 continue
             if not text.startswith(":"):
-                found = repr(text[:40])
+                found = shown(text)
                 raise FormatError(
                     f"expected a section such as :version, found {found}", at=line.at(1), remedy="This is no ASF file."
                 )
@@ -152,7 +152,9 @@ class _Reader:
                 self._read_unit(name, number)
                 if len(words) > 2 and words[2].text.lower() not in ("mass", "length", "angle"):
                     rest = " ".join(word.text for word in words[2:])
-                    self.notices.append(Notice("warning", f"units: {rest!r} behind {name.text} is ignored", at=name.at))
+                    self.notices.append(
+                        Notice("warning", f"units: {shown(rest)} behind {name.text} is ignored", at=name.at)
+                    )
                     break
 
     def _read_unit(self, name: Word, value: Word) -> None:
@@ -161,9 +163,9 @@ class _Reader:
             _need_number(value, f"units {unit}")
         elif unit == "angle":
             if value.text.lower()[:3] not in ("deg", "rad"):
-                raise FormatError(f"units angle: found {value.text!r}, expected deg or rad", at=value.at)
+                raise FormatError(f"units angle: found {shown(value.text)}, expected deg or rad", at=value.at)
         else:
-            self.notices.append(Notice("warning", f"units: {name.text!r} is unknown and ignored", at=name.at))
+            self.notices.append(Notice("warning", f"units: {shown(name.text)} is unknown and ignored", at=name.at))
             return
         self.file.fields[f"units_{unit}"] = value.text
 
@@ -180,7 +182,9 @@ class _Reader:
             elif keyword == "orientation":
                 root.axis = _triple(values, "orientation of the root", words[0].at)
             else:
-                self.notices.append(Notice("warning", f"root: {words[0].text!r} is unknown, ignored", at=words[0].at))
+                self.notices.append(
+                    Notice("warning", f"root: {shown(words[0].text)} is unknown, ignored", at=words[0].at)
+                )
         if not root.channels:
             root.channels = DEFAULT_ROOT_ORDER
             self.notices.append(Notice("guess", "the root states no order: TX TY TZ RX RY RZ", at=root.at))
@@ -214,7 +218,7 @@ class _Reader:
                     continue
                 keyword = words[0].text.lower()
             if bone is None:
-                raise FormatError(f"expected begin, found {words[0].text!r}", at=words[0].at)
+                raise FormatError(f"expected begin, found {shown(words[0].text)}", at=words[0].at)
             if keyword == "end":
                 self._check_bone(bone)
                 bones.append(bone)
@@ -231,7 +235,7 @@ class _Reader:
         values, at = words[1:], words[0].at
         what = f"bone {bone.name or '?'!r}"
         if keyword not in _BONE_FIELDS:
-            self.notices.append(Notice("warning", f"{what}: {words[0].text!r} is unknown and ignored", at=at))
+            self.notices.append(Notice("warning", f"{what}: {shown(words[0].text)} is unknown and ignored", at=at))
             return
         if keyword == "dof":
             bone.channels = self._channels(values, what)
@@ -256,7 +260,9 @@ class _Reader:
             setattr(bone, keyword, values[0].text)
             if len(values) > 1:
                 rest = " ".join(word.text for word in values[1:])
-                self.notices.append(Notice("warning", f"{what}: {rest!r} behind {keyword} is ignored", at=values[1].at))
+                self.notices.append(
+                    Notice("warning", f"{what}: {shown(rest)} behind {keyword} is ignored", at=values[1].at)
+                )
 
     def _channels(self, words: list[Word], what: str) -> tuple[str, ...]:
         channels: list[str] = []
@@ -264,10 +270,12 @@ class _Reader:
             channel = CHANNEL_OF_DOF.get(word.text.lower())
             if channel is None:
                 raise FormatError(
-                    f"{what}: unknown degree of freedom {word.text!r}", at=word.at, remedy="Use tx ty tz rx ry rz l."
+                    f"{what}: unknown degree of freedom {shown(word.text)}",
+                    at=word.at,
+                    remedy="Use tx ty tz rx ry rz l.",
                 )
             if channel in channels:
-                raise FormatError(f"{what}: degree of freedom {word.text!r} stands twice", at=word.at)
+                raise FormatError(f"{what}: degree of freedom {shown(word.text)} stands twice", at=word.at)
             channels.append(channel)
         return tuple(channels)
 
@@ -325,5 +333,5 @@ def _triple(words: list[Word], what: str, at: Place) -> Triple:
 
 def _axis_order(word: Word, what: str) -> str:
     if word.text.upper() not in ORDERS:
-        raise FormatError(f"{what}: axis order {word.text!r} is not a permutation of XYZ", at=word.at)
+        raise FormatError(f"{what}: axis order {shown(word.text)} is not a permutation of XYZ", at=word.at)
     return word.text

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from service.errors import FormatError, LimitError, Notice
 from service.formats.format import Limits
+from service.formats.lines import shown
 from service.motion.skeleton import Convention, Joint, Skeleton
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def _children(index_of: dict[str, int], count: int, hierarchy: list[list[Word]])
             return -1
         if word.text.lower() not in folded:
             raise FormatError(
-                f"hierarchy: unknown bone {word.text!r}",
+                f"hierarchy: unknown bone {shown(word.text)}",
                 at=word.at,
                 remedy="Define it in :bonedata, or remove it here.",
             )
@@ -67,7 +68,9 @@ def _children(index_of: dict[str, int], count: int, hierarchy: list[list[Word]])
             if child < 0:
                 raise FormatError("hierarchy: the root has a parent", at=word.at)
             if has_parent[child]:
-                raise FormatError(f"bone {word.text!r} has two parents", at=word.at, remedy="Name it once as a child.")
+                raise FormatError(
+                    f"bone {shown(word.text)} has two parents", at=word.at, remedy="Name it once as a child."
+                )
             has_parent[child] = True
             children[parent].append(child)
     return children

@@ -13,7 +13,7 @@ from service.errors import FormatError, Notice
 from service.formats.bvh_hierarchy import read_hierarchy, write_hierarchy
 from service.formats.bvh_motion import Motion, guess_translation
 from service.formats.format import Limits, Part, ReadOptions, SourceFile, need_convention
-from service.formats.lines import Lines, Token, Tokens, detect_encoding, encoded
+from service.formats.lines import Lines, Token, Tokens, detect_encoding, encoded, shown
 from service.formats.number_text import detect_style, rows_of_text
 from service.formats.numbers import is_number, is_whole, what_is_wrong
 from service.motion.clip import ClipHead, ClipStream, SourcePart
@@ -72,7 +72,7 @@ def _read_motion_head(tokens: Tokens, limits: Limits, channels: int, notices: li
     if count is None:
         raise FormatError("Frames: has no value", at=tokens.here, remedy="Write the number of frames behind it.")
     if not is_whole(count.text):
-        raise FormatError(f"Frames: {count.text[:40]!r} is not a whole number", at=count.at)
+        raise FormatError(f"Frames: {shown(count.text)} is not a whole number", at=count.at)
     frames = int(count.text)
     if frames < 0:
         raise FormatError(f"Frames: {frames} is negative", at=count.at)
@@ -132,8 +132,7 @@ def _expected(what: str, token: Token | None, tokens: Tokens) -> FormatError:
         return FormatError(
             f"the file ends where {what} was expected", at=tokens.here, remedy="The file was cut off; send it whole."
         )
-    found = token.text if len(token.text) <= 40 else token.text[:37] + "…"
-    return FormatError(f"expected {what}, found {found!r}", at=token.at)
+    return FormatError(f"expected {what}, found {shown(token.text)}", at=token.at)
 
 
 def _write(clip: ClipStream) -> Iterator[bytes]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from service.errors import FormatError, LimitError, Notice, Place
 from service.formats.format import Limits
-from service.formats.lines import BLANKS, Token, Tokens
+from service.formats.lines import BLANKS, Token, Tokens, shown
 from service.formats.numbers import is_number, what_is_wrong
 from service.motion.skeleton import Convention, EndSite, Joint, Skeleton, Triple, unique_names
 
@@ -182,7 +182,7 @@ def _unexpected(token: Token | None, expected: str, tokens: Tokens) -> FormatErr
 
 
 def _shown(token: Token) -> str:
-    return repr(token.text if len(token.text) <= 40 else token.text[:37] + "…")
+    return shown(token.text)
 
 
 def _skeleton(read: list[_Open], notices: list[Notice]) -> Skeleton:

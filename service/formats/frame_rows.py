@@ -15,7 +15,7 @@ from typing import BinaryIO, Final
 import numpy as np
 
 from service.errors import FormatError, LimitError, Place
-from service.formats.lines import blocks_of, line_and_column
+from service.formats.lines import blocks_of, line_and_column, shown
 from service.formats.numbers import is_number, parse_numbers, what_is_wrong
 from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import Array
@@ -55,7 +55,7 @@ class RowLayout:
         return {name.lower(): name for name in self.joints}
 
     def show(self, text: bytes) -> str:
-        return repr(text[:60].decode(self.codec, errors="replace"))
+        return shown(text[:100].decode(self.codec, errors="replace"))
 
 
 class FrameRows:
@@ -180,7 +180,7 @@ class FrameRows:
         values = []
         for index, word in enumerate(words[1:], start=1):
             text = word.decode("latin-1")
-            if len(text) > 400 or not is_number(text):
+            if not is_number(text):
                 raise FormatError(
                     f"{frame}, bone {shown}, value {index}: {what_is_wrong(text)}", at=self._place(offset)
                 )

@@ -8,7 +8,7 @@ from typing import BinaryIO
 
 from service.errors import FormatError, LimitError, Notice, Place, UnsupportedError
 from service.formats.format import Limits
-from service.formats.lines import BLANKS, Encoding, Line, Lines
+from service.formats.lines import BLANKS, Encoding, Line, Lines, shown
 from service.formats.numbers import is_number, is_whole, what_is_wrong
 from service.motion.skeleton import Convention, Joint, Skeleton
 
@@ -74,7 +74,7 @@ def read_head(stream: BinaryIO, encoding: Encoding, limits: Limits, notices: lis
         elif text:
             if current is None:
                 raise FormatError(
-                    f"HTR section [Header] is missing, found {text[:40]!r}",
+                    f"HTR section [Header] is missing, found {shown(text)}",
                     at=line.at(1),
                     remedy="This is no HTR file.",
                 )
@@ -105,11 +105,13 @@ def _read_header(rows: list[_Row], head: HtrHead, notices: list[Notice]) -> None
         name = FIELD_OF_KEYWORD.get(keyword.lower())
         if name is None:
             head.unknown.append((f"[Header] {keyword}", value))
-            notices.append(Notice("note", f"header keyword {keyword!r} is kept and means nothing here", at=row.at))
+            notices.append(Notice("note", f"header keyword {shown(keyword)} is kept and means nothing here", at=row.at))
             continue
         if name in head.fields:
             if head.fields[name] != value:
-                raise FormatError(f"header: {keyword} is first {head.fields[name]!r}, then {value!r}", at=row.at)
+                raise FormatError(
+                    f"header: {keyword} is first {shown(head.fields[name])}, then {shown(value)}", at=row.at
+                )
             continue
         head.fields[name] = value
         head.keywords.append(keyword)
@@ -127,16 +129,16 @@ def _check_header(head: HtrHead, places: dict[str, Place], notices: list[Notice]
             remedy="Export the motion as HTR.",
         )
     if kind != "htr":
-        raise FormatError(f"FileType is {fields['filetype']!r}, expected htr", at=places["filetype"])
+        raise FormatError(f"FileType is {shown(fields['filetype'])}, expected htr", at=places["filetype"])
     version = fields.get("version", "1")
     if not is_number(version) or float(version) not in (1, 2):
-        raise UnsupportedError(f"FileVersion {version!r} is unknown, 1 and 2 are read", at=places.get("version"))
+        raise UnsupportedError(f"FileVersion {shown(version)} is unknown, 1 and 2 are read", at=places.get("version"))
     head.version = int(float(version))
     for name, title in (("num_segments", "NumSegments"), ("num_frames", "NumFrames")):
         if name not in fields:
             raise FormatError(f"header: {title} is missing")
         if not is_whole(fields[name]) or int(fields[name]) < 0:
-            raise FormatError(f"{title} {fields[name]!r} is not a count", at=places[name])
+            raise FormatError(f"{title} {shown(fields[name])} is not a count", at=places[name])
     head.frames = int(fields["num_frames"])
     order = fields.get("euler_rotation_order")
     if order is None:
@@ -144,7 +146,7 @@ def _check_header(head: HtrHead, places: dict[str, Place], notices: list[Notice]
         notices.append(fields_order)
     elif order.upper() not in _ORDERS:
         raise FormatError(
-            f"EulerRotationOrder {order!r} is not a permutation of XYZ", at=places["euler_rotation_order"]
+            f"EulerRotationOrder {shown(order)} is not a permutation of XYZ", at=places["euler_rotation_order"]
         )
     for name, title in (("dataframe_rate", "DataFrameRate"), ("scale_factor", "ScaleFactor")):
         if name in fields and not is_number(fields[name]):
@@ -158,10 +160,10 @@ def _check_header(head: HtrHead, places: dict[str, Place], notices: list[Notice]
         )
     for name, title in (("global_axis_of_gravity", "GlobalAxisofGravity"), ("bone_length_axis", "BoneLengthAxis")):
         if name in fields and fields[name].upper() not in ("X", "Y", "Z"):
-            raise FormatError(f"{title} {fields[name]!r} is not X, Y or Z", at=places[name])
+            raise FormatError(f"{title} {shown(fields[name])} is not X, Y or Z", at=places[name])
     if "units_angle" in fields and fields["units_angle"].lower()[:3] not in ("deg", "rad"):
         raise FormatError(
-            f"RotationUnits {fields['units_angle']!r} are not Degrees or Radians", at=places["units_angle"]
+            f"RotationUnits {shown(fields['units_angle'])} are not Degrees or Radians", at=places["units_angle"]
         )
 
 
@@ -181,13 +183,13 @@ def _read_segments(
             raise FormatError(f"hierarchy: expected a segment and its parent, found {len(row.words)} words", at=row.at)
         limits.check_name(row.words[0], row.at)
         if row.words[0] in index_of:
-            raise FormatError(f"segment {row.words[0]!r} stands twice in the hierarchy", at=row.at)
+            raise FormatError(f"segment {shown(row.words[0])} stands twice in the hierarchy", at=row.at)
         index_of[row.words[0]] = number
     children: dict[int, list[int]] = {number: [] for number in range(-1, len(hierarchy))}
     for number, row in enumerate(hierarchy):
         parent = row.words[1]
         if parent not in index_of and parent.upper() != GLOBAL:
-            raise FormatError(f"segment {row.words[0]!r}: parent {parent!r} is unknown", at=row.at)
+            raise FormatError(f"segment {shown(row.words[0])}: parent {shown(parent)} is unknown", at=row.at)
         children[index_of.get(parent, -1)].append(number)
     if hierarchy and not children[-1]:
         raise FormatError("no segment has the parent GLOBAL", at=hierarchy[0].at, remedy="Write GLOBAL as its parent.")
@@ -205,7 +207,7 @@ def _read_segments(
     if len(order) < len(hierarchy):
         reached = set(order)
         left = next(number for number in range(len(hierarchy)) if number not in reached)
-        raise FormatError(f"hierarchy: cycle at {hierarchy[left].words[0]!r}", at=hierarchy[left].at)
+        raise FormatError(f"hierarchy: cycle at {shown(hierarchy[left].words[0])}", at=hierarchy[left].at)
     place = {number: index for index, number in enumerate(order)}
     declared = tuple(place[number] for number in range(len(order)))
     head.skeleton = Skeleton(tuple(joints), () if declared == tuple(range(len(joints))) else declared)
@@ -217,20 +219,20 @@ def _read_base(rows: list[_Row], index_of: dict[str, int], end: Place) -> dict[i
         name, values = row.words[0], row.words[1:]
         if len(values) != 7:
             raise FormatError(
-                f"BasePosition of {name!r} has {len(row.words)} fields, expected 8 (name Tx Ty Tz Rx Ry Rz BoneLength)",
+                f"BasePosition of {shown(name)} has {len(row.words)} fields, expected 8 (name Tx Ty Tz Rx Ry Rz BoneLength)",
                 at=row.at,
             )
         if name not in index_of:
-            raise FormatError(f"BasePosition: segment {name!r} is not in the hierarchy", at=row.at)
+            raise FormatError(f"BasePosition: segment {shown(name)} is not in the hierarchy", at=row.at)
         if index_of[name] in bases:
-            raise FormatError(f"BasePosition: segment {name!r} stands twice", at=row.at)
+            raise FormatError(f"BasePosition: segment {shown(name)} stands twice", at=row.at)
         for value in values:
             if not is_number(value):
-                raise FormatError(f"BasePosition of {name!r}: {what_is_wrong(value)}", at=row.at)
+                raise FormatError(f"BasePosition of {shown(name)}: {what_is_wrong(value)}", at=row.at)
         bases[index_of[name]] = values
     for name, number in index_of.items():
         if number not in bases:
-            raise FormatError(f"BasePosition: segment {name!r} is missing", at=end)
+            raise FormatError(f"BasePosition: segment {shown(name)} is missing", at=end)
     return bases
 
 

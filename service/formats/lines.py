@@ -114,6 +114,11 @@ def _decodes(chunks: Iterator[bytes], codec: str) -> tuple[bool, bool]:
     return True, has_hangul
 
 
+def shown(text: str) -> str:
+    """A word of a file as messages show it: quoted, and not endless."""
+    return repr(text if len(text) <= 60 else text[:57] + "…")
+
+
 def encoded(text: str, codec: str, notices: list[Notice]) -> bytes:
     """Text in the encoding of its source; as UTF-8 with a notice where that cannot hold it."""
     try:

@@ -16,7 +16,7 @@ import numpy as np
 import simdjson
 
 from service.errors import FormatError, Place
-from service.formats.lines import blocks_of
+from service.formats.lines import blocks_of, shown
 from service.motion.skeleton import Array
 
 BLOCK_BYTES: Final = 1 << 18
@@ -31,12 +31,14 @@ _COMMA: Final = ord(",")
 _BLANK: Final = ord(" ")
 _ZERO: Final = ord("0")
 _MINUS: Final = ord("-")
-_GLUED = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?=[+-])[+-].*")
+_GLUED = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[+-][0-9.].*")
 _TOKEN = re.compile(rb"[^ \t\n\r\v\f]+")
 
 
 def is_number(text: str) -> bool:
     """Whether the text is a finite decimal number: `-1.5`, `.5`, `+1`, `4.4e-011`."""
+    if len(text) > LONGEST_NUMBER:
+        return False
     return _DECIMAL.fullmatch(text) is not None and math.isfinite(float(text))
 
 
@@ -47,12 +49,12 @@ def is_whole(text: str) -> bool:
 
 def what_is_wrong(token: str) -> str:
     """Why a token is no finite number, for a message."""
-    shown = token if len(token) <= 60 else token[:57] + "…"
-    if "," in token and is_number(token.replace(",", ".", 1)):
-        return f"{shown!r} uses a decimal comma"
-    if _GLUED.fullmatch(token) and not is_number(token):
-        return f"two numbers without a space: {shown!r}"
-    return f"{shown!r} is not a finite number"
+    if len(token) <= LONGEST_NUMBER:
+        if "," in token and is_number(token.replace(",", ".", 1)):
+            return f"{shown(token)} uses a decimal comma"
+        if _GLUED.fullmatch(token) and not is_number(token):
+            return f"two numbers without a space: {shown(token)}"
+    return f"{shown(token)} is not a finite number"
 
 
 def parse_numbers(text: bytes) -> Array | None:
@@ -146,7 +148,7 @@ def bad_token(text: bytes) -> tuple[int, int, str] | None:
     """(index among the tokens, byte offset, token) of the first token that is no finite number."""
     for index, match in enumerate(_TOKEN.finditer(text)):
         token = match.group().decode("latin-1")
-        if len(token) > LONGEST_NUMBER or not is_number(token):
+        if not is_number(token):
             return index, match.start(), token
     return None
 
