@@ -105,9 +105,9 @@ def read_skeleton(document: Element, file_format: str) -> Skeleton:
 
 def _fits_root(joint: Joint) -> bool:
     """Whether the paper's `root`, which has no name, length or limits, can hold the joint."""
-    return joint.convention in (Convention.LISTED, Convention.FIXED) and not any(
-        (joint.direction, joint.length, joint.limits, joint.bodymass, joint.cofmass, joint.id)
-    )
+    absent = (joint.direction, joint.length, joint.bodymass, joint.cofmass, joint.id)
+    stated = bool(joint.limits) or any(value is not None for value in absent)
+    return joint.convention in (Convention.LISTED, Convention.FIXED) and not stated
 
 
 def _write_root(joint: Joint) -> Element:

@@ -144,12 +144,12 @@ def assign(skeleton: Skeleton, extra: Sequence[tuple[str, str]] = ()) -> Skeleto
     extra: a team's own rows, (name in the source, name to give), which come first.
     Never fails: a joint that no row fits keeps its source name, with `#2` if that is taken.
     """
-    return _assign(skeleton, extra)[0]
+    return named(skeleton, extra)[0]
 
 
 def report(skeleton: Skeleton, extra: Sequence[tuple[str, str]] = ()) -> NamingReport:
     """What `assign` does to this skeleton, and why joints stay unmapped."""
-    return _assign(skeleton, extra)[1]
+    return named(skeleton, extra)[1]
 
 
 def translate(skeleton: Skeleton, to: str) -> Skeleton:
@@ -174,7 +174,8 @@ def translate(skeleton: Skeleton, to: str) -> Skeleton:
     return _renamed(skeleton, lambda index, joint: replace(joint, source_name=names[index]))
 
 
-def _assign(skeleton: Skeleton, extra: Sequence[tuple[str, str]]) -> tuple[Skeleton, NamingReport]:
+def named(skeleton: Skeleton, extra: Sequence[tuple[str, str]] = ()) -> tuple[Skeleton, NamingReport]:
+    """What `assign` and `report` give, in one go."""
     if skeleton.joints and all(joint.convention is Convention.MARKER for joint in skeleton.joints):
         return _with_names(skeleton, {}, "markers", {})
     rig = detect(skeleton)

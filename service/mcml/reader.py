@@ -21,6 +21,7 @@ from service.mcml.elements import check_counts, joint_names, to_head
 from service.mcml.frames import FrameReader
 from service.mcml.lexical import WHITE_SPACE
 from service.mcml.prologue import refused_doctype, utf8_chunks
+from service.mcml.repeats import END, Pattern, match
 from service.mcml.vocabulary import BONE, DOF, FRAME, FRAMES, FRAMETIME, MCML, MOTION, NAME, ORDER, ROOT
 from service.motion.clip import ClipStream, FrameBlock
 
@@ -109,6 +110,10 @@ class _Pass:
         self._dropped = 0
         self._frame_reader: FrameReader | None = None
         self._done = False
+        self._carry = b""
+        self._frame_end = -1
+        self._pattern: Pattern | None = None
+        self._skipped_lines = 0
         self.document = Element(MCML)
         self.frames = 0
         self.frame_time: str | None = None
@@ -132,24 +137,55 @@ class _Pass:
             self._dropped = 0
 
     def _feed(self) -> Iterator[None]:
-        """Parses chunk by chunk; the last turn comes after the end of the document."""
+        """Reads chunk by chunk; the last turn comes after the end of the document."""
         try:
             for chunk in self._chunks:
-                self._fed += len(chunk)
-                self._parser.Parse(chunk, False)
-                if self._fed - self._parser.CurrentByteIndex > self._limits.max_text + (1 << 17):
-                    raise LimitError(
-                        f"a tag or text has more than {self._limits.max_text} characters",
-                        at=Place(line=self._parser.CurrentLineNumber),
-                    )
+                self._take(self._carry + chunk)
                 yield
             if not self._done:
+                self._parse(self._carry)
                 self._parser.Parse(b"", True)
                 self._done = True
             yield
         except expat.ExpatError as error:
             what = f"not well-formed XML: {expat.ErrorString(error.code)}"
-            raise DocumentError(what, at=Place(line=error.lineno, column=error.offset + 1)) from None
+            line = error.lineno + self._skipped_lines
+            raise DocumentError(what, at=Place(line=line, column=error.offset + 1)) from None
+
+    def _take(self, data: bytes) -> None:
+        """Gives data to the parser frame by frame, without those that repeat a pattern (`service.mcml.repeats`)."""
+        at = 0
+        self._carry = b""
+        while (end := data.find(END, at)) >= 0:
+            stop = end + len(END)
+            begins_at_frame = self._frame_end == self._fed
+            if not (begins_at_frame and self._repeats(data[at:end])):
+                self._parse(data[at:stop])
+                if begins_at_frame and self._frame_end == self._fed and self._frame_reader is not None:
+                    self._pattern = self._frame_reader.pattern(data[at:end])
+            at = stop
+        if self._frame_end == self._fed and len(data) - at <= self._limits.max_text:
+            self._carry = data[at:]
+        else:
+            self._parse(data[at:])
+
+    def _repeats(self, raw: bytes) -> bool:
+        """Takes a frame that repeats the pattern; False if it does not."""
+        found = match(raw, self._pattern) if self._pattern is not None else None
+        if found is None or self._pattern is None or self._frame_reader is None:
+            return False
+        self._frame_reader.repeat(self._pattern, *found)
+        self._skipped_lines += self._pattern.line_feeds
+        return True
+
+    def _parse(self, data: bytes) -> None:
+        self._fed += len(data)
+        self._parser.Parse(data, False)
+        if self._fed - self._parser.CurrentByteIndex > self._limits.max_text + (1 << 17):
+            raise LimitError(f"a tag or text has more than {self._limits.max_text} characters", at=self._place())
+
+    def _line(self) -> int:
+        return self._parser.CurrentLineNumber + self._skipped_lines
 
     def _handle(
         self,
@@ -184,7 +220,7 @@ class _Pass:
         if error:
             raise DocumentError(error, at=self._place())
         self._grow(ELEMENT_SIZE + sum(map(len, attributes)))
-        self._lines[id(element)] = self._parser.CurrentLineNumber
+        self._lines[id(element)] = self._line()
         if not self._stack:
             self.document = element
         elif tag != MOTION:
@@ -234,6 +270,7 @@ class _Pass:
             else:
                 reader.finish()
             self._handle(self._start, self._end, self._text)
+            self._frame_end = self._parser.CurrentByteIndex + len(END)
 
         self._handle(reader.start, end, reader.text)
 
@@ -260,7 +297,7 @@ class _Pass:
         joints = {name: index for index, name in enumerate(names)}
         self._frame_reader = FrameReader(
             joints,
-            lambda: self._parser.CurrentLineNumber,
+            self._line,
             self._limits.max_frames,
             self._limits.max_names,
             self._limits.max_text,
@@ -276,7 +313,7 @@ class _Pass:
 
     def _doctype(self, name: str, system: str | None, public: str | None, internal: bool) -> None:
         why = "it declares entities or elements of its own" if internal else f"it names {system or public or name!r}"
-        raise refused_doctype(self._parser.CurrentLineNumber, why)
+        raise refused_doctype(self._line(), why)
 
     def _comment(self, *_: str) -> None:
         reader = self._frame_reader
@@ -291,7 +328,7 @@ class _Pass:
             raise LimitError(f"header and skeleton have more than {self._limits.max_head} characters", at=self._place())
 
     def _place(self) -> Place:
-        return Place(line=self._parser.CurrentLineNumber)
+        return Place(line=self._line())
 
     def _with_line(self, error: McmlError, motion_lines: dict[str, int]) -> McmlError:
         """The error with the line of the element whose address it gives."""

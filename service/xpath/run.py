@@ -16,12 +16,13 @@ from schemas.queries import Explain, NodeItem, QueryAnswer, QueryRequest, RunIte
 from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.database import LATEST, Database, Transaction
-from service.xpath.evaluate import Evaluator
+from service.xpath.evaluate import Evaluator, Scalar
 from service.xpath.indexed import Indexed, scope_documents
 from service.xpath.nodes import Node, Run, Scope
 from service.xpath.parse import Query, parse
 from service.xpath.plan import COUNT, Plan, plan
 from service.xpath.projected import Projected
+from service.xpath.tree import Literal, is_constant, type_of
 
 MAX_RUNS = 100_000
 
@@ -59,7 +60,9 @@ class Queries:
             scope = _scope(tx, request)
             found = plan(query.tree)
             limit = min(request.limit, self.settings.page_limit)
-            if cursor is None and found is not None and found.aggregate != "nodes":
+            if is_constant(query.tree):
+                answer = self._constant(query)
+            elif cursor is None and found is not None and found.aggregate != "nodes":
                 answer = _aggregate(tx, found, scope)
             else:
                 page = _Page(request, limit, cursor or _Cursor(-1, 0, _check(request)))
@@ -69,6 +72,16 @@ class Queries:
             if request.explain:
                 answer.explain = _explain(query, found, scope, (time.perf_counter() - start) * 1000)
         return answer
+
+    def _constant(self, query: Query) -> QueryAnswer:
+        """A value that no document can change, such as `1 + 1`: said once."""
+        if isinstance(query.tree, Literal):
+            value: float | str | bool = query.tree.value
+        else:
+            found = self.evaluator.evaluate(query, [b"<mcml/>"])
+            value = found.value if isinstance(found, Scalar) else ""
+        kind = type_of(query.tree)
+        return QueryAnswer(type=kind, value=_plain(value))  # type: ignore[arg-type]
 
 
 def _scope(tx: Transaction, request: QueryRequest) -> Scope:

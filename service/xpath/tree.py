@@ -137,3 +137,19 @@ def walk(expression: Expression) -> Iterator[Expression]:
         current = stack.pop()
         yield current
         stack.extend(children(current))
+
+
+def is_constant(expression: Expression) -> bool:
+    """Whether the value is the same in every document: no path, and no function that looks at the context node."""
+    return not any(
+        isinstance(part, Path | Filter)
+        or (
+            isinstance(part, Call)
+            and (part.function in NODES_FUNCTIONS | {"lang", "position", "last"} or not _given(part))
+        )
+        for part in walk(expression)
+    )
+
+
+def _given(call: Call) -> bool:
+    return bool(call.arguments) or call.function in ("true", "false")

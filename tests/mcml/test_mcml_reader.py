@@ -16,11 +16,12 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from service.errors import DocumentError
-from service.mcml import dtd
+from service.mcml import dtd, reader
 from service.mcml.element import Element
 from service.mcml.elements import from_head, to_head
 from service.mcml.lexical import is_decimal, unescape
 from service.mcml.reader import McmlDocument, read_document
+from service.mcml.repeats import match
 from service.mcml.writer import Layout, write_document
 from service.motion.clip import ClipHead, FrameBlock, Shape
 from service.motion.skeleton import CHANNELS
@@ -323,3 +324,70 @@ def test_values_are_the_same_doubles_in_many_blocks() -> None:
     values = np.concatenate([block.values for block in many])
     assert np.array_equal(values, np.arange(values.size).reshape(values.shape) / 4)
     assert CHANNELS[many[0].columns[0][1]] == "Tx"
+
+
+def test_frames_that_repeat_one_are_read_as_the_parser_reads_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    random = Random(4)
+    whole = [small_document(40, pretty) for pretty in (True, False)]
+    whole += [document.replace(b"</frame>", b"</frame ><!-- x -->", 3) for document in whole]
+    accepted = 0
+    for _ in range(400):
+        document = _with_other_bytes(random, random.choice(whole))
+        with monkeypatch.context() as patched:
+            patched.setattr(reader, "match", lambda raw, pattern: None)
+            expected = _outcome(document)
+        assert _outcome(document) == expected, document
+        accepted += isinstance(expected, list)
+    assert 50 < accepted < 300
+
+
+OTHER_BYTES = [
+    b"0",
+    b"1",
+    b"2",
+    b"3",
+    b"4",
+    b"5",
+    b"7",
+    b"9",
+    b"1",
+    b"-",
+    b".",
+    b"e9",
+    b"&#48;",
+    b"&",
+    b"<",
+    b'"',
+    b"'",
+    b" ",
+    b"x",
+    b",",
+    b"\xea\xb1\xb7",
+    b"\n",
+    b"",
+]
+
+
+def _with_other_bytes(random: Random, document: bytes) -> bytes:
+    """The document with a few bytes of its motion replaced."""
+    for _ in range(random.randrange(1, 3)):
+        place = random.randrange(document.index(b"<frame id"), len(document))
+        document = document[:place] + random.choice(OTHER_BYTES) + document[place + random.randrange(2) :]
+    return document
+
+
+def _outcome(document: bytes) -> Any:
+    """The frames, or the line of the error."""
+    try:
+        return frames_of(read_all(document)[1])
+    except DocumentError as error:
+        return error.at.line if error.at else None
+
+
+def test_most_frames_of_a_motion_do_not_need_the_parser(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = []
+    monkeypatch.setattr(reader, "match", lambda raw, pattern: found.append(match(raw, pattern)) or found[-1])
+    for pretty in (True, False):
+        found.clear()
+        read_all(small_document(100, pretty))
+        assert sum(1 for one in found if one is not None) == 98
