@@ -57,7 +57,7 @@ def upgrade() -> None:
     sa.Column('created_commit', sa.BigInteger(), nullable=True),
     sa.Column('deleted_commit', sa.BigInteger(), nullable=False),
     sa.Column('next_slot', sa.BigInteger(), nullable=False),
-    sa.Column('receipt', sa.Text(), nullable=False),
+    sa.Column('receipt', sa.LargeBinary(), nullable=False),
     sa.ForeignKeyConstraint(['project'], ['project.id'], name=op.f('fk_document_project')),
     sa.PrimaryKeyConstraint('id', name=op.f('pk_document')),
     sa.UniqueConstraint('uuid', name=op.f('uq_document_uuid'))

@@ -9,14 +9,17 @@ import numpy as np
 from service.errors import Notice
 from service.mcml.joint_names import NamingReport
 from service.motion.clip import ClipHead
-from service.motion.kinematics import rest_height, rest_positions
-from service.motion.skeleton import Convention
+from service.motion.kinematics import rest_positions
+from service.motion.skeleton import Array, Convention
 
 _HEIGHTS = (("m", 0.8, 3.0), ("ft", 3.5, 8.0), ("inch", 40.0, 95.0), ("cm", 95.0, 260.0), ("mm", 800.0, 2600.0))
 
 
-def unit_facts(head: ClipHead) -> dict[str, Any]:
-    """{value, stated, why}: the length unit that the clip states, or None and what its size looks like."""
+def unit_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
+    """{value, stated, why}: the length unit that the clip states, or None and what its size looks like.
+
+    extent: of the rest pose along X, Y, Z.
+    """
     unit = head.fields.get("calibration_unit")
     if unit:
         return {"value": unit, "stated": True, "why": "the header says so"}
@@ -28,7 +31,7 @@ def unit_facts(head: ClipHead) -> dict[str, Any]:
             "why": f"the ASF states the factor `length {length}`, not a unit; values divided by it are local units "
             "(inches in CMU and HDM05 files)",
         }
-    height = rest_height(head.skeleton)
+    height = float(extent[1] if extent[1] >= 0.5 * extent.max() else extent.max())
     likely = [name for name, low, high in _HEIGHTS if low <= height <= high]
     looks = f", which would be a person in {' or '.join(likely)}" if likely else ""
     return {"value": None, "stated": False, "why": f"the file names no unit; the rest pose is {height:.4g} tall{looks}"}
@@ -48,13 +51,11 @@ def rate_facts(head: ClipHead) -> dict[str, Any]:
     return {"seconds": seconds, "frames_per_second": 1.0 / seconds, "stated": True, "why": why}
 
 
-def up_facts(head: ClipHead) -> dict[str, Any]:
+def up_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
     """{value, stated, why}: the axis that points up."""
     axis = head.fields.get("global_axis_of_gravity")
     if axis:
         return {"value": axis.upper(), "stated": True, "why": "the header says so"}
-    positions = rest_positions(head.skeleton)
-    extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(3)
     axis = "XYZ"[int(np.argmax(extent))] if extent.any() else "Y"
     return {"value": None, "stated": False, "why": f"the file names no up axis; the rest pose is longest along {axis}"}
 
@@ -65,6 +66,8 @@ def receipt(head: ClipHead, frames: int, names: NamingReport | None, notices: li
     for joint in head.skeleton.joints:
         if joint.rotation_order and any(channel.startswith("R") for channel in joint.channels):
             orders[joint.rotation_order] = orders.get(joint.rotation_order, 0) + 1
+    positions = rest_positions(head.skeleton)
+    extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(3)
     conventions = {joint.convention for joint in head.skeleton.joints}
     return {
         "format": head.format,
@@ -78,9 +81,9 @@ def receipt(head: ClipHead, frames: int, names: NamingReport | None, notices: li
             "mapped": dict(names.mapped),
             "unmapped": [{"source": source, "name": name, "why": why} for source, name, why in names.unmapped],
         },
-        "unit": unit_facts(head),
+        "unit": unit_facts(head, extent),
         "frame_rate": rate_facts(head),
-        "up_axis": up_facts(head),
+        "up_axis": up_facts(head, extent),
         "rotation_orders": orders,
         "conventions": sorted(convention.value for convention in conventions),
         "translation": sorted({joint.translation for joint in head.skeleton.joints if joint.translation}),

@@ -97,7 +97,7 @@ def open_clip(
         return _with_options(document.document, options), document.clip, None
     reader = ReadOptions(encoding=options.encoding, translation=options.translation, limits=_limits(settings))
     stream = FORMATS[clip.format].read(clip.files, reader)
-    skeleton, report = joint_names.assign(stream.head.skeleton), joint_names.report(stream.head.skeleton)
+    skeleton, report = joint_names.named(stream.head.skeleton)
     fields = {"filename": clip.name.rsplit("/", 1)[-1]} | stream.head.fields
     head = replace(stream.head, skeleton=skeleton, fields=fields)
     return _with_options(from_head(head), options), stream.with_head(head), report

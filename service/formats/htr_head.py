@@ -219,7 +219,8 @@ def _read_base(rows: list[_Row], index_of: dict[str, int], end: Place) -> dict[i
         name, values = row.words[0], row.words[1:]
         if len(values) != 7:
             raise FormatError(
-                f"BasePosition of {shown(name)} has {len(row.words)} fields, expected 8 (name Tx Ty Tz Rx Ry Rz BoneLength)",
+                f"BasePosition of {shown(name)} has {len(row.words)} fields, "
+                "expected 8 (name Tx Ty Tz Rx Ry Rz BoneLength)",
                 at=row.at,
             )
         if name not in index_of:

@@ -15,7 +15,7 @@ from service.formats.numbers import parse_numbers
 from service.motion.skeleton import Array
 
 SHORTEST = "shortest"
-SAMPLE_TOKENS = 600
+SAMPLE_TOKENS = 300
 _STYLE = re.compile(r"(fixed|general):([0-9]{1,2})")
 _TO_LINES = {
     separator: bytes(ord(separator) if code == ord(",") else code for code in range(256)) for separator in " \t"

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from service.motion.clip import FrameBlock
-from service.motion.hub import HubBlock, HubReader, rest_of, walked
-from service.motion.rotations import IDENTITY, rotate
+from service.motion.hub import HubReader, rest_of, walked
+from service.motion.rotations import rotate
 from service.motion.skeleton import Array, Skeleton
 from service.motion.units import DEGREES, Reading
 
@@ -61,9 +61,10 @@ def tip_positions(skeleton: Skeleton, block: FrameBlock, reading: Reading = DEGR
 def rest_positions(skeleton: Skeleton, reading: Reading = DEGREES) -> Array:
     """Positions (J + T, 3) of the rest pose: joints, then tips."""
     rest = rest_of(skeleton, reading)
-    count = len(skeleton)
-    still = HubBlock(rest.offsets[None], np.tile(IDENTITY, (1, count, 1)), np.ones((1, count)), np.empty((1, 0)))
-    positions = walked(skeleton, still)[0][0]
+    positions = rest.offsets.copy()
+    for index, joint in enumerate(skeleton.joints):
+        if joint.parent >= 0:
+            positions[index] += positions[joint.parent]
     tips = [positions[joint] + vector for joint, vector in rest.tips]
     return np.vstack([positions, *tips]) if tips else positions
 

@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import zstandard
 from sqlalchemy import Select, and_, delete, func, insert, select, update
 
 from service.errors import NotFoundError
@@ -95,7 +96,7 @@ class Documents:
             "format": format_name,
             "deleted_commit": CURRENT,
             "next_slot": 0,
-            "receipt": "{}",
+            "receipt": b"",
         }
         return self._tx.insert_row(document, **row), uuid
 
@@ -110,7 +111,7 @@ class Documents:
         done = self._tx.connection.execute(
             update(document)
             .where(document.c.id == key, document.c.state == "importing")
-            .values(state="ready", lease=None, created_commit=number, next_slot=next_slot, receipt=receipt)
+            .values(state="ready", lease=None, created_commit=number, next_slot=next_slot, receipt=_packed(receipt))
         )
         if done.rowcount != 1:
             raise NotFoundError("The import took too long and was swept away.", remedy="Import the file again.")
@@ -129,16 +130,10 @@ class Documents:
         intact: bool,
     ) -> None:
         """Set the values that a document has once a revision; the last call in a transaction wins."""
-        self._tx.connection.execute(
-            delete(content).where(
-                content.c.document == key, content.c.from_commit == from_commit, content.c.to_commit == CURRENT
-            )
-        )
-        self._tx.connection.execute(
-            update(content)
-            .where(content.c.document == key, content.c.to_commit == CURRENT)
-            .values(to_commit=from_commit)
-        )
+        if from_commit:
+            current = (content.c.document == key, content.c.to_commit == CURRENT)
+            self._tx.connection.execute(delete(content).where(*current, content.c.from_commit == from_commit))
+            self._tx.connection.execute(update(content).where(*current).values(to_commit=from_commit))
         row = {
             "document": key,
             "from_commit": from_commit,
@@ -257,10 +252,8 @@ class Documents:
         return int(self._tx.connection.execute(query).scalar_one())
 
     def receipt(self, key: int) -> str:
-        return str(self._tx.connection.execute(select(document.c.receipt).where(document.c.id == key)).scalar_one())
-
-    def set_receipt(self, key: int, receipt: str) -> None:
-        self._tx.connection.execute(update(document).where(document.c.id == key).values(receipt=receipt))
+        packed = self._tx.connection.execute(select(document.c.receipt).where(document.c.id == key)).scalar_one()
+        return zstandard.ZstdDecompressor().decompress(packed).decode()
 
     def rename(self, key: int, name: str) -> None:
         self._tx.connection.execute(update(document).where(document.c.id == key).values(name=name))
@@ -320,6 +313,10 @@ class Documents:
                     self._tx.connection.execute(delete(table).where(table.c.document == key))
             self._tx.connection.execute(delete(document).where(document.c.id == key))
         return len(keys)
+
+
+def _packed(receipt: str) -> bytes:
+    return zstandard.ZstdCompressor(level=9).compress(receipt.encode())
 
 
 def _filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Select[Any]:

@@ -60,22 +60,19 @@ class Heads:
 
     def write_header(self, document_key: int, element: Element, from_commit: int) -> None:
         """Make this the header from a commit on; the one before it is closed there. The last call in a commit wins."""
-        self._tx.connection.execute(
-            delete(header).where(
-                header.c.document == document_key, header.c.from_commit == from_commit, header.c.to_commit == CURRENT
-            )
-        )
-        self._tx.connection.execute(
-            update(header)
-            .where(header.c.document == document_key, header.c.to_commit == CURRENT)
-            .values(to_commit=from_commit)
-        )
+        if from_commit:
+            current = (header.c.document == document_key, header.c.to_commit == CURRENT)
+            self._tx.connection.execute(delete(header).where(*current, header.c.from_commit == from_commit))
+            self._tx.connection.execute(update(header).where(*current).values(to_commit=from_commit))
         rows = to_rows([element], level=1)
         self._tx.insert_rows(
             header,
             [row | {"document": document_key, "from_commit": from_commit, "to_commit": CURRENT} for row in rows],
         )
-        self.refresh_properties(document_key, element)
+        if from_commit:
+            self.refresh_properties(document_key, element)
+        else:
+            self._tx.insert_rows(property_, _properties(document_key, element))
 
     def refresh_properties(self, document_key: int, element: Element) -> None:
         """Make the searchable properties those of the current header."""

@@ -92,7 +92,7 @@ document = Table(
     Column("created_commit", BigInteger),
     Column("deleted_commit", BigInteger, nullable=False),
     Column("next_slot", BigInteger, nullable=False),
-    Column("receipt", Text, nullable=False),
+    Column("receipt", LargeBinary, nullable=False),
     Index(None, "project", "name"),
 )
 

@@ -54,33 +54,33 @@ class Indexed:
         self.scope = scope
 
     @cached_property
-    def ranges(self) -> list[tuple[StoredDocument, list[tuple[int, int]]]]:
-        """Frames of each document in order of the answer, as ascending ranges (first, last)."""
+    def by_key(self) -> dict[int, list[tuple[int, int]]]:
+        """Frames of each document that has any, as ascending ranges (first, last), by document key."""
         plan, scope = self.plan, self.scope
         if plan.motion_names:
-            found: dict[int, list[tuple[int, int]]] | None = None
-            for group in plan.motion_names:
-                named = self.tx.spans.named(list(group), scope.keys, scope.project)
-                found = (
-                    named
-                    if found is None
-                    else {key: intersection(ranges, named[key]) for key, ranges in found.items() if key in named}
-                )
-            by_key = {key: ranges for key, ranges in (found or {}).items() if ranges}
-            documents = self.tx.documents.by_keys(list(by_key))
+            groups = [self.tx.spans.named(list(group), scope.keys, scope.project) for group in plan.motion_names]
+            found = groups[0]
+            for named in groups[1:]:
+                found = {key: intersection(ranges, named[key]) for key, ranges in found.items() if key in named}
         else:
-            documents = {stored.key: stored for stored in scope_documents(self.tx, scope)}
-            by_key = {key: [(1, stored.frames)] for key, stored in documents.items() if stored.frames}
-        result = []
-        for stored in sorted(documents.values(), key=lambda stored: (stored.name, stored.key)):
-            ranges = by_key.get(stored.key, [])
-            if plan.position is not None:
-                ranges = intersection(ranges, [(plan.position, plan.position)])
-            if plan.nth is not None:
-                ranges = _nth(ranges, plan.nth)
-            if ranges:
-                result.append((stored, ranges))
-        return result
+            found = {stored.key: [(1, stored.frames)] for stored in self._documents.values() if stored.frames}
+        if plan.position is not None:
+            found = {key: intersection(ranges, [(plan.position, plan.position)]) for key, ranges in found.items()}
+        if plan.nth is not None:
+            found = {key: _nth(ranges, plan.nth) for key, ranges in found.items()}
+        return {key: ranges for key, ranges in found.items() if ranges}
+
+    @cached_property
+    def _documents(self) -> dict[int, StoredDocument]:
+        if self.plan.motion_names:
+            return self.tx.documents.by_keys(list(self.by_key))
+        return {stored.key: stored for stored in scope_documents(self.tx, self.scope)}
+
+    @property
+    def ranges(self) -> list[tuple[StoredDocument, list[tuple[int, int]]]]:
+        """Documents in order of the answer, with their ranges."""
+        documents = sorted(self._documents.values(), key=lambda stored: (stored.name, stored.key))
+        return [(stored, self.by_key[stored.key]) for stored in documents if stored.key in self.by_key]
 
     def segments(self) -> Iterator[Segment]:
         """The segments of the answer in order; those that give nothing are left out."""
@@ -114,7 +114,7 @@ class Indexed:
         if self.plan.bones:
             found = sum(segment.size for segment in self.segments())
         else:
-            found = sum(total(ranges) for _, ranges in self.ranges)
+            found = sum(total(ranges) for ranges in self.by_key.values())
         if self.plan.nth_result is not None:
             return int(found >= self.plan.nth_result)
         return found

@@ -81,7 +81,7 @@ class Queries:
             found = self.evaluator.evaluate(query, [b"<mcml/>"])
             value = found.value if isinstance(found, Scalar) else ""
         kind = type_of(query.tree)
-        return QueryAnswer(type=kind, value=_plain(value))  # type: ignore[arg-type]
+        return QueryAnswer(type=kind, value=_plain(value))
 
 
 def _scope(tx: Transaction, request: QueryRequest) -> Scope:

@@ -1,0 +1,95 @@
+"""The library that store benchmarks use: the real BVH clips beside the repository, or generated ones where they are not."""
+
+from __future__ import annotations
+
+import io
+import itertools
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import numpy as np
+
+from service.actions.import_motion import import_files
+from service.actions.import_options import ImportOptions, Label
+from service.demo import body
+from service.formats import FORMATS
+from service.formats.format import SourceFile
+from service.settings import Settings
+from service.storage.database import Database
+
+DOCUMENTS = 100
+
+
+def clips() -> tuple[str, list[tuple[str, bytes]]]:
+    """(what they are, [(name, BVH)]): 100 clips."""
+    stated = os.environ.get("MCML_SHARED")
+    folder = Path(stated) if stated else Path(__file__).resolve().parents[2] / "shared"
+    real = [path for path in sorted((folder / "data" / "bvh").rglob("*.bvh")) if "malformed" not in path.parts]
+    if real:
+        found = [(path.name, path.read_bytes()) for path in real]
+        # A few clips twice, under other names, fill up to a hundred.
+        copies = [(f"copy_{name}", content + b"\n") for name, content in found[: max(0, DOCUMENTS - len(found))]]
+        return "real BVH files", [*found, *copies][:DOCUMENTS]
+    rng = np.random.default_rng(1)
+    made = []
+    for number in range(DOCUMENTS):
+        clip = body.clip(f"walk_{number}", 170, *body.walk(170, float(rng.uniform(5, 20)), 1.0, 6))
+        made.append((f"walk_{number}.bvh", b"".join(FORMATS["bvh"].write(clip, "bvh"))))
+    return "generated BVH files", made
+
+
+def labels(rng: np.random.Generator, frames: int) -> tuple[Label, ...]:
+    """Motion names on random ranges, from a vocabulary that several clips share."""
+    found = []
+    for _ in range(6):
+        first = int(rng.integers(1, max(2, frames - 10)))
+        last = min(frames, first + int(rng.integers(5, 120)))
+        found.append(Label(f"move-{rng.integers(0, 200)}", first, last))
+    return tuple(found)
+
+
+def load(database: Database, files: list[tuple[str, bytes]], *, labelled: bool) -> float:
+    """Seconds to import the files, each in its own transaction."""
+    rng = np.random.default_rng(2)
+    settings = Settings()
+    options = []
+    for _, content in files:
+        frames = int(content.partition(b"Frames:")[2].split()[0]) if labelled else 0
+        options.append(ImportOptions(labels=labels(rng, frames) if labelled else ()))
+    start = time.perf_counter()
+    for (name, content), option in zip(files, options, strict=True):
+        done = import_files(database, [SourceFile(name, io.BytesIO(content))], option, settings)
+        if done.problems:
+            raise done.problems[0][1]
+    return time.perf_counter() - start
+
+
+@contextmanager
+def served(url: str) -> Iterator[httpx.Client]:
+    """A server process on the store, and a client that keeps its connection."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    environment = os.environ | {"MCML_DATABASE": url, "MCML_PORT": str(port)}
+    process = subprocess.Popen([sys.executable, "-m", "service.cli", "serve"], env=environment, stdout=subprocess.DEVNULL)
+    try:
+        with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60) as client:
+            for wait in itertools.count():
+                try:
+                    client.get("/healthz")
+                    break
+                except httpx.TransportError:
+                    if wait > 100:
+                        raise
+                    time.sleep(0.1)
+            yield client
+    finally:
+        process.terminate()
+        process.wait(10)
