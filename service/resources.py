@@ -5,8 +5,6 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from service.errors import StoreError
-
 _PACKAGE = Path(__file__).resolve().parent
 
 
@@ -45,4 +43,4 @@ def _find(name: str) -> Path:
     for candidate in (_PACKAGE.parent / name, _PACKAGE / "_data" / name):
         if candidate.exists():
             return candidate
-    raise StoreError(f"{name} is missing from this installation.", remedy="Install the package again.")
+    raise FileNotFoundError(f"{name} is missing from this installation; install the package again")

@@ -369,9 +369,14 @@ OTHER_BYTES = [
 
 
 def _with_other_bytes(random: Random, document: bytes) -> bytes:
-    """The document with a few bytes of its motion replaced."""
+    """The document with a few bytes of its motion replaced, often digits by digits."""
     for _ in range(random.randrange(1, 3)):
         place = random.randrange(document.index(b"<frame id"), len(document))
+        if random.random() < 0.7:
+            digits = [index for index in range(place, len(document)) if document[index : index + 1].isdigit()]
+            if digits:
+                document = document[: digits[0]] + random.choice(b"0123456789").to_bytes() + document[digits[0] + 1 :]
+            continue
         document = document[:place] + random.choice(OTHER_BYTES) + document[place + random.randrange(2) :]
     return document
 
