@@ -97,12 +97,16 @@ class _Builder:
         self._add_root(adds)
         stack += [(child, 0) for child in reversed(children[0])]
         connectors = 0
+        if not children[0] and self.vectors[0].any():
+            # The root has no bone of its own to reach its end site.
+            self._add_connector(f"{self.joints[0].name}_end", 0, self.vectors[0])
         ends: dict[int, Array] = {0: np.zeros(3)}
         while stack:
             index, parent = stack.pop()
             gap = self.offsets[index] - ends[parent]
             if gap.any():
-                parent = self._add_connector(index, parent, gap)
+                name = f"{self.joints[parent].name}_to_{self.skeleton.joints[index].name}"
+                parent = self._add_connector(name, parent, gap)
                 connectors += 1
             target = self._add_bone(index, parent)
             ends[target] = self.vectors[index]
@@ -137,9 +141,8 @@ class _Builder:
         self.joints.append(self._shaped(bone, self.vectors[index], axes))
         return len(self.joints) - 1
 
-    def _add_connector(self, index: int, parent: int, vector: Array) -> int:
-        base = f"{self.joints[parent].name}_to_{self.skeleton.joints[index].name}"
-        name = unique_names([*sorted(self.taken), base])[-1]
+    def _add_connector(self, wanted: str, parent: int, vector: Array) -> int:
+        name = unique_names([*sorted(self.taken), wanted])[-1]
         self.taken.add(name)
         self.planned.append(PlannedJoint(None, parent, np.zeros(3), IDENTITY, "", False))
         connector = Joint(name, parent, name, Convention.FIXED)
