@@ -24,9 +24,11 @@ def backup(database: Database, target: Path) -> int:
     try:
         copy.migrate()
         _copy(database, copy)
-        with sqlite3.connect(part) as connection:
-            connection.execute("PRAGMA journal_mode=DELETE")
         copy.close()
+        # One file that can be moved: without a log beside it.
+        connection = sqlite3.connect(part)
+        connection.execute("PRAGMA journal_mode=DELETE")
+        connection.close()
         part.replace(target)
     finally:
         copy.close()

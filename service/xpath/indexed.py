@@ -13,6 +13,7 @@ from functools import cached_property
 
 import orjson
 
+from service.mcml.lexical import escape, unescape
 from service.mcml.writer import write_frame_bone, write_frames
 from service.motion.clip import Shape
 from service.motion.skeleton import CHANNEL_INDEX
@@ -58,7 +59,7 @@ class Indexed:
         """Frames of each document that has any, as ascending ranges (first, last), by document key."""
         plan, scope = self.plan, self.scope
         if plan.motion_names:
-            groups = [self.tx.spans.named(list(group), scope.keys, scope.project) for group in plan.motion_names]
+            groups = [self.tx.spans.named([unescape(name) for name in group], scope.keys, scope.project) for group in plan.motion_names]
             found = groups[0]
             for named in groups[1:]:
                 found = {key: intersection(ranges, named[key]) for key, ranges in found.items() if key in named}
@@ -92,7 +93,7 @@ class Indexed:
             wanted = None
             if self.plan.bone is not None:
                 names = self.tx.heads.bone_names(stored.key)
-                wanted = next((number for number, name in names.items() if name == self.plan.bone), None)
+                wanted = next((number for number, name in names.items() if escape(name) == self.plan.bone), None)
                 if wanted is None:
                     continue
             for first, last, shape in self.tx.tracks.shape_ranges(stored.key, ranges):
@@ -206,7 +207,7 @@ class Indexed:
                 for ordinal, bone, bits in segment.items:
                     address = f"/mcml/motion/frame[{position}]/frame_bone[{ordinal}]"
                     if attribute == "name":
-                        result.append(Node("attribute", stored, f"{address}/@name", names[bone]))
+                        result.append(Node("attribute", stored, f"{address}/@name", escape(names[bone])))
                     elif attribute is not None:
                         value = orjson.dumps(row[place[bone, CHANNEL_INDEX[attribute]]]).decode()
                         result.append(Node("attribute", stored, f"{address}/@{attribute}", value))

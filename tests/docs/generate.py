@@ -42,7 +42,7 @@ def commands() -> str:
             if parameter.param_type_name == "option" and "--help" not in parameter.opts
         ]
         arguments = " ".join(
-            (parameter.human_readable_name or "").upper()
+            parameter.name.upper()
             for parameter in command.params  # type: ignore[attr-defined]
             if parameter.param_type_name == "argument"
         )

@@ -1,0 +1,252 @@
+"""XPath over HTTP: every answer equals libxml2's on the serialised documents."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+from fastapi.testclient import TestClient
+from lxml import etree
+
+from service.app import create_app
+from service.settings import Settings
+from service.storage.database import Database
+from tests.builders import ASF, HTR, MCML, amc, bvh, upload
+
+API = "/api/v1"
+PARSER = etree.XMLParser(remove_blank_text=True)
+
+FILES = {
+    "b_chain.bvh": bvh(300),
+    "a_hand.mcml": MCML,
+    "c_leg.asf": ASF,
+    "c_leg.amc": amc(4),
+    "d_two.htr": HTR,
+}
+
+
+@pytest.fixture
+def library(client: TestClient) -> tuple[TestClient, list[tuple[str, etree._ElementTree]]]:
+    """A small library of every format with labels, and each document as a tree, by name."""
+    upload(client, FILES)
+    for number, label in enumerate(("walk", "left-arm-abduction")):
+        for item in client.get(f"{API}/documents").json()["items"]:
+            frames = item["frames"]
+            body = [{"name": label, "first": 1 + number, "last": max(1 + number, frames - number)}]
+            address = f"{API}/documents/{item['id']}/labels"
+            assert client.post(address, json=body, headers={"if-match": "*"}).status_code == 201
+    trees = []
+    for item in client.get(f"{API}/documents").json()["items"]:
+        content = client.get(f"{API}/documents/{item['id']}/mcml").content
+        trees.append((item["id"], etree.parse(io.BytesIO(content), PARSER)))
+    return client, trees
+
+
+def all_items(client: TestClient, limit: int, **parameters: object) -> list[dict[str, object]]:
+    items, cursor = [], None
+    while True:
+        page = client.get(
+            f"{API}/xpath", params=parameters | {"limit": limit} | ({"cursor": cursor} if cursor else {})
+        ).json()
+        items += page["items"]
+        cursor = page.get("next_cursor")
+        if cursor is None:
+            return items
+
+
+EXPRESSIONS = [
+    "//frame[motion_name='walk']",
+    "/mcml/motion/frame['walk'=./motion_name]",
+    "/descendant::frame[child::motion_name='walk']",
+    "//frame[motion_name='walk'][motion_name='left-arm-abduction']",
+    "//frame[motion_name='walk' and motion_name='left-arm-abduction']",
+    "//frame[motion_name='left-arm-abduction']/frame_bone[@name='Root']",
+    "//frame[motion_name='left-arm-abduction']/frame_bone[2]",
+    "//frame[motion_name='left-arm-abduction']/frame_bone[@name='left_up_leg']/@Rx",
+    "//frame[motion_name='walk']/@id",
+    "//frame[motion_name='nothing']",
+    "//frame[3]",
+    "//frame[motion_name='walk'][2]",
+    "//frame_bone[@name='left_up_leg'][@Rx > 1]",
+    "//frame[@id='2']/preceding-sibling::*",
+    "//bone/descendant::bone/name",
+    "//frame[position() mod 7 = 1]/motion_name[last()]",
+    "//@*[. > 100]",
+    "//motion_name/text()",
+    "//header/* | //skeleton/*",
+    "//frame[not(frame_bone[2])]",
+    "//*[name()='frametime']",
+]
+
+
+@pytest.mark.parametrize("expression", EXPRESSIONS)
+def test_nodes_are_libxml2s(library: tuple[TestClient, list[tuple[str, etree._ElementTree]]], expression: str) -> None:
+    client, trees = library
+    wanted = []
+    for uuid, tree in trees:
+        for node in tree.xpath(expression):
+            text = etree.tostring(node, method="c14n2") if isinstance(node, etree._Element) else str(node).encode()
+            wanted.append((uuid, text))
+    found = []
+    for item in all_items(client, 7, q=expression):
+        text = str(item["value"]).encode()
+        if item["kind"] == "element":
+            text = etree.tostring(etree.fromstring(text), method="c14n2")
+        found.append((item["document"], text))
+        # The address is itself an XPath that finds exactly this node.
+        (node,) = dict(trees)[str(item["document"])].xpath(str(item["address"]))
+        own = etree.tostring(node, method="c14n2") if isinstance(node, etree._Element) else str(node).encode()
+        assert own == text
+    assert found == wanted
+
+
+def test_runs_are_maximal_ranges(library: tuple[TestClient, list[tuple[str, etree._ElementTree]]]) -> None:
+    client, trees = library
+    for expression in (
+        "//frame[motion_name='left-arm-abduction']",
+        "//frame_bone[@Rx > 2]",
+        "//frame[motion_name='walk']/@id",
+    ):
+        runs = all_items(client, 3, q=expression, **{"as": "runs"})
+        wanted = []
+        for uuid, tree in trees:
+            frames = tree.findall("motion/frame")
+            hit = set()
+            for node in tree.xpath(expression):
+                node = node if isinstance(node, etree._Element) else node.getparent()
+                while node.tag != "frame":
+                    node = node.getparent()
+                hit.add(frames.index(node) + 1)
+            for position in sorted(hit):
+                if wanted and wanted[-1][0] == uuid and wanted[-1][2] == position - 1:
+                    wanted[-1][2] = position
+                else:
+                    wanted.append([uuid, position, position])
+        assert [[run["document"], run["first"], run["last"]] for run in runs] == wanted
+
+
+def test_scalars(library: tuple[TestClient, list[tuple[str, etree._ElementTree]]]) -> None:
+    client, trees = library
+
+    def ask(expression: str, **more: object) -> dict[str, object]:
+        return client.get(f"{API}/xpath", params={"q": expression, **more}).json()
+
+    for expression in (
+        "count(//frame[motion_name='walk'])",
+        "count(//frame_bone)",
+        "count(//bone)",
+        "sum(//frame_bone/@Tx)",
+    ):
+        total = sum(tree.xpath(expression) for _, tree in trees)
+        assert ask(expression)["value"] == pytest.approx(total, rel=1e-12)
+        for uuid, tree in trees:
+            assert ask(expression, document=uuid)["value"] == pytest.approx(tree.xpath(expression), rel=1e-12)
+    each = {item["document"]: item["value"] for item in ask("string(//filename)")["items"]}
+    assert each == {uuid: tree.xpath("string(//filename)") for uuid, tree in trees}
+    each = {item["document"]: item["value"] for item in ask("boolean(//frame[motion_name='walk'])")["items"]}
+    assert each == {uuid: tree.xpath("boolean(//frame[motion_name='walk'])") for uuid, tree in trees}
+    assert ask("1 div 0")["value"] == "Infinity"
+    assert ask("concat('a', 'b')") == {"type": "string", "value": "ab", "complete": True, "warnings": []}
+
+
+def test_nth_counts_over_all_documents(library: tuple[TestClient, list[tuple[str, etree._ElementTree]]]) -> None:
+    client, trees = library
+    for inner in ("//frame[motion_name='walk']", "//bone/name", "//frame[motion_name='walk']/frame_bone[@name='Root']"):
+        everything = all_items(client, 400, q=inner)
+        for number in (1, 2, len(everything)):
+            (item,) = all_items(client, 5, q=f"({inner})[{number}]")
+            assert item == everything[number - 1]
+        assert all_items(client, 5, q=f"({inner})[{len(everything) + 1}]") == []
+
+
+def test_pages_stay_as_they_were_while_others_write(
+    library: tuple[TestClient, list[tuple[str, etree._ElementTree]]],
+) -> None:
+    client, trees = library
+    expression = {"q": "//frame[motion_name='left-arm-abduction']", "limit": 2}
+    before = all_items(client, 1000, q=expression["q"])
+    first = client.get(f"{API}/xpath", params=expression).json()
+    uuid = first["items"][0]["document"]
+    for label in client.get(f"{API}/documents/{uuid}/labels").json()["items"]:
+        client.delete(f"{API}/documents/{uuid}/labels/{label['id']}", headers={"if-match": "*"})
+    seen, cursor = list(first["items"]), first["next_cursor"]
+    while cursor:
+        page = client.get(f"{API}/xpath", params=expression | {"cursor": cursor}).json()
+        seen += page["items"]
+        cursor = page.get("next_cursor")
+    assert [item["address"] for item in seen] == [item["address"] for item in before]
+    assert len(all_items(client, 1000, q=expression["q"])) < len(before)
+
+
+def test_spellings_of_one_meaning_have_one_plan(client: TestClient) -> None:
+    upload(client, {"a.bvh": bvh(3)})
+    plans = {
+        str(client.get(f"{API}/xpath", params={"q": expression, "explain": True}).json()["explain"]["plan"])
+        for expression in EXPRESSIONS[:3]
+    }
+    assert len(plans) == 1
+    assert "index" in plans.pop()
+
+
+def test_synonyms_are_answered_with_a_warning(client: TestClient) -> None:
+    upload(client, {"a.bvh": bvh(3)}, label="left-arm-abduction")
+    answer = client.get(f"{API}/xpath", params={"q": "count(//frame[motion_name='left-arm_abduction'])"}).json()
+    assert answer["value"] == 3
+    assert "left-arm-abduction" in answer["warnings"][0]
+
+
+def test_xml_answers_hold_the_nodes(client: TestClient) -> None:
+    upload(client, {"a.mcml": MCML})
+    answer = client.get(f"{API}/xpath", params={"q": "//frame[2] | //@Ty", "as": "xml"})
+    assert answer.headers["content-type"] == "application/xml"
+    root = etree.fromstring(answer.content)
+    assert [result.get("address") for result in root][1] == "/mcml/motion/frame[2]"
+    assert root[1][0].tag == "frame"
+
+
+@pytest.mark.parametrize(
+    ("expression", "column"),
+    [
+        ("//frame[", 9),
+        ("//frame[motion_name='x'", 21),
+        ("frame(", None),
+        ("nonsense(1)", 1),
+        ("//a b", None),
+        ("1 +", 4),
+    ],
+)
+def test_errors_have_a_column_and_a_hint(client: TestClient, expression: str, column: int | None) -> None:
+    answer = client.get(f"{API}/xpath", params={"q": expression})
+    assert answer.status_code == 422
+    problem = answer.json()
+    assert problem["detail"]
+    if column is not None:
+        assert abs(problem["where"]["column"] - column) <= 1
+
+
+def test_hostile_expressions_end_within_the_limit(database: Database) -> None:
+    settings = Settings(query_seconds=2, query_memory_mib=400)
+    with TestClient(create_app(settings, database), base_url="http://127.0.0.1:8000") as client:
+        upload(client, {"a.bvh": bvh(2000)})
+        for expression in (
+            "//*//*//*//*//*[.//*[.//*]]/following::*[preceding::*]",
+            "count(//*[count(//*[count(//*) > 1]) > 1])",
+            "(" * 300 + "1" + ")" * 300,
+            "|".join(["//frame"] * 900),
+            "//frame[" * 90 + "1" + "]" * 90,
+            "x" * 10_001,
+            "string(//frame[9223372036854775808])",
+        ):
+            answer = client.get(f"{API}/xpath", params={"q": expression})
+            assert answer.status_code in (200, 422), (expression[:60], answer.text[:200])
+            assert client.get("/healthz").status_code == 200
+        assert client.get(f"{API}/xpath", params={"q": "count(//frame)"}).json()["value"] == 2000
+
+
+def test_too_much_is_refused_with_what_to_narrow(database: Database) -> None:
+    with TestClient(create_app(Settings(query_elements=1000), database), base_url="http://127.0.0.1:8000") as client:
+        upload(client, {"a.bvh": bvh(600)}, label="walk")
+        refused = client.get(f"{API}/xpath", params={"q": "//frame_bone[@Rx > 45]"})
+        assert refused.status_code == 422
+        assert "motion name" in refused.json()["remedy"]
+        assert client.get(f"{API}/xpath", params={"q": "count(//frame[motion_name='walk'])"}).json()["value"] == 600

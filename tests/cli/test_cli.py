@@ -1,0 +1,153 @@
+"""The command line as a newcomer uses it: on a store, against a server, on files alone."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.builders import ASF, HTR, MCML, amc, bvh
+
+
+@pytest.fixture
+def mcml(tmp_path: Path):
+    """Runs `mcml`; answers (exit code, output, errors)."""
+
+    def run(*words: str, **environment: str) -> tuple[int, str, str]:
+        done = subprocess.run(
+            [sys.executable, "-m", "service.cli", *words],
+            capture_output=True,
+            text=True,
+            cwd=tmp_path,
+            env={
+                "PATH": "/usr/bin:/bin",
+                "PYTHONPATH": str(Path(__file__).resolve().parents[2]),
+                "XDG_DATA_HOME": str(tmp_path / "home"),
+                **environment,
+            },
+        )
+        assert "Traceback" not in done.stderr, done.stderr
+        return done.returncode, done.stdout, done.stderr
+
+    (tmp_path / "walk.bvh").write_bytes(bvh(30))
+    (tmp_path / "leg.asf").write_bytes(ASF)
+    (tmp_path / "leg.amc").write_bytes(amc(4))
+    (tmp_path / "two.htr").write_bytes(HTR)
+    (tmp_path / "hand.mcml").write_bytes(MCML)
+    (tmp_path / "bad.bvh").write_bytes(bvh(3)[:-40])
+    return run
+
+
+def test_a_first_session(mcml, tmp_path: Path) -> None:
+    code, output, _ = mcml("import", "walk.bvh", "--label", "walk:1-20", "--property", "age=23 year", "--json")
+    assert code == 0
+    uuid = json.loads(output)["documents"][0]["id"]
+    assert uuid in mcml("ls")[1]
+    assert "age = 23 year" in mcml("show", uuid)[1]
+    assert mcml("xpath", "//frame[motion_name='walk']", "--as", "count")[1].strip() == "20"
+    assert mcml("label", uuid, "left-arm-abduction:5-9")[0] == 0
+    code, output, _ = mcml("xpath", "//frame[motion_name='left-arm-abduction']/@id", "--as", "json")
+    assert [line.split()[-1] for line in output.splitlines()] == ["5", "6", "7", "8", "9"]
+    assert mcml("export", uuid, "--format", "bvh", "--output", "out.bvh")[0] == 0
+    assert (tmp_path / "out.bvh").read_bytes() == bvh(30)
+    assert mcml("export", uuid, "--format", "mcml", "-o", "-")[1].startswith("<?xml")
+    assert "skipped" in mcml("import", "walk.bvh")[1]
+
+
+def test_a_folder_with_a_bad_file_is_done_in_part(mcml) -> None:
+    code, output, _ = mcml("import", ".")
+    assert code == 3
+    assert "4 stored, 1 failed" in output
+    assert "bad.bvh" in output
+    code, output, _ = mcml("import", ".")
+    assert "0 stored, 1 failed" in output
+
+
+def test_convert_needs_no_store(mcml, tmp_path: Path) -> None:
+    assert mcml("convert", "leg.asf", "leg.amc", "out.bvh", "--frame-time", "0.01")[0] == 0
+    assert b"Frame Time: 0.01" in (tmp_path / "out.bvh").read_bytes()
+    assert mcml("convert", "walk.bvh", "walk.amc")[0] == 0
+    assert (tmp_path / "walk.asf").exists()
+    assert mcml("convert", "walk.bvh", "same.bvh")[0] == 0
+    assert (tmp_path / "same.bvh").read_bytes() == bvh(30)
+    assert mcml("convert", "two.htr", "two.mcml")[0] == 0
+    assert mcml("convert", "two.mcml", "back.htr")[0] == 0
+    assert mcml("validate", "two.mcml", "back.htr", "same.bvh")[0] == 0
+    assert not (tmp_path / "home").exists()
+
+
+def test_errors_are_one_message_and_exit_one(mcml, tmp_path: Path) -> None:
+    for words in (
+        ("convert", "bad.bvh", "out.htr"),
+        ("convert", "nothing.bvh", "out.htr"),
+        ("convert", "walk.bvh", "out.xyz"),
+        ("validate", "bad.bvh"),
+        ("show", "nothing"),
+        ("xpath", "//frame["),
+        ("serve", "--host", "0.0.0.0"),
+        ("ls", "--server", "http://127.0.0.1:9"),
+        ("ls", "--database", "nonsense"),
+    ):
+        code, output, errors = mcml(*words)
+        assert code == 1, words
+        assert output + errors
+    assert not (tmp_path / "out.htr").exists()
+    assert not list(tmp_path.glob("*.part"))
+
+
+def test_backup_and_restore(mcml) -> None:
+    assert mcml("demo")[0] == 0
+    assert mcml("db", "backup", "copy.db")[0] == 0
+    assert mcml("db", "backup", "copy.db")[0] == 1
+    assert "15 documents" in mcml("db", "restore", "copy.db", "--database", "sqlite:///other.db")[1]
+    assert mcml("db", "check", "--database", "sqlite:///other.db")[0] == 0
+    assert mcml("ls", "--database", "sqlite:///other.db", "--json")[1] == mcml("ls", "--json")[1]
+    assert mcml("db", "restore", "copy.db", "--database", "sqlite:///other.db")[0] == 1
+
+
+def test_tokens(mcml) -> None:
+    secret = mcml("token", "add", "farm")[1].splitlines()[0]
+    assert secret.startswith("mcml_")
+    listed = mcml("token", "list")[1]
+    assert "farm" in listed
+    assert secret not in listed
+    assert mcml("token", "add", "farm")[0] == 1
+    assert mcml("token", "revoke", "farm")[0] == 0
+    assert "farm" not in mcml("token", "list")[1]
+
+
+def test_the_same_commands_on_a_server(mcml, tmp_path: Path) -> None:
+    import os
+    import socket
+    import time
+    import urllib.request
+
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    address = f"http://127.0.0.1:{port}"
+    environment = os.environ | {"XDG_DATA_HOME": str(tmp_path / "served")}
+    server = subprocess.Popen([sys.executable, "-m", "service.cli", "serve", "--port", str(port)], env=environment)
+    try:
+        for _ in range(300):
+            try:
+                urllib.request.urlopen(f"{address}/readyz")
+                break
+            except OSError:
+                time.sleep(0.1)
+        code, output, _ = mcml("import", "walk.bvh", "--label", "walk", "--server", address, "--json")
+        assert code == 0
+        uuid = json.loads(output)["documents"][0]["id"]
+        assert uuid in mcml("ls", "--server", address)[1]
+        assert mcml("xpath", "//frame[motion_name='walk']", "--as", "count", "--server", address)[1].strip() == "30"
+        assert mcml("label", uuid, "hop:2-3", "--server", address)[0] == 0
+        assert mcml("export", uuid, "--output", "served.bvh", "--server", address)[0] == 0
+        assert (tmp_path / "served.bvh").read_bytes() == bvh(30)
+        assert mcml("show", "nothing", "--server", address)[0] == 1
+        assert mcml("import", "bad.bvh", "--server", address)[0] == 1
+    finally:
+        server.terminate()
+        assert server.wait(10) is not None
