@@ -43,7 +43,6 @@ class SQLite(Dialect):
                 "synchronous=FULL",
                 "foreign_keys=ON",
                 "cache_size=-16384",
-                "mmap_size=268435456",
                 "temp_store=MEMORY",
                 "journal_size_limit=67108864",
             ):
