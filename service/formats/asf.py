@@ -12,7 +12,7 @@ from typing import BinaryIO
 
 from service.errors import FormatError, LimitError, Notice, Place
 from service.formats.asf_tree import build_skeleton
-from service.formats.format import Limits
+from service.formats.format import Limits, note
 from service.formats.lines import BLANKS, Encoding, Line, Lines, shown
 from service.formats.numbers import is_number, what_is_wrong
 from service.motion.skeleton import Skeleton, Triple
@@ -70,6 +70,7 @@ class _Reader:
         self.lines = lines
         self.limits = limits
         self.notices = notices
+        self.text = 0
         self.file = AsfFile(Skeleton(()))
         self.root: Bone | None = None
         self.bones: list[Bone] | None = None
@@ -119,20 +120,28 @@ class _Reader:
         elif name == ":hierarchy":
             self.hierarchy = self._read_hierarchy()
         else:
+            self._count_text(line)
             self.file.sections.append((text, "\n".join(self._verbatim())))
             if name not in (":documentation", ":skin"):
-                self.notices.append(Notice("note", f"section {keyword} is kept and means nothing here", at=line.at(1)))
+                note(self.notices, "note", f"section {keyword} is kept and means nothing here", at=line.at(1))
 
     def _without_comment(self, line: Line) -> str:
         text, sign, comment = line.text.partition("#")
         if sign:
             self.file.comments.append((sign + comment).rstrip(BLANKS))
+            self._count_text(line)
         return text
 
     def _verbatim(self) -> Iterator[str]:
         while (line := self.lines.peek()) is not None and not line.text.lstrip(BLANKS).startswith(":"):
             self.lines.next()
+            self._count_text(line)
             yield line.text
+
+    def _count_text(self, line: Line) -> None:
+        # An empty line costs memory too.
+        self.text += len(line.text) + 64
+        self.limits.check_text(self.text, line.at())
 
     def _body(self) -> Iterator[list[Word]]:
         """The words of each line up to the next section."""
@@ -152,9 +161,7 @@ class _Reader:
                 self._read_unit(name, number)
                 if len(words) > 2 and words[2].text.lower() not in ("mass", "length", "angle"):
                     rest = " ".join(word.text for word in words[2:])
-                    self.notices.append(
-                        Notice("warning", f"units: {shown(rest)} behind {name.text} is ignored", at=name.at)
-                    )
+                    note(self.notices, "warning", f"units: {shown(rest)} behind {name.text} is ignored", at=name.at)
                     break
 
     def _read_unit(self, name: Word, value: Word) -> None:
@@ -165,7 +172,7 @@ class _Reader:
             if value.text.lower()[:3] not in ("deg", "rad"):
                 raise FormatError(f"units angle: found {shown(value.text)}, expected deg or rad", at=value.at)
         else:
-            self.notices.append(Notice("warning", f"units: {shown(name.text)} is unknown and ignored", at=name.at))
+            note(self.notices, "warning", f"units: {shown(name.text)} is unknown and ignored", at=name.at)
             return
         self.file.fields[f"units_{unit}"] = value.text
 
@@ -182,15 +189,15 @@ class _Reader:
             elif keyword == "orientation":
                 root.axis = _triple(values, "orientation of the root", words[0].at)
             else:
-                self.notices.append(
-                    Notice("warning", f"root: {shown(words[0].text)} is unknown, ignored", at=words[0].at)
-                )
+                note(self.notices, "warning", f"root: {shown(words[0].text)} is unknown, ignored", at=words[0].at)
         if not root.channels:
             root.channels = DEFAULT_ROOT_ORDER
-            self.notices.append(Notice("guess", "the root states no order: TX TY TZ RX RY RZ", at=root.at))
+            note(self.notices, "guess", "the root states no order: TX TY TZ RX RY RZ", at=root.at)
         if any(root.axis or ()) and any(float(text) for text in root.axis or ()):
-            self.notices.append(
-                Notice("warning", "the root is turned at rest (orientation); programs disagree on what that means")
+            note(
+                self.notices,
+                "warning",
+                "the root is turned at rest (orientation); programs disagree on what that means",
             )
         return root
 
@@ -203,6 +210,8 @@ class _Reader:
             keyword = words[0].text.lower()
             if in_limits and (is_number(words[0].text) or _INFINITE.fullmatch(words[0].text)):
                 pending += words
+                if len(pending) > 1000:
+                    raise FormatError(f"limits of bone {shown(bone.name if bone else '')} do not end", at=words[0].at)
                 continue
             if bone is not None and in_limits:
                 self._set_limits(bone, pending)
@@ -235,7 +244,7 @@ class _Reader:
         values, at = words[1:], words[0].at
         what = f"bone {bone.name or '?'!r}"
         if keyword not in _BONE_FIELDS:
-            self.notices.append(Notice("warning", f"{what}: {shown(words[0].text)} is unknown and ignored", at=at))
+            note(self.notices, "warning", f"{what}: {shown(words[0].text)} is unknown and ignored", at=at)
             return
         if keyword == "dof":
             bone.channels = self._channels(values, what)
@@ -254,15 +263,13 @@ class _Reader:
             bone.axis_order = _axis_order(values[3], what) if len(values) > 3 else ""
             if not bone.axis_order:
                 bone.axis_order = "XYZ"
-                self.notices.append(Notice("guess", f"{what}: axis names no order, read as XYZ", at=at))
+                note(self.notices, "guess", f"{what}: axis names no order, read as XYZ", at=at)
         else:
             _need_number(values[0], f"{keyword} of {what}")
             setattr(bone, keyword, values[0].text)
             if len(values) > 1:
                 rest = " ".join(word.text for word in values[1:])
-                self.notices.append(
-                    Notice("warning", f"{what}: {shown(rest)} behind {keyword} is ignored", at=values[1].at)
-                )
+                note(self.notices, "warning", f"{what}: {shown(rest)} behind {keyword} is ignored", at=values[1].at)
 
     def _channels(self, words: list[Word], what: str) -> tuple[str, ...]:
         channels: list[str] = []
@@ -301,14 +308,19 @@ class _Reader:
             )
         if len(bone.limits) != len(bone.channels) and bone.channels:
             count = f"{len(bone.limits)} limits for {len(bone.channels)} degrees of freedom"
-            self.notices.append(Notice("warning", f"bone {bone.name!r} has {count}", at=bone.at))
+            note(self.notices, "warning", f"bone {bone.name!r} has {count}", at=bone.at)
 
     def _read_hierarchy(self) -> list[list[Word]]:
         lines: list[list[Word]] = []
+        count = 0
         for words in self._body():
             if words[0].text.lower() in ("begin", "end") and len(words) == 1:
                 continue
             lines.append(words)
+            count += len(words)
+            # Every bone stands once as a child, and at most once as a parent of each.
+            if count > 2 * self.limits.joints + 2:
+                raise LimitError(f"the hierarchy has more than {self.limits.joints} bones", at=words[0].at)
         return lines
 
 

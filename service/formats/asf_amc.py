@@ -14,7 +14,7 @@ import numpy as np
 from service.errors import FormatError, McmlError, Notice, Place
 from service.formats.asf import read_asf
 from service.formats.asf_amc_writer import write_amc, write_asf
-from service.formats.format import Part, ReadOptions, SourceFile, need_convention
+from service.formats.format import Limits, Part, ReadOptions, SourceFile, need_convention
 from service.formats.frame_rows import FrameRows, RowLayout
 from service.formats.lines import BLANKS, Encoding, Lines, detect_encoding
 from service.formats.number_text import detect_style
@@ -89,7 +89,7 @@ def _read_amc(head: ClipHead, file: SourceFile, options: ReadOptions, notices: l
     try:
         encoding = detect_encoding(stream, options.encoding)
         notices += encoding.notices
-        flags, comments, start = _read_amc_head(stream, encoding)
+        flags, comments, start = _read_amc_head(stream, encoding, options.limits)
     except McmlError as error:
         raise error.in_file(file.name) from None
     stream.seek(start)
@@ -121,13 +121,16 @@ def _read_amc(head: ClipHead, file: SourceFile, options: ReadOptions, notices: l
     return ClipStream(head, blocks, None, notices)
 
 
-def _read_amc_head(stream: BinaryIO, encoding: Encoding) -> tuple[list[str], list[str], int]:
+def _read_amc_head(stream: BinaryIO, encoding: Encoding, limits: Limits) -> tuple[list[str], list[str], int]:
     """(flags, comments, byte offset of the first frame)."""
     flags: list[str] = []
     comments: list[str] = []
     lines = Lines(stream, encoding)
+    kept = 0
     while (line := lines.next()) is not None:
         text, sign, comment = line.text.partition("#")
+        kept += len(line.text) + 64 if line.text else 0
+        limits.check_text(kept, line.at())
         if sign:
             comments.append((sign + comment).rstrip(BLANKS))
         text = text.strip(BLANKS)

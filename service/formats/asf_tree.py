@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from service.errors import FormatError, LimitError, Notice
-from service.formats.format import Limits
+from service.formats.format import Limits, note
 from service.formats.lines import shown
 from service.motion.skeleton import Convention, Joint, Skeleton
 
@@ -133,8 +133,8 @@ def _rotation_order(bone: Bone, notices: list[Notice]) -> str:
     axis = bone.axis_order.upper() or "XYZ"
     if len(letters) == 3:
         if letters != axis:
-            notices.append(
-                Notice("guess", f"bone {bone.name!r}: dof order {letters} and axis order {axis} differ; dof is taken")
+            note(
+                notices, "guess", f"bone {bone.name!r}: dof order {letters} and axis order {axis} differ; dof is taken"
             )
         return letters
     return "".join(letter for letter in axis if letter in letters)

@@ -118,6 +118,8 @@ def _read_end_site(tokens: Tokens, joint: _Open, limits: Limits) -> None:
     _expect(tokens, "OFFSET", f"in End Site of joint {joint.name!r}")
     offset = _read_triple(tokens, f"OFFSET of the End Site of joint {joint.name!r}")
     _expect(tokens, "}", f"to close End Site of joint {joint.name!r}")
+    if len(joint.end_sites) >= limits.joints:
+        raise LimitError(f"joint {joint.name!r} has more than {limits.joints} end sites", at=site.at)
     joint.end_sites.append(EndSite(offset, name.text if name else "", joint.children))
 
 

@@ -136,10 +136,14 @@ def guess_translation(skeleton: Skeleton, sample: Array, wanted: str, notices: l
         return replace(skeleton, joints=joints)
     columns = skeleton.columns()
     relative: dict[int, str] = {}
-    for index, joint in enumerate(skeleton.joints):
+    moving: dict[int, list[tuple[int, int]]] = {}
+    for column, (owner, channel) in enumerate(columns):
+        if channel < 3:
+            moving.setdefault(owner, []).append((column, channel))
+    for index, mine in moving.items():
+        joint = skeleton.joints[index]
         offset = numbers(joint.offset)
-        mine = [(column, channel) for column, (owner, channel) in enumerate(columns) if owner == index and channel < 3]
-        if not mine or not len(sample) or not offset.any():
+        if not len(sample) or not offset.any():
             continue
         mean = sample[:, [column for column, _ in mine]].mean(axis=0)
         target = offset[[channel for _, channel in mine]]

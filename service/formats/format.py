@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import BinaryIO, Protocol
 
-from service.errors import ConversionError, FormatError, LimitError, Place
+from service.errors import ConversionError, FormatError, LimitError, Notice, Place
 from service.motion.clip import ClipStream
 from service.motion.skeleton import Convention, Skeleton
 
@@ -28,6 +28,7 @@ class Limits:
     """What a reader accepts before it gives up; checked before memory is taken.
 
     joints: of a skeleton. depth: joints below each other. name: bytes of one name. frames, values: of a clip.
+    text: characters of comments and unknown sections.
     """
 
     joints: int = 10_000
@@ -35,6 +36,7 @@ class Limits:
     name: int = 1024
     frames: int = 50_000_000
     values: int = 4_000_000_000
+    text: int = 4 << 20
 
     def check_name(self, name: str, at: Place | None = None) -> None:
         """Raises LimitError for a name that is too long, FormatError for one with control characters."""
@@ -61,6 +63,24 @@ class Limits:
                 at=at,
                 remedy="Cut it into parts.",
             )
+
+    def check_text(self, characters: int, at: Place | None = None) -> None:
+        """Raises LimitError where a file has more comments and unknown sections than anybody wrote by hand."""
+        if characters > self.text:
+            raise LimitError(
+                f"comments and unknown sections are longer than {self.text} characters", at=at, remedy="Remove them."
+            )
+
+
+MOST_NOTICES = 200
+"""A receipt with more lines than this tells nobody anything."""
+
+
+def note(notices: list[Notice], kind: str, what: str, at: Place | None = None) -> None:
+    """Append a notice, unless there are a great many or the same one is there already."""
+    notice = Notice(kind, what, at)
+    if len(notices) < MOST_NOTICES and notice not in notices:
+        notices.append(notice)
 
 
 @dataclass(frozen=True, slots=True)

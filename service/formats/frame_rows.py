@@ -21,7 +21,7 @@ from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import Array
 
 BLOCK_BYTES: Final = 1 << 20
-LARGEST_FRAME: Final = 1 << 26
+LARGEST_FRAME: Final = 1 << 24
 _PLAIN_ID = re.compile(rb"(?:0|-?[1-9][0-9]{0,17})")
 _LINE = re.compile(rb"[^\r\n]+")
 

@@ -68,7 +68,7 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     options.limits.check_size(head.frames, len(columns))
     comments = list(head.comments)
     if head.version == 1:
-        index = index_segments(stream, head.data, encoding)
+        index = index_segments(stream, head.data, encoding, options.limits)
         _check_index(head, set(index.spans))
         comments += [comment for comment in index.comments if comment not in comments]
         missing, has_end = index.missing, index.has_end

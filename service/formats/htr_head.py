@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import BinaryIO
 
 from service.errors import FormatError, LimitError, Notice, Place, UnsupportedError
-from service.formats.format import Limits
+from service.formats.format import Limits, note
 from service.formats.lines import BLANKS, Encoding, Line, Lines, shown
 from service.formats.numbers import is_number, is_whole, what_is_wrong
 from service.motion.skeleton import Convention, Joint, Skeleton
@@ -59,8 +59,11 @@ def read_head(stream: BinaryIO, encoding: Encoding, limits: Limits, notices: lis
     sections: dict[str, list[_Row]] = {}
     current: list[_Row] | None = None
     lines = Lines(stream, encoding)
+    kept = 0
     while (line := lines.peek()) is not None:
         text = _without_comment(line, head)
+        kept += len(line.text) + 64 if "#" in line.text else 0
+        limits.check_text(kept, line.at())
         section = _SECTION.fullmatch(text)
         if section:
             name = section[1].strip().lower()
@@ -78,6 +81,8 @@ def read_head(stream: BinaryIO, encoding: Encoding, limits: Limits, notices: lis
                     at=line.at(1),
                     remedy="This is no HTR file.",
                 )
+            if len(current) > limits.joints + 1000:
+                raise LimitError(f"a section has more than {limits.joints} lines", at=line.at(1))
             current.append(_Row(re.findall(r"\S+", text, re.ASCII), line.at(1)))
         lines.next()
     head.data = line.start if line is not None else stream.seek(0, 2)
@@ -105,7 +110,7 @@ def _read_header(rows: list[_Row], head: HtrHead, notices: list[Notice]) -> None
         name = FIELD_OF_KEYWORD.get(keyword.lower())
         if name is None:
             head.unknown.append((f"[Header] {keyword}", value))
-            notices.append(Notice("note", f"header keyword {shown(keyword)} is kept and means nothing here", at=row.at))
+            note(notices, "note", f"header keyword {shown(keyword)} is kept and means nothing here", at=row.at)
             continue
         if name in head.fields:
             if head.fields[name] != value:

@@ -13,8 +13,9 @@ from typing import BinaryIO, Final
 
 import numpy as np
 
-from service.errors import FormatError, Notice, Place
-from service.formats.lines import Encoding, blocks_of, line_and_column
+from service.errors import FormatError, LimitError, Notice, Place
+from service.formats.format import Limits
+from service.formats.lines import LONGEST_LINE, Encoding, blocks_of, line_and_column
 from service.formats.numbers import bad_token, parse_numbers, what_is_wrong
 from service.motion.skeleton import Array, Skeleton
 
@@ -43,23 +44,25 @@ class Index:
     comments: list[str] = field(default_factory=list)
 
 
-def index_segments(stream: BinaryIO, start: int, encoding: Encoding) -> Index:
-    """One pass over the motion."""
+def index_segments(stream: BinaryIO, start: int, encoding: Encoding, limits: Limits) -> Index:
+    """One pass over the motion. LimitError for endless lines and more segments than a skeleton may have."""
     codec = "utf-8" if encoding.codec == "utf-8-sig" else encoding.codec
     index = Index()
     rest, offset, name, begin = b"", start, None, start
     for block in blocks_of(stream, start, 1 << 20):
         text = rest + block
         last = max(text.rfind(b"\n"), text.rfind(b"\r")) + 1
-        if not last:
-            last = len(text) if len(text) > 1 << 22 else 0
+        if not last and len(text) > LONGEST_LINE + (1 << 20):
+            raise LimitError(f"a line is longer than {LONGEST_LINE} bytes", at=line_and_column(stream, offset))
         if len(block) < 1 << 20:
             last = len(text)
         if not index.missing and b"999999" in text and (huge := HUGE.search(text)):
             index.missing = huge.group().decode()
         if b"#" in text[:last]:
             found = (match.decode(codec, errors="replace").rstrip() for match in _COMMENT.findall(text, 0, last))
-            index.comments += [text for text in dict.fromkeys(found) if text not in index.comments][:100]
+            index.comments += [text for text in dict.fromkeys(found) if text not in index.comments][
+                : 100 - len(index.comments)
+            ]
         for heading in _HEADING.finditer(text, 0, last):
             if name is not None:
                 _close(index, name, begin, offset + heading.start())
@@ -67,6 +70,8 @@ def index_segments(stream: BinaryIO, start: int, encoding: Encoding) -> Index:
             if name.lower() == "endoffile":
                 index.has_end = True
                 return index
+            if len(index.spans) > limits.joints:
+                raise LimitError(f"the file has more than {limits.joints} segments")
         rest, offset = text[last:], offset + last
     if name is not None:
         _close(index, name, begin, offset)

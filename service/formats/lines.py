@@ -231,14 +231,18 @@ class Tokens:
         self._lines = lines
         self._line: Line | None = None
         self._position = 0
+        self._ahead: Token | None = None
 
     def peek(self) -> Token | None:
         """The next word, None at the end of the file."""
+        if self._ahead is not None:
+            return self._ahead
         while True:
             if self._line is not None:
                 match = _WORD.search(self._line.text, self._position)
                 if match:
-                    return Token(match.group(), self._line, match.start() + 1)
+                    self._ahead = Token(match.group(), self._line, match.start() + 1)
+                    return self._ahead
             following = self._lines.next()
             if following is None:
                 return None
@@ -248,12 +252,14 @@ class Tokens:
         token = self.peek()
         if token is not None:
             self._position = token.column - 1 + len(token.text)
+            self._ahead = None
         return token
 
     def rest_of_line(self) -> Token | None:
         """What the line still holds, trimmed, up to a brace that opens a body; None where that is nothing."""
         if self._line is None:
             return None
+        self._ahead = None
         text = self._line.text
         last = len(text.rstrip(BLANKS)) - 1
         end = text.find("{", self._position)

@@ -28,6 +28,7 @@ def legal_names(
     names: list[str] = []
     used: set[str] = set()
     changed: list[str] = []
+    last: dict[str, int] = {}
     for joint in skeleton.joints:
         if root is not None and joint.parent < 0:
             name = root
@@ -35,10 +36,11 @@ def legal_names(
             name = "".join("_" if char in illegal else char for char in joint.source_name) or "_"
             if name[0] in illegal_first or name.lower() in reserved:
                 name = "_" + name
-            base, count = name, 1
+            base, count = name, last.get(name, 1)
             while (name.lower() if fold_case else name) in used:
                 count += 1
                 name = f"{base}_{count}"
+            last[base] = count
             if name != joint.source_name:
                 changed.append(f"{joint.source_name!r} became {name!r}")
         used.add(name.lower() if fold_case else name)

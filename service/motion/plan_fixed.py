@@ -19,7 +19,7 @@ from service.motion.plans import (
     still_offsets,
 )
 from service.motion.rotations import IDENTITY, to_euler
-from service.motion.skeleton import Array, Convention, Joint, Skeleton, unique_names
+from service.motion.skeleton import Array, Convention, Joint, Skeleton
 from service.motion.survey import Survey
 
 _CHANNELS = ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz")
@@ -142,7 +142,10 @@ class _Builder:
         return len(self.joints) - 1
 
     def _add_connector(self, wanted: str, parent: int, vector: Array) -> int:
-        name = unique_names([*sorted(self.taken), wanted])[-1]
+        name, count = wanted, 1
+        while name in self.taken:
+            count += 1
+            name = f"{wanted}_{count}"
         self.taken.add(name)
         self.planned.append(PlannedJoint(None, parent, np.zeros(3), IDENTITY, "", False))
         connector = Joint(name, parent, name, Convention.FIXED)
