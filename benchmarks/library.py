@@ -1,4 +1,4 @@
-"""The library that store benchmarks use: the real BVH clips beside the repository, or generated ones where they are not."""
+"""The library that store benchmarks use: the real BVH clips beside the repository, else generated ones."""
 
 from __future__ import annotations
 
@@ -78,7 +78,8 @@ def served(url: str) -> Iterator[httpx.Client]:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     environment = os.environ | {"MCML_DATABASE": url, "MCML_PORT": str(port)}
-    process = subprocess.Popen([sys.executable, "-m", "service.cli", "serve"], env=environment, stdout=subprocess.DEVNULL)
+    command = [sys.executable, "-m", "service.cli", "serve"]
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
     try:
         with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60) as client:
             for wait in itertools.count():

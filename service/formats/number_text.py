@@ -24,7 +24,9 @@ _TO_LINES = {
 
 def detect_style(sample: bytes) -> str:
     """The style in which most numbers of a text are written; SHORTEST where none fits more than half."""
-    tokens = [token.decode("latin-1") for token in sample.split()[:SAMPLE_TOKENS]]
+    words = sample.split()
+    # Spread over the sample: the first frame is often a pose of zeros.
+    tokens = [token.decode("latin-1") for token in words[:: len(words) // SAMPLE_TOKENS + 1]]
     values = parse_numbers(" ".join(tokens).encode())
     if values is None or not tokens:
         return SHORTEST

@@ -59,7 +59,10 @@ class Indexed:
         """Frames of each document that has any, as ascending ranges (first, last), by document key."""
         plan, scope = self.plan, self.scope
         if plan.motion_names:
-            groups = [self.tx.spans.named([unescape(name) for name in group], scope.keys, scope.project) for group in plan.motion_names]
+            groups = [
+                self.tx.spans.named([unescape(name) for name in group], scope.keys, scope.project)
+                for group in plan.motion_names
+            ]
             found = groups[0]
             for named in groups[1:]:
                 found = {key: intersection(ranges, named[key]) for key, ranges in found.items() if key in named}

@@ -150,7 +150,7 @@ def test_scalars(library: tuple[TestClient, list[tuple[str, etree._ElementTree]]
 
 
 def test_nth_counts_over_all_documents(library: tuple[TestClient, list[tuple[str, etree._ElementTree]]]) -> None:
-    client, trees = library
+    client, _trees = library
     for inner in ("//frame[motion_name='walk']", "//bone/name", "//frame[motion_name='walk']/frame_bone[@name='Root']"):
         everything = all_items(client, 400, q=inner)
         for number in (1, 2, len(everything)):
@@ -162,7 +162,7 @@ def test_nth_counts_over_all_documents(library: tuple[TestClient, list[tuple[str
 def test_pages_stay_as_they_were_while_others_write(
     library: tuple[TestClient, list[tuple[str, etree._ElementTree]]],
 ) -> None:
-    client, trees = library
+    client, _trees = library
     expression = {"q": "//frame[motion_name='left-arm-abduction']", "limit": 2}
     before = all_items(client, 1000, q=expression["q"])
     first = client.get(f"{API}/xpath", params=expression).json()

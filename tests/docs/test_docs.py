@@ -11,7 +11,7 @@ from service.formats import FORMATS
 from service.settings import Settings
 from tests.docs.generate import DOCS, TABLES, renewed
 
-PAGES = sorted(DOCS.rglob("*.md")) + [DOCS.parent / "README.md"]
+PAGES = [*sorted(DOCS.rglob("*.md")), DOCS.parent / "README.md"]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
