@@ -41,7 +41,9 @@ SettingsDep = Annotated[Settings, Depends(_settings)]
 DatabaseDep = Annotated[Database, Depends(_database)]
 AuthorDep = Annotated[str, Depends(_author)]
 QueriesDep = Annotated[Queries, Depends(_queries)]
-RevisionQuery = Annotated[int | None, Query(ge=1, description="Read this revision instead of the current one")]
+MOST = 2**31 - 1
+"""Of numbers in requests: what every database can compare."""
+RevisionQuery = Annotated[int | None, Query(ge=1, le=MOST, description="Read this revision instead of the current one")]
 
 
 def encode_cursor(*parts: Any) -> str:
@@ -56,9 +58,15 @@ def decode_cursor(cursor: str, *kinds: type) -> list[Any]:
     except (binascii.Error, ValueError):
         parts = None
     fits = isinstance(parts, list) and len(parts) == len(kinds)
-    if not fits or any(not isinstance(part, kind) for part, kind in zip(parts or [], kinds, strict=True)):
+    if not fits or not all(_is(part, kind) for part, kind in zip(parts or [], kinds, strict=True)):
         raise QueryError("This cursor is not one that was handed out here.", remedy="Begin again without a cursor.")
     return list(parts or [])
+
+
+def _is(part: object, kind: type) -> bool:
+    if isinstance(part, str):
+        return kind is str and "\0" not in part
+    return type(part) is kind and (not isinstance(part, int) or 0 <= part <= MOST)
 
 
 @dataclass(frozen=True)

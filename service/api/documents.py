@@ -26,6 +26,7 @@ from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions, parse_label, parse_property
 from service.actions.inspect_files import inspect_files
 from service.api.dependencies import (
+    MOST,
     AuthorDep,
     DatabaseDep,
     IfMatch,
@@ -117,7 +118,7 @@ def list_documents(
     q: Annotated[str | None, Query(description="Part of the name")] = None,
     motion_name: Annotated[str | None, Query(description="Documents with a frame of this name")] = None,
     format: str | None = None,
-    skeleton: int | None = None,
+    skeleton: Annotated[int | None, Query(ge=0, le=MOST)] = None,
     property: Annotated[list[str] | None, Query(description="age:20..30 or take:calm; may be repeated")] = None,
     sort: Literal["name", "newest"] = "name",
 ) -> DocumentPage:
@@ -193,7 +194,9 @@ def restore(
     response: Response,
     database: DatabaseDep,
     author: AuthorDep,
-    revision: Annotated[int | None, Query(ge=1, description="Make the content of this revision current again")] = None,
+    revision: Annotated[
+        int | None, Query(ge=1, le=MOST, description="Make the content of this revision current again")
+    ] = None,
     if_match: IfMatch = None,
 ) -> DocumentDetail:
     """Bring a deleted document back, or make an earlier revision current (as a new revision)."""

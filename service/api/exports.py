@@ -8,14 +8,14 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, Response
 
 from service.actions.export_motion import Export, ExportOptions, export_document
-from service.api.dependencies import DatabaseDep, RevisionQuery, at_revision, etag
+from service.api.dependencies import MOST, DatabaseDep, RevisionQuery, at_revision, etag
 from service.api.streaming import attachment, streamed, unchanged
 from service.storage.database import Transaction
 
 router = APIRouter(tags=["export"])
 
-First = Annotated[int, Query(ge=1, description="First frame, a position from 1")]
-Last = Annotated[int | None, Query(ge=1, description="Last frame, included; default the last one")]
+First = Annotated[int, Query(ge=1, le=MOST, description="First frame, a position from 1")]
+Last = Annotated[int | None, Query(ge=1, le=MOST, description="Last frame, included; default the last one")]
 _FILE: dict[int | str, dict[str, Any]] = {200: {"content": {"application/octet-stream": {}}, "description": "The file"}}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import zlib
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
@@ -12,6 +13,7 @@ from fastapi import APIRouter, Query, Request, Response
 from schemas.documents import FramePage, FrameRow
 from service.actions.read_clip import read_clip
 from service.api.dependencies import (
+    MOST,
     DatabaseDep,
     PageDep,
     RevisionQuery,
@@ -36,9 +38,9 @@ def get_frames(
     database: DatabaseDep,
     page: PageDep,
     revision: RevisionQuery = None,
-    first: Annotated[int, Query(ge=1, description="First frame, a position from 1")] = 1,
-    last: Annotated[int | None, Query(ge=1, description="Last frame, included; default the last one")] = None,
-    step: Annotated[int, Query(ge=1, description="Every step-th frame, from `first` on")] = 1,
+    first: Annotated[int, Query(ge=1, le=MOST, description="First frame, a position from 1")] = 1,
+    last: Annotated[int | None, Query(ge=1, le=MOST, description="Last frame, included; default the last one")] = None,
+    step: Annotated[int, Query(ge=1, le=MOST, description="Every step-th frame, from `first` on")] = 1,
     bone: Annotated[list[str] | None, Query(description="Bones by MCML name; default all")] = None,
     space: Annotated[
         Literal["channels", "positions", "rotations"],
@@ -97,7 +99,7 @@ def _array(
 ) -> Response:
     with database.read() as tx:
         _, stored = at_revision(tx, uuid, revision)
-        tag = etag(stored, f"npy-{first}-{last}-{step}-{space}-{dtype}-{abs(hash(tuple(bone or ())))}")
+        tag = etag(stored, f"npy-{first}-{last}-{step}-{space}-{dtype}-{zlib.crc32(repr(bone).encode())}")
         cached = unchanged(request, tag)
         if cached is not None:
             return cached

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ipaddress
+import re
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
 from urllib.parse import urlsplit
 
-from starlette.datastructures import Headers
+from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.exceptions import HTTPException
 
 from service.api.problems import plain
 from service.settings import Settings
@@ -18,6 +21,7 @@ Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 
 SAFE_METHODS = {"GET", "HEAD", "OPTIONS"}
+COUNTED_METHODS = SAFE_METHODS | {"POST", "PUT", "PATCH", "DELETE"}
 OPEN_PATHS = {"/healthz", "/readyz"}
 
 
@@ -48,38 +52,55 @@ class Guard:
             return
         headers = Headers(scope=scope)
         refusal = self._refusal(scope, headers)
+        if refusal is None and not self.local and scope["path"] not in OPEN_PATHS:
+            # Off the event loop: a store whose connections are all in use must not stop the streams that hold them.
+            refusal = await run_in_threadpool(self._token_refusal, scope, headers)
+        method = scope["method"]
+        if method == "HEAD":
+            scope = {**scope, "method": "GET"}
 
-        async def counted(message: MutableMapping[str, Any]) -> None:
+        async def answered(message: MutableMapping[str, Any]) -> None:
             if message["type"] == "http.response.start":
-                key = (scope["method"], message["status"])
+                key = (method if method in COUNTED_METHODS else "other", message["status"])
                 self.counts[key] = self.counts.get(key, 0) + 1
+                _tag_compressed(message)
+            elif method == "HEAD":
+                message = {**message, "body": b""}
             await send(message)
 
-        if refusal is not None:
-            await refusal(scope, receive, counted)
-            return
-        await self.app(scope, receive, counted)
+        await (refusal or self.app)(scope, self._bounded(receive), answered)
+
+    def _bounded(self, receive: Receive) -> Receive:
+        """Bodies without a length count as well."""
+        taken = 0
+
+        async def bounded() -> MutableMapping[str, Any]:
+            nonlocal taken
+            message = await receive()
+            taken += len(message.get("body", b""))
+            if taken > self.max_bytes:
+                raise HTTPException(413, f"The request has more than {self.max_bytes} bytes, which is the limit.")
+            return message
+
+        return bounded
 
     def _refusal(self, scope: Scope, headers: Headers) -> Any:
         if scope["path"] in OPEN_PATHS:
             return None
-        host = urlsplit(f"//{headers.get('host', '')}").hostname or ""
-        origin = headers.get("origin")
-        if origin and scope["method"] not in SAFE_METHODS and urlsplit(origin).netloc != headers.get("host"):
+        if b"%00" in scope.get("query_string", b"") or "\0" in scope["path"]:
+            return plain(400, "An address cannot hold the character U+0000.", "Leave %00 out.")
+        host, origin = _host_of(f"//{headers.get('host', '')}"), headers.get("origin")
+        if origin and scope["method"] not in SAFE_METHODS and origin.partition("://")[2] != headers.get("host"):
             return plain(
                 403, f"Pages of {origin} may not write here.", "Send the request from this server's own pages."
             )
         length = headers.get("content-length", "0")
-        if length.isdigit() and int(length) > self.max_bytes:
+        if length.isdigit() and (len(length) > 18 or int(length) > self.max_bytes):
             return plain(413, f"The request has {length} bytes, the limit is {self.max_bytes}.", "Send it in parts.")
-        if self.local:
-            if not is_loopback(host):
-                # A foreign name that resolves to this machine would let any page read the repository (DNS rebinding).
-                return plain(
-                    403, f"{host!r} is not a name of this machine.", "Use http://127.0.0.1 or http://localhost."
-                )
-            return None
-        return self._token_refusal(scope, headers)
+        if self.local and not is_loopback(host):
+            # A foreign name that resolves to this machine would let any page read the repository (DNS rebinding).
+            return plain(403, f"{host!r} is not a name of this machine.", "Use http://127.0.0.1 or http://localhost.")
+        return None
 
     def _token_refusal(self, scope: Scope, headers: Headers) -> Any:
         kind, _, secret = headers.get("authorization", "").partition(" ")
@@ -93,3 +114,19 @@ class Guard:
             return answer
         scope["mcml.author"] = owner
         return None
+
+
+def _host_of(address: str) -> str:
+    """The host's name in lower case, "" where there is none or it makes no sense."""
+    try:
+        return urlsplit(address).hostname or ""
+    except ValueError:
+        return ""
+
+
+def _tag_compressed(message: MutableMapping[str, Any]) -> None:
+    """A strong tag names one sequence of bytes: the compressed answer has its own (RFC 9110, 8.8.1)."""
+    headers = MutableHeaders(raw=message["headers"])
+    tag = headers.get("etag", "")
+    if headers.get("content-encoding") == "gzip" and not tag.startswith("W/") and not tag.endswith('-gzip"'):
+        headers["etag"] = re.sub(r'"$', '-gzip"', tag)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import uuid
+from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
 
@@ -26,10 +27,13 @@ def respond(problem: Problem, headers: dict[str, str] | None = None) -> JSONResp
     )
 
 
-def plain(status: int, detail: str, remedy: str | None = None) -> JSONResponse:
+def plain(
+    status: int, detail: str, remedy: str | None = None, headers: Mapping[str, str] | None = None
+) -> JSONResponse:
     """A problem that is no error of ours, such as a route that does not exist."""
     title = HTTPStatus(status).phrase
-    return respond(Problem(type="about:blank", title=title, status=status, detail=detail, remedy=remedy))
+    problem = Problem(type="about:blank", title=title, status=status, detail=detail, remedy=remedy)
+    return respond(problem, None if headers is None else dict(headers))
 
 
 def install(app: FastAPI) -> None:
@@ -57,7 +61,7 @@ def install(app: FastAPI) -> None:
 
     @app.exception_handler(HTTPException)
     def _http(_request: Request, error: HTTPException) -> JSONResponse:
-        return plain(error.status_code, str(error.detail))
+        return plain(error.status_code, str(error.detail), headers=error.headers)
 
     @app.exception_handler(Exception)
     def _unexpected(request: Request, error: Exception) -> JSONResponse:
