@@ -31,7 +31,7 @@ def run(commands: list[str]) -> BaseX:
     """Run database commands one after the other."""
     with tempfile.TemporaryDirectory() as home:
         script = Path(home) / "commands.bxs"
-        script.write_text("\n".join(["SET TEXTINDEX true", "SET ATTRINDEX true", "SET INTPARSE true", *commands]))
+        script.write_text("\n".join(["SET TEXTINDEX true", "SET ATTRINDEX true", *commands]))
         done = subprocess.run(
             ["basex", "-V", "-c", str(script)],
             capture_output=True,

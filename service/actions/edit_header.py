@@ -39,13 +39,9 @@ def with_facts(
     if properties is not None:
         changes["property"] = [_property(*item) for item in properties]
     if unit is not None:
-        if unit and unit.lower() not in UNITS:
-            raise DocumentError(f"Unknown unit {unit!r}.", remedy=f"Use one of: {', '.join(UNITS)}.")
-        changes["calibration_unit"] = [leaf("calibration_unit", unit)] if unit else []
+        changes["calibration_unit"] = [leaf("calibration_unit", checked_unit(unit))] if unit else []
     if up is not None:
-        if up and up.upper() not in UP_AXES:
-            raise DocumentError(f"Unknown axis {up!r}.", remedy="The up axis is X, Y or Z.")
-        changes["global_axis_of_gravity"] = [leaf("global_axis_of_gravity", up.upper())] if up else []
+        changes["global_axis_of_gravity"] = [leaf("global_axis_of_gravity", checked_axis(up))] if up else []
     if not changes:
         return document
     header = document.children[0]
@@ -57,8 +53,27 @@ def with_facts(
     return Element(document.tag, document.attributes, document.text, [changed, *document.children[1:]])
 
 
-def _property(name: str, value: str, unit: str) -> Element:
+def checked_unit(unit: str) -> str:
+    """A length unit that can be converted. DocumentError."""
+    if unit.lower() not in UNITS:
+        raise DocumentError(f"Unknown unit {unit!r}.", remedy=f"Use one of: {', '.join(UNITS)}.")
+    return unit
+
+
+def checked_axis(axis: str) -> str:
+    """X, Y or Z. DocumentError."""
+    if axis.upper() not in UP_AXES:
+        raise DocumentError(f"Unknown axis {axis!r}.", remedy="The up axis is X, Y or Z.")
+    return axis.upper()
+
+
+def checked_property(name: str, value: str, unit: str) -> tuple[str, str, str]:
+    """A property with a name, trimmed. DocumentError."""
     if not name.strip():
         raise DocumentError("A property has no name.", remedy='Write name=value, such as "age=23".')
-    attributes = {"name": name.strip(), "value": value.strip()}
-    return Element("property", attributes | ({"unit": unit.strip()} if unit.strip() else {}))
+    return name.strip(), value.strip(), unit.strip()
+
+
+def _property(name: str, value: str, unit: str) -> Element:
+    name, value, unit = checked_property(name, value, unit)
+    return Element("property", {"name": name, "value": value} | ({"unit": unit} if unit else {}))

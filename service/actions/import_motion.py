@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from service.actions.describe_clip import receipt
-from service.actions.edit_header import with_facts
+from service.actions.edit_header import checked_axis, checked_property, checked_unit, with_facts
 from service.actions.gather_files import Clip, SkeletonLookup, gathered
 from service.actions.import_options import ImportOptions
 from service.errors import DocumentError, McmlError, NotFoundError, Notice, Place
@@ -92,25 +92,31 @@ def open_clip(
 ) -> tuple[Element, ClipStream, NamingReport | None]:
     """The `mcml` element without motion, the stream of frames, and how joints were named, of a clip's files."""
     if clip.format == "mcml":
-        file = clip.files["mcml"]
-        document = read_document(file.stream, _mcml_limits(settings), options.encoding)
-        return _with_options(document.document, options), document.clip, None
+        read = read_document(clip.files["mcml"].stream, _mcml_limits(settings), options.encoding)
+        document = with_facts(
+            read.document,
+            description=options.description or None,
+            properties=options.properties or None,
+            unit=options.unit,
+            up=options.up,
+        )
+        return document, read.clip.with_head(to_head(document, read.clip.head.frame_time)), None
     reader = ReadOptions(encoding=options.encoding, translation=options.translation, limits=_limits(settings))
     stream = FORMATS[clip.format].read(clip.files, reader)
     skeleton, report = joint_names.named(stream.head.skeleton)
     fields = {"filename": clip.name.rsplit("/", 1)[-1]} | stream.head.fields
-    head = replace(stream.head, skeleton=skeleton, fields=fields)
-    return _with_options(from_head(head), options), stream.with_head(head), report
-
-
-def _with_options(document: Element, options: ImportOptions) -> Element:
-    return with_facts(
-        document,
-        description=options.description or None,
-        properties=options.properties or None,
-        unit=options.unit,
-        up=options.up,
+    if options.unit:
+        fields["calibration_unit"] = checked_unit(options.unit)
+    if options.up:
+        fields["global_axis_of_gravity"] = checked_axis(options.up)
+    head = replace(
+        stream.head,
+        skeleton=skeleton,
+        fields=fields,
+        description=options.description.strip(),
+        properties=tuple(checked_property(*item) for item in options.properties),
     )
+    return from_head(head), stream.with_head(head), report
 
 
 def _limits(settings: Settings) -> Limits:
@@ -149,7 +155,7 @@ class _Importer:
 
     def run(self) -> Imported:
         uploads = [_Upload.begin(part, file, self.executor) for part, file in self.clip.files.items()]
-        twins = self._twins({upload.part: upload.sha256 for upload in uploads})
+        twins = self._twins(uploads)
         if twins and self.options.on_duplicate == "skip":
             with self.database.read() as tx:
                 stored = tx.documents.get(twins[0])
@@ -157,24 +163,30 @@ class _Importer:
         document, stream, report = open_clip(self.clip, self.options, self.settings)
         encoder = ClipEncoder(self.executor)
         for block in stream.blocks():
-            self._keep(rows for rows in encoder.add(block))
+            self._keep(encoder.add(block))
             if self.progress is not None:
                 self.progress(self.clip.name, encoder.frames, stream.frames)
-        self._keep(encoder.finish())
+        encoder.close()
         frame_time = self._frame_time(stream)
-        head = to_head(document, frame_time)
+        head = replace(stream.head, frame_time=frame_time)
         if self.clip.format != "mcml":
             validate_by_shapes(document, [(shape, 1) for shape in encoder.shapes], head.skeleton.names)
         self._make_names_canonical(encoder, stream)
         self._add_labels(encoder)
         facts = receipt(head, encoder.frames, report, stream.notices)
         facts["twins"] = twins
+        self._keep(encoder.rest())
         return self._store(document, head, encoder, frame_time, facts, uploads)
 
-    def _twins(self, digests: dict[str, str]) -> list[str]:
+    def _twins(self, uploads: list[_Upload]) -> list[str]:
+        """Documents made from equal files; notes which files are kept already."""
         with self.database.read() as tx:
-            project = tx.projects.find(self.options.project)
-            return [] if project is None else tx.uploads.twins(digests, project)
+            for upload in uploads:
+                upload.kept = tx.uploads.find(upload.sha256, upload.size) is not None
+            project = tx.projects.find(self.options.project) if all(upload.kept for upload in uploads) else None
+            if project is None:
+                return []
+            return tx.uploads.twins({upload.part: upload.sha256 for upload in uploads}, project)
 
     def _frame_time(self, stream: ClipStream) -> str | None:
         stated = self.options.frame_time
@@ -279,9 +291,8 @@ class _Importer:
 
     def _prepare(self, upload: _Upload) -> None:
         """Compress what is not stored yet; a large file goes into the store in transactions of its own."""
-        with self.database.read() as tx:
-            if tx.uploads.find(upload.sha256, upload.size) is not None:
-                return
+        if upload.kept:
+            return
         pending: list[bytes] = []
         pending_bytes = 0
         for block in upload.compressed(self.executor):
@@ -298,7 +309,9 @@ class _Importer:
 
 @dataclass
 class _Upload:
-    """A file on its way into the store. blocks: compressed, waiting for the last transaction; None if stored already.
+    """A file on its way into the store.
+
+    kept: the store has its bytes already. blocks: compressed, waiting for the last transaction; None if kept.
 
     early: blocks that are compressed while the motion is read, for files whose blocks all fit in memory.
     """
@@ -308,6 +321,7 @@ class _Upload:
     sha256: str
     size: int
     early: list[Future[bytes]]
+    kept: bool = False
     blocks: list[bytes] | None = None
     key: int | None = None
     written: int = 0

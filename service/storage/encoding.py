@@ -194,7 +194,7 @@ class Spans:
 
 @dataclass
 class ClipEncoder:
-    """Frame blocks of any length in, rows of whole chunks out; feed it in order, then call `finish`.
+    """Frame blocks of any length in, rows of whole chunks out; feed it in order, then `close` it and take the `rest`.
 
     executor: where tracks are compressed (pcodec lets other threads run).
     """
@@ -224,10 +224,13 @@ class ClipEncoder:
         while len(self._jobs) > JOBS_AHEAD:
             yield self._jobs.popleft().result()
 
-    def finish(self) -> Iterator[list[dict[str, Any]]]:
-        """The rows of all chunks that are still on their way."""
+    def close(self) -> None:
+        """No block follows: let the last chunk be compressed."""
         self.spans.finish()
         self._submit(whole=False)
+
+    def rest(self) -> Iterator[list[dict[str, Any]]]:
+        """The rows of all chunks that are still on their way."""
         while self._jobs:
             yield self._jobs.popleft().result()
 

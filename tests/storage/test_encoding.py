@@ -88,7 +88,8 @@ def test_chunks_do_not_depend_on_blocks(frames: int, lengths: list[int], seed: i
             for chunk in encoder.add(block):
                 rows += chunk
             start, turn = end, turn + 1
-        for chunk in encoder.finish():
+        encoder.close()
+        for chunk in encoder.rest():
             rows += chunk
     assert encoder.frames == frames
     assert [row["chunk"] for row in rows] == sorted(row["chunk"] for row in rows)
