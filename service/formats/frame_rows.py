@@ -102,12 +102,15 @@ class FrameRows:
         rest, offset = b"", self._start
         self.stopped = False
         for block in blocks_of(self._stream, self._start, BLOCK_BYTES):
+            # Where nothing was found before, nothing needs to be looked for again.
+            floor = max(0, rest.rfind(b"\n"), rest.rfind(b"\r"))
             rest += block
             if self._stop is not None and (match := self._stop.search(rest)) is not None:
                 rest, self.stopped = rest[: match.start()], True
                 break
             # A short block is the last one: what is left of it needs no cut.
-            cut = self._last_opening(rest) if len(block) == BLOCK_BYTES else 0
+            whole = len(block) < BLOCK_BYTES or not (b"\n" in block or b"\r" in block)
+            cut = 0 if whole else self._last_opening(rest, floor)
             if cut:
                 yield rest[:cut], offset
                 rest, offset = rest[cut:], offset + cut
@@ -120,16 +123,16 @@ class FrameRows:
         if rest.strip():
             yield rest, offset
 
-    def _last_opening(self, text: bytes) -> int:
-        """Where the last frame that may still go on begins; 0 where none is found behind the first."""
+    def _last_opening(self, text: bytes, floor: int) -> int:
+        """Where the last frame that may still go on begins; 0 where none begins behind `floor`."""
         reach = 1 << 14
         while True:
-            start = max(0, len(text) - reach)
+            start = max(floor, len(text) - reach)
             # The line in which the search begins is cut, so it must not count.
             openings = [match.start() for match in self._opening.finditer(text, start) if match.start() > start]
             if openings:
                 return openings[-1]
-            if not start:
+            if start == floor:
                 return 0
             reach *= 4
 

@@ -31,11 +31,11 @@ def detect_style(sample: bytes) -> str:
     if values is None or not tokens:
         return SHORTEST
     decimals = [len(token) - token.index(".") - 1 for token in tokens if "." in token and "e" not in token.lower()]
-    candidates = [SHORTEST]
-    if decimals:
-        candidates.append(f"fixed:{max(set(decimals), key=decimals.count)}")
-    digits = max(_significant_digits(token) for token in tokens)
-    candidates.append(f"general:{min(17, max(1, digits))}")
+    fixed = [f"fixed:{max(set(decimals), key=decimals.count)}"] if decimals else []
+    digits = min(17, max(1, *(_significant_digits(token) for token in tokens)))
+    general = f"general:{digits}"
+    # Where several fit alike, few digits are a program's %g; a dozen are the value itself.
+    candidates = [general, SHORTEST, *fixed] if digits <= 9 else [SHORTEST, *fixed, general]
     shares = [_share(tokens, values, style) for style in candidates]
     best = max(range(len(candidates)), key=lambda index: shares[index])
     return candidates[best] if shares[best] > 0.5 else SHORTEST

@@ -15,8 +15,8 @@ from typing import BinaryIO, Final
 import numpy as np
 import simdjson
 
-from service.errors import FormatError, Place
-from service.formats.lines import blocks_of, shown
+from service.errors import FormatError
+from service.formats.lines import blocks_of, line_and_column, shown
 from service.motion.skeleton import Array
 
 BLOCK_BYTES: Final = 1 << 18
@@ -159,6 +159,7 @@ class NumberStream:
     def __init__(self, stream: BinaryIO, start: int, block: int = BLOCK_BYTES) -> None:
         self.offset = start
         """Byte offset behind the last text that was given out."""
+        self._stream = stream
         self._blocks = blocks_of(stream, start, block)
         self._rest = b""
         self._longest = block
@@ -172,7 +173,10 @@ class NumberStream:
                 cut = max(text.rfind(b" "), text.rfind(b"\t"), text.rfind(b"\v"), text.rfind(b"\f"))
             if cut < 0:
                 if len(text) > 2 * self._longest:
-                    raise FormatError("a single word is longer than a million bytes", at=Place())
+                    raise FormatError(
+                        f"a single word is longer than {self._longest} bytes",
+                        at=line_and_column(self._stream, self.offset),
+                    )
                 self._rest = text
                 continue
             self._rest = text[cut + 1 :]
