@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import itertools
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -21,6 +22,8 @@ from service.actions.import_options import ImportOptions, Label
 from service.demo import body
 from service.formats import FORMATS
 from service.formats.format import SourceFile
+from service.formats.number_text import detect_style, rows_of_text
+from service.formats.numbers import parse_numbers
 from service.settings import Settings
 from service.storage.database import Database
 
@@ -45,13 +48,36 @@ def clips() -> tuple[str, list[tuple[str, bytes]]]:
     return "generated BVH files", made
 
 
+def longer(files: list[tuple[str, bytes]], times: int) -> list[tuple[str, bytes]]:
+    """Clips of usual length from short ones: each followed by variations of itself, every channel shifted a little."""
+    rng = np.random.default_rng(3)
+    result = []
+    for name, content in files:
+        parts = re.split(rb"(Frames:\s*\d+\s+Frame Time:\s*\S+[ \t\r]*\n)", content, maxsplit=1, flags=re.IGNORECASE)
+        head, middle, body = parts
+        values = parse_numbers(body)
+        if values is None:
+            result.append((name, content))
+            continue
+        frames = int(middle.split()[1])
+        values = values.reshape(frames, -1)
+        style = detect_style(body)
+        decimals = int(style.partition(":")[2]) if style.startswith("fixed") else 5
+        whole = head + middle.replace(str(frames).encode(), str(frames * times).encode(), 1)
+        for number in range(times):
+            varied = np.round(values + rng.normal(0, 0.5, values.shape[1]), decimals) if number else values
+            whole += b"\n".join(rows_of_text(varied, style)) + b"\n"
+        result.append((name, whole))
+    return result
+
+
 def labels(rng: np.random.Generator, frames: int) -> tuple[Label, ...]:
     """Motion names on random ranges, from a vocabulary that several clips share."""
     found = []
     for _ in range(6):
         first = int(rng.integers(1, max(2, frames - 10)))
         last = min(frames, first + int(rng.integers(5, 120)))
-        found.append(Label(f"move-{rng.integers(0, 200)}", first, last))
+        found.append(Label(f"move-{rng.integers(0, 250)}", first, last))
     return tuple(found)
 
 
