@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from service.actions.check_names import check_frame_time, given_name
 from service.actions.edit_header import with_facts
 from service.errors import ConflictError, DocumentError, NotFoundError
 from service.mcml import motion_names
 from service.mcml.elements import Element
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.identifiers import stored_form
 from service.storage.restoring import reopen_rows
 from service.storage.spans import StoredSpan
 
@@ -37,8 +39,8 @@ def change_document(
 ) -> StoredDocument:
     """Apply what is given (None leaves a fact as it is) as one revision; answers the document as it then is."""
     if name is not None:
-        tx.documents.rename(stored.key, name)
-    if project is not None and project != stored.project:
+        tx.documents.rename(stored.key, given_name(name, "document"))
+    if project is not None and stored_form(given_name(project, "project")) != stored.project:
         move_to_project(tx, stored, project)
     facts = {"description": description, "properties": properties, "unit": unit, "up": up}
     changed = {key for key, value in facts.items() if value is not None}
@@ -48,7 +50,7 @@ def change_document(
         )
         tx.heads.write_header(stored.key, document.children[0], tx.commit)
     if frame_time is not None:
-        _check_frame_time(frame_time)
+        check_frame_time(frame_time)
         changed.add("frame_time")
     current = tx.documents.get(stored.uuid)
     touched = changed & _HELD_BY_SOURCE.get(stored.format, changed)
@@ -71,7 +73,7 @@ def change_document(
 
 def move_to_project(tx: Transaction, stored: StoredDocument, project: str) -> None:
     """Skeletons are shared inside one project, so a move takes a copy of the skeleton along."""
-    key = tx.projects.get_or_add(project)
+    key = tx.projects.get_or_add(given_name(project, "project"))
     forest = tx.heads.skeleton(stored.skeleton)
     skeleton = tx.heads.add_skeleton(key, forest, _joints(forest))
     tx.documents.move(stored.key, key)
@@ -93,15 +95,6 @@ def _joints(forest: list[Element]) -> int:
         count += element.tag in ("root", "bone")
         waiting += element.children
     return count
-
-
-def _check_frame_time(text: str) -> None:
-    try:
-        if 0 < float(text) < 1e6 and text.strip() == text:
-            return
-    except ValueError:
-        pass
-    raise DocumentError(f"frame_time {text!r} is no time.", remedy="Give seconds a frame, such as 0.0083333.")
 
 
 def delete_document(tx: Transaction, stored: StoredDocument) -> None:

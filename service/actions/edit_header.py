@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from service.actions.check_names import check_property
 from service.errors import DocumentError
 from service.mcml.elements import Element, leaf
+from service.mcml.lexical import escape
 from service.mcml.vocabulary import HEADER_LEAVES_AFTER_UNITS, HEADER_LEAVES_BEFORE_UNITS
 from service.motion.units import UNITS
 
@@ -35,7 +37,7 @@ def with_facts(
     """The document with these facts; None leaves one as it is, "" and () remove it. DocumentError for nonsense."""
     changes: dict[str, list[Element]] = {}
     if description is not None:
-        changes["description"] = [leaf("description", description.strip())] if description.strip() else []
+        changes["description"] = [leaf("description", escape(description.strip()))] if description.strip() else []
     if properties is not None:
         changes["property"] = [_property(*item) for item in properties]
     if unit is not None:
@@ -71,9 +73,11 @@ def checked_property(name: str, value: str, unit: str) -> tuple[str, str, str]:
     """A property with a name, trimmed. DocumentError."""
     if not name.strip():
         raise DocumentError("A property has no name.", remedy='Write name=value, such as "age=23".')
+    check_property(name.strip(), value.strip(), unit.strip())
     return name.strip(), value.strip(), unit.strip()
 
 
 def _property(name: str, value: str, unit: str) -> Element:
     name, value, unit = checked_property(name, value, unit)
-    return Element("property", {"name": name, "value": value} | ({"unit": unit} if unit else {}))
+    attributes = {"name": escape(name), "value": escape(value)}
+    return Element("property", attributes | ({"unit": escape(unit)} if unit else {}))

@@ -132,22 +132,22 @@ def _kept(tx: Transaction, stored: StoredDocument, part: str | None) -> Export |
 def _converted(source: StoredClip, name: str, options: ExportOptions) -> ClipStream:
     clip = source.clip
     if options.unit:
-        stated = clip.head.fields.get("calibration_unit")
-        if not stated:
-            raise ConversionError(
-                "The document states no length unit, so it cannot be scaled.",
-                remedy="State it once: PATCH the document with `unit`.",
-            )
-        clip = scale(clip, metres_per_unit(stated) / metres_per_unit(options.unit), unit=options.unit)
+        stated = metres_per_unit(_stated(clip, "calibration_unit", "length unit", "unit"))
+        clip = scale(clip, stated / metres_per_unit(options.unit), unit=options.unit)
     if options.up:
-        stated = clip.head.fields.get("global_axis_of_gravity")
-        if not stated:
-            raise ConversionError(
-                "The document states no up axis, so it cannot be turned.",
-                remedy="State it once: PATCH the document with `up`.",
-            )
-        clip = turn_up(clip, stated.upper(), options.up.upper())
+        clip = turn_up(clip, _stated(clip, "global_axis_of_gravity", "up axis", "up").upper(), options.up.upper())
     return convert_clip(clip, name, options.names)
+
+
+def _stated(clip: ClipStream, field: str, what: str, parameter: str) -> str:
+    """A fact of the header that a change of units or axes starts from. ConversionError where nobody stated it."""
+    value = clip.head.fields.get(field)
+    if not value:
+        raise ConversionError(
+            f"The document states no {what}, so it cannot be changed to another.",
+            remedy=f"State it once: PATCH the document with `{parameter}`.",
+        )
+    return value
 
 
 def convert_clip(clip: ClipStream, name: str, names: str | None = None) -> ClipStream:

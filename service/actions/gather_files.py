@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import codecs
+import lzma
 import posixpath
 import re
+import struct
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
@@ -151,6 +154,13 @@ def _begins(stem: str, prefix: str) -> bool:
     return not rest[0].isalnum() or rest[0].isdigit() != prefix[-1].isdigit()
 
 
+# What zipfile and the decompressors raise for bytes that are no zip; names that are no UTF-8 are a ValueError.
+_BROKEN_ZIP = (
+    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error),
+    *(RuntimeError, ValueError, OSError, EOFError),
+)
+
+
 def _unpacked(files: list[SourceFile], settings: Settings, stack: ExitStack, result: Gathered) -> Iterator[SourceFile]:
     for file in files:
         file.stream.seek(0)
@@ -163,7 +173,7 @@ def _unpacked(files: list[SourceFile], settings: Settings, stack: ExitStack, res
             yield from _members(file, settings, stack)
         except LimitError as error:
             result.problems.append((file.name, error))
-        except (zipfile.BadZipFile, RuntimeError, NotImplementedError, OSError, EOFError) as error:
+        except _BROKEN_ZIP as error:
             problem = FormatError(
                 f"The zip cannot be read: {error}", at=Place(file=file.name), remedy="Zip the files again, unencrypted."
             )

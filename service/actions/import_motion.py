@@ -6,19 +6,20 @@ in several short ones under the state "importing", which no read sees, and a las
 
 from __future__ import annotations
 
-import hashlib
 import json
-from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from service.actions.check_names import check_frame_time, check_head, given_name, name_of_file
 from service.actions.describe_clip import receipt
 from service.actions.edit_header import checked_axis, checked_property, checked_unit, with_facts
 from service.actions.gather_files import Clip, SkeletonLookup, gathered
 from service.actions.import_options import ImportOptions
-from service.errors import DocumentError, McmlError, NotFoundError, Notice, Place
+from service.actions.keep_upload import WORKERS, Upload
+from service.errors import DocumentError, McmlError, Notice
 from service.formats import FORMATS
 from service.formats.format import Limits, ReadOptions, SourceFile
 from service.mcml import joint_names, motion_names
@@ -32,15 +33,9 @@ from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.encoding import ClipEncoder
 from service.storage.tracks import Piece
-from service.storage.uploads import BLOCK_BYTES, compress_block
 
 FLUSH_BYTES = 16 << 20
 """Rows of a clip that wait in memory before they are written in a transaction of their own."""
-
-EARLY_BYTES = 64 << 20
-"""Files up to this size are compressed while they are read; larger ones block by block afterwards."""
-
-WORKERS = 2
 
 
 @dataclass(frozen=True)
@@ -73,6 +68,11 @@ def import_files(
     progress: Progress | None = None,
 ) -> ImportResult:
     """Store every clip among the files; a bad one is a problem in the result and stops no other."""
+    options = replace(
+        options,
+        project=given_name(options.project, "project"),
+        name=given_name(options.name, "document") if options.name else None,
+    )
     lookup = _skeleton_lookup(database, options.skeleton) if options.skeleton else None
     result = ImportResult()
     with gathered(files, settings, lookup) as found, ThreadPoolExecutor(WORKERS) as executor:
@@ -93,6 +93,7 @@ def open_clip(
     """The `mcml` element without motion, the stream of frames, and how joints were named, of a clip's files."""
     if clip.format == "mcml":
         read = read_document(clip.files["mcml"].stream, _mcml_limits(settings), options.encoding)
+        check_head(read.document, read.clip.head, settings.max_joints)
         document = with_facts(
             read.document,
             description=options.description or None,
@@ -127,6 +128,14 @@ def _mcml_limits(settings: Settings) -> McmlLimits:
     return McmlLimits(max_bytes=settings.max_upload_bytes, max_frames=settings.max_frames)
 
 
+class _StoredMeanwhile(Exception):  # noqa: N818
+    """An equal clip was stored while this one was read."""
+
+    def __init__(self, uuid: str) -> None:
+        super().__init__(uuid)
+        self.uuid = uuid
+
+
 class _Importer:
     """The import of one clip."""
 
@@ -149,17 +158,41 @@ class _Importer:
         self.progress = progress
         self.key: int | None = None
         self.uuid = ""
+        self.uploads: list[Upload] = []
         self.rows: list[dict[str, Any]] = []
         self.row_bytes = 0
-        self.name = options.name or clip.name.rsplit("/", 1)[-1].rsplit(".", 1)[0] or clip.name
+        self.name = options.name or name_of_file(clip.name)
 
     def run(self) -> Imported:
-        uploads = [_Upload.begin(part, file, self.executor) for part, file in self.clip.files.items()]
+        """Store the clip; what was written of one that fails is removed."""
+        try:
+            return self._run()
+        except _StoredMeanwhile as meanwhile:
+            self._discard()
+            return self._stored(meanwhile.uuid)
+        except BaseException:
+            self._discard()
+            raise
+
+    def _discard(self) -> None:
+        # Where the store itself fails, the rows stay invisible and are swept when their lease has ended.
+        with suppress(Exception):
+            if self.key is not None:
+                with self.database.write(self.author) as tx:
+                    tx.documents.remove_import(self.key)
+                    for upload in self.uploads:
+                        upload.abandon(tx)
+
+    def _stored(self, uuid: str) -> Imported:
+        with self.database.read() as tx:
+            stored = tx.documents.get(uuid)
+            return Imported(stored.uuid, stored.name, json.loads(tx.documents.receipt(stored.key)), skipped=True)
+
+    def _run(self) -> Imported:
+        self.uploads = uploads = [Upload.begin(part, file, self.executor) for part, file in self.clip.files.items()]
         twins = self._twins(uploads)
         if twins and self.options.on_duplicate == "skip":
-            with self.database.read() as tx:
-                stored = tx.documents.get(twins[0])
-                return Imported(stored.uuid, stored.name, json.loads(tx.documents.receipt(stored.key)), skipped=True)
+            return self._stored(twins[0])
         document, stream, report = open_clip(self.clip, self.options, self.settings)
         encoder = ClipEncoder(self.executor)
         for block in stream.blocks():
@@ -178,7 +211,7 @@ class _Importer:
         self._keep(encoder.rest())
         return self._store(document, head, encoder, frame_time, facts, uploads)
 
-    def _twins(self, uploads: list[_Upload]) -> list[str]:
+    def _twins(self, uploads: list[Upload]) -> list[str]:
         """Documents made from equal files; notes which files are kept already."""
         with self.database.read() as tx:
             for upload in uploads:
@@ -192,13 +225,7 @@ class _Importer:
         stated = self.options.frame_time
         if stated is None:
             return stream.head.frame_time
-        try:
-            if not 0 < float(stated) < 1e6:
-                raise ValueError
-        except ValueError:
-            raise DocumentError(
-                f"frame_time {stated!r} is not a time in seconds.", remedy="Give seconds a frame, such as 0.008333333."
-            ) from None
+        check_frame_time(stated)
         return stated
 
     def _make_names_canonical(self, encoder: ClipEncoder, stream: ClipStream) -> None:
@@ -241,8 +268,8 @@ class _Importer:
 
     def _flush(self, tx: Transaction) -> None:
         key = self._begin(tx)
-        tx.tracks.write_chunks(key, self.rows, 0)
         tx.documents.renew_lease(key)
+        tx.tracks.write_chunks(key, self.rows, 0)
         self.rows, self.row_bytes = [], 0
 
     def _store(
@@ -252,7 +279,7 @@ class _Importer:
         encoder: ClipEncoder,
         frame_time: str | None,
         facts: dict[str, Any],
-        uploads: list[_Upload],
+        uploads: list[Upload],
     ) -> Imported:
         for upload in uploads:
             self._prepare(upload)
@@ -280,16 +307,26 @@ class _Importer:
             )
             for upload in uploads:
                 upload.attach(tx, key)
+            self._skip_twins(tx, project)
             tx.documents.publish(
                 key, next_slot=encoder.frames, receipt=json.dumps(facts, ensure_ascii=False), message=self.clip.name
             )
         return Imported(self.uuid, self.name, facts)
 
+    def _skip_twins(self, tx: Transaction, project: int) -> None:
+        """An equal import that became visible since this one began counts as stored already, too."""
+        if self.options.on_duplicate == "skip":
+            tx.dialect.order_commits(tx.connection)
+            digests = {upload.part: upload.sha256 for upload in self.uploads}
+            twins = [uuid for uuid in tx.uploads.twins(digests, project) if uuid != self.uuid]
+            if twins:
+                raise _StoredMeanwhile(twins[0])
+
     def _source_frame_time(self, head: ClipHead, frame_time: str | None) -> str | None:
         # A stated frame time changes what BVH holds; AMC and HTR files have no place for it.
         return frame_time if self.options.frame_time is None or head.format != "bvh" else None
 
-    def _prepare(self, upload: _Upload) -> None:
+    def _prepare(self, upload: Upload) -> None:
         """Compress what is not stored yet; a large file goes into the store in transactions of its own."""
         if upload.kept:
             return
@@ -305,85 +342,6 @@ class _Importer:
                     upload.add(tx, pending)
                 pending, pending_bytes = [], 0
         upload.blocks = pending
-
-
-@dataclass
-class _Upload:
-    """A file on its way into the store.
-
-    kept: the store has its bytes already. blocks: compressed, waiting for the last transaction; None if kept.
-
-    early: blocks that are compressed while the motion is read, for files whose blocks all fit in memory.
-    """
-
-    part: str
-    file: SourceFile
-    sha256: str
-    size: int
-    early: list[Future[bytes]]
-    kept: bool = False
-    blocks: list[bytes] | None = None
-    key: int | None = None
-    written: int = 0
-
-    @classmethod
-    def begin(cls, part: str, file: SourceFile, executor: ThreadPoolExecutor) -> _Upload:
-        """Read the file once, for its digest and size."""
-        hashed, size = hashlib.sha256(), 0
-        early: list[Future[bytes]] = []
-        file.stream.seek(0)
-        while block := file.stream.read(BLOCK_BYTES):
-            hashed.update(block)
-            size += len(block)
-            if size <= EARLY_BYTES:
-                early.append(executor.submit(compress_block, block))
-        file.stream.seek(0)
-        if size > EARLY_BYTES:
-            for job in early:
-                job.cancel()
-            early = []
-        return cls(part, file, hashed.hexdigest(), size, early)
-
-    def compressed(self, executor: ThreadPoolExecutor) -> Iterator[bytes]:
-        """The blocks in order, a few of them compressed ahead."""
-        if self.early or not self.size:
-            for job in self.early:
-                yield job.result()
-            return
-        self.file.stream.seek(0)
-        waiting: deque[Future[bytes]] = deque()
-        while block := self.file.stream.read(BLOCK_BYTES):
-            waiting.append(executor.submit(compress_block, block))
-            if len(waiting) > 2 * WORKERS:
-                yield waiting.popleft().result()
-        for job in waiting:
-            yield job.result()
-
-    @property
-    def file_name(self) -> str:
-        return self.file.name.rsplit("/", 1)[-1]
-
-    def add(self, tx: Transaction, blocks: list[bytes]) -> None:
-        if self.key is None:
-            self.key = tx.uploads.begin(self.sha256, self.size)
-        tx.uploads.add_blocks(self.key, self.written, blocks)
-        self.written += len(blocks)
-
-    def attach(self, tx: Transaction, document_key: int) -> None:
-        found = tx.uploads.find(self.sha256, self.size) if self.blocks is None else None
-        if found is not None:
-            tx.uploads.attach(document_key, self.part, self.file_name, found)
-            return
-        if self.blocks is None:
-            raise NotFoundError(
-                "The equal file that was stored has just been removed.",
-                at=Place(file=self.file_name),
-                remedy="Import the file again.",
-            )
-        self.add(tx, self.blocks)
-        if self.key is not None:
-            tx.uploads.complete(self.key)
-            tx.uploads.attach(document_key, self.part, self.file_name, self.key)
 
 
 def _skeleton_lookup(database: Database, uuid: str) -> SkeletonLookup:

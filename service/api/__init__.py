@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from service.api import catalogues, documents, exports, frames, health, labels, page, queries
+from service.api import catalogues, documents, elements, exports, frames, health, labels, page, queries
 
 PREFIX = "/api/v1"
 
@@ -13,6 +13,7 @@ ROUTERS: list[tuple[APIRouter, str]] = [
     (exports.router, PREFIX),
     (frames.router, PREFIX),
     (labels.router, PREFIX),
+    (elements.router, PREFIX),
     (queries.router, PREFIX),
     (catalogues.router, PREFIX),
     (health.router, ""),

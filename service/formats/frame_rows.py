@@ -105,7 +105,9 @@ class FrameRows:
             # Where nothing was found before, nothing needs to be looked for again.
             floor = max(0, rest.rfind(b"\n"), rest.rfind(b"\r"))
             rest += block
-            if self._stop is not None and (match := self._stop.search(rest)) is not None:
+            # A bracket is found a hundred times faster than a line that begins with one.
+            match = self._stop.search(rest) if self._stop is not None and b"[" in rest else None
+            if match is not None:
                 rest, self.stopped = rest[: match.start()], True
                 break
             # A short block is the last one: what is left of it needs no cut.

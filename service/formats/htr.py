@@ -15,7 +15,7 @@ from service.errors import FormatError, McmlError, Notice
 from service.formats.format import Part, ReadOptions, SourceFile, need_convention
 from service.formats.frame_rows import FrameRows, RowLayout
 from service.formats.htr_head import CHANNELS, HtrHead, read_head
-from service.formats.htr_segments import HUGE, Segments, index_segments, plain_ids
+from service.formats.htr_segments import Segments, index_segments, missing_lexeme, plain_ids
 from service.formats.htr_writer import write_htr
 from service.formats.lines import Encoding, blocks_of, detect_encoding
 from service.formats.number_text import detect_style
@@ -174,8 +174,7 @@ def _scan(file: SourceFile) -> tuple[str, bool]:
     missing, has_end, tail = "", False, b""
     for block in blocks_of(file.stream, 0, 1 << 20):
         text = tail + block
-        if not missing and b"999999" in text and (huge := HUGE.search(text)):
-            missing = huge.group().decode()
+        missing = missing or missing_lexeme(text)
         has_end = has_end or (b"[" in text and _END.search(text) is not None)
         tail = text[-64:]
     return missing, has_end

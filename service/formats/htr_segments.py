@@ -26,11 +26,12 @@ BLOCK_VALUES: Final = 1 << 19
 READ_BYTES: Final = 1 << 22
 """Text held of all segments together."""
 
-_HEADING = re.compile(rb"(?:^|(?<=[\r\n]))[ \t]*\[([^\]\r\n]*)\][^\r\n]*(?=[\r\n]|$)")
+_HEADING = re.compile(rb"\[([^\]\r\n]*)\][^\r\n]*")
 _COMMENT = re.compile(rb"#[^\r\n]*")
 _LINE = re.compile(rb"[^\r\n]+")
 _PLAIN_ID = re.compile(rb"(?:0|-?[1-9][0-9]{0,15})")
-HUGE = re.compile(rb"(?<![0-9.eE+-])[+-]?9{6,}[0-9]*(?:\.[0-9]*)?(?=\s)")
+_NINES = b"999999"
+_HUGE = re.compile(rb"[+-]?9{6,}[0-9]*(?:\.[0-9]*)?(?=\s)")
 
 
 @dataclass
@@ -56,14 +57,13 @@ def index_segments(stream: BinaryIO, start: int, encoding: Encoding, limits: Lim
             raise LimitError(f"a line is longer than {LONGEST_LINE} bytes", at=line_and_column(stream, offset))
         if len(block) < 1 << 20:
             last = len(text)
-        if not index.missing and b"999999" in text and (huge := HUGE.search(text)):
-            index.missing = huge.group().decode()
+        index.missing = index.missing or missing_lexeme(text)
         if b"#" in text[:last]:
             found = (match.decode(codec, errors="replace").rstrip() for match in _COMMENT.findall(text, 0, last))
             index.comments += [text for text in dict.fromkeys(found) if text not in index.comments][
                 : 100 - len(index.comments)
             ]
-        for heading in _HEADING.finditer(text, 0, last):
+        for heading in _headings(text, last):
             if name is not None:
                 _close(index, name, begin, offset + heading.start())
             name, begin = heading[1].decode(codec, errors="replace").strip(), offset + heading.end()
@@ -76,6 +76,30 @@ def index_segments(stream: BinaryIO, start: int, encoding: Encoding, limits: Lim
     if name is not None:
         _close(index, name, begin, offset)
     return index
+
+
+def missing_lexeme(text: bytes) -> str:
+    """The first word of nines that says a sample is missing, "" where there is none; `0.999999` is none."""
+    place = text.find(_NINES)
+    while place >= 0:
+        before = text[max(0, place - 32) : place]
+        found = _HUGE.match(text, place - len(before) + len(before.rstrip(b"+-.0123456789eE")))
+        if found is not None:
+            return found.group().decode()
+        place = text.find(_NINES, place + len(_NINES))
+    return ""
+
+
+def _headings(text: bytes, end: int) -> Iterator[re.Match[bytes]]:
+    """The lines that begin with a bracket; found by the bracket, as a pattern tries every line start in vain."""
+    place = text.find(b"[", 0, end)
+    while place >= 0:
+        before = text[max(0, place - 256) : place].rstrip(b" \t")
+        begins = before.endswith((b"\n", b"\r")) or (not before and place <= 256)
+        heading = _HEADING.match(text, place, end) if begins else None
+        if heading is not None:
+            yield heading
+        place = text.find(b"[", heading.end() if heading is not None else place + 1, end)
 
 
 def _close(index: Index, name: str, begin: int, end: int) -> None:

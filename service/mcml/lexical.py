@@ -15,6 +15,9 @@ from typing import Final
 WHITE_SPACE: Final = " \t\n\r"
 
 _ILLEGAL = "\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff"
+ILLEGAL: Final = re.compile(f"[{_ILLEGAL}]")
+"""Characters that XML 1.0 does not have."""
+
 _TO_ESCAPE = re.compile(rf"[{_ILLEGAL}]|\\(?=u\{{)")
 _TO_ESCAPE_IN_ITEM = re.compile(rf"[{_ILLEGAL}{WHITE_SPACE}]|\\(?=u\{{)")
 _ESCAPED = re.compile(r"\\u\{([0-9A-F]{0,6})\}")
@@ -72,4 +75,8 @@ def _code(match: re.Match[str]) -> str:
 
 def _character(match: re.Match[str]) -> str:
     digits = match.group(1)
-    return chr(int(digits, 16)) if digits and int(digits, 16) <= 0x10FFFF else "" if not digits else match.group()
+    if not digits:
+        return ""
+    # Half of a surrogate pair is no text that a store or an answer could hold.
+    code = int(digits, 16)
+    return match.group() if code > 0x10FFFF or 0xD800 <= code <= 0xDFFF else chr(code)

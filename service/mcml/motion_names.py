@@ -9,15 +9,18 @@ from __future__ import annotations
 
 import csv
 import re
+import unicodedata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 
 from service.errors import VocabularyError
-from service.mcml.lexical import WHITE_SPACE
+from service.mcml.lexical import ILLEGAL, WHITE_SPACE
 from service.resources import motion_names_path
 
 SIDES = ("left", "right", "both")
+MAX_BYTES = 1024
+"""Of a motion name in UTF-8."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,9 +74,14 @@ def canonical(name: str, *, strict: bool = False) -> str:
     >>> canonical("left-arm_abduction"), canonical("left-arm-front"), canonical("Bar 3")
     ('left-arm-abduction', 'left-arm-flexion', 'Bar 3')
     """
-    name = name.strip(WHITE_SPACE)
+    # In NFC, as all names are: 걸음 and é are found however they were typed.
+    name = unicodedata.normalize("NFC", name).strip(WHITE_SPACE)
     if not name:
         raise VocabularyError("a motion name is empty", remedy="Give it a name, or remove the element.")
+    if ILLEGAL.search(name):
+        raise VocabularyError(f"the motion name {name[:80]!r} holds a control character", remedy="Leave it out.")
+    if len(name.encode()) > MAX_BYTES:
+        raise VocabularyError(f"a motion name is longer than {MAX_BYTES} bytes", remedy="Give a shorter one.")
     meant = parse(name)
     if meant is not None:
         return str(meant)

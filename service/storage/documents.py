@@ -11,7 +11,7 @@ from sqlalchemy import Select, and_, delete, func, insert, select, update
 
 from service.errors import NotFoundError
 from service.storage import tables
-from service.storage.identifiers import new_uuid
+from service.storage.identifiers import new_uuid, stored_form
 from service.storage.tables import CURRENT, commit, content, document, header, project, property_, revision, span
 from service.storage.uploads import LEASE_SECONDS
 
@@ -92,7 +92,7 @@ class Documents:
             "project": project_key,
             "state": "importing",
             "lease": time.time() + LEASE_SECONDS,
-            "name": name,
+            "name": stored_form(name),
             "format": format_name,
             "deleted_commit": CURRENT,
             "next_slot": 0,
@@ -101,9 +101,11 @@ class Documents:
         return self._tx.insert_row(document, **row), uuid
 
     def renew_lease(self, key: int) -> None:
-        self._tx.connection.execute(
-            update(document).where(document.c.id == key).values(lease=time.time() + LEASE_SECONDS)
-        )
+        """Say that the import goes on; NotFoundError where it was swept away."""
+        importing = and_(document.c.id == key, document.c.state == "importing")
+        lease = time.time() + LEASE_SECONDS
+        if self._tx.connection.execute(update(document).where(importing).values(lease=lease)).rowcount != 1:
+            raise _swept()
 
     def publish(self, key: int, *, next_slot: int, receipt: str, message: str, operation: str = "import") -> None:
         """Make an imported document visible, as revision 1 of this transaction's commit."""
@@ -114,7 +116,7 @@ class Documents:
             .values(state="ready", lease=None, created_commit=number, next_slot=next_slot, receipt=_packed(receipt))
         )
         if done.rowcount != 1:
-            raise NotFoundError("The import took too long and was swept away.", remedy="Import the file again.")
+            raise _swept()
         row = {"document": key, "number": 1, "commit": number, "operation": operation, "message": message}
         self._tx.connection.execute(insert(revision).values(row))
 
@@ -256,7 +258,7 @@ class Documents:
         return zstandard.ZstdDecompressor().decompress(packed).decode()
 
     def rename(self, key: int, name: str) -> None:
-        self._tx.connection.execute(update(document).where(document.c.id == key).values(name=name))
+        self._tx.connection.execute(update(document).where(document.c.id == key).values(name=stored_form(name)))
 
     def move(self, key: int, project_key: int) -> None:
         self._tx.connection.execute(update(document).where(document.c.id == key).values(project=project_key))
@@ -307,12 +309,24 @@ class Documents:
         """Delete all rows of imports that never became visible and whose lease has ended."""
         query = select(document.c.id).where(document.c.state == "importing", document.c.lease < lease_before)
         keys = list(self._tx.connection.execute(query).scalars())
+        self._remove(keys)
+        return len(keys)
+
+    def remove_import(self, key: int) -> None:
+        """Delete all rows of an import that failed; those of a document that is ready stay."""
+        query = select(document.c.id).where(document.c.state == "importing", document.c.id == key)
+        self._remove(list(self._tx.connection.execute(query).scalars()))
+
+    def _remove(self, keys: list[int]) -> None:
         for key in keys:
             for table in reversed(tables.metadata.sorted_tables):
                 if "document" in table.c and table is not document:
                     self._tx.connection.execute(delete(table).where(table.c.document == key))
             self._tx.connection.execute(delete(document).where(document.c.id == key))
-        return len(keys)
+
+
+def _swept() -> NotFoundError:
+    return NotFoundError("The import took too long and was swept away.", remedy="Import the file again.")
 
 
 def _packed(receipt: str) -> bytes:
@@ -321,15 +335,18 @@ def _packed(receipt: str) -> bytes:
 
 def _filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Select[Any]:
     if wanted.project is not None:
-        query = query.where(project.c.name == wanted.project)
+        query = query.where(project.c.name == stored_form(wanted.project))
     if wanted.text:
-        query = query.where(func.lower(document.c.name).contains(wanted.text.lower(), autoescape=True))
+        # lower() of SQLite, and of PostgreSQL in collation C, knows ASCII only: other letters are found as written.
+        said = stored_form(wanted.text)
+        lower = func.lower(document.c.name).contains(said.lower(), autoescape=True)
+        query = query.where(lower | document.c.name.contains(said, autoescape=True))
     if wanted.format is not None:
         query = query.where(document.c.format == wanted.format)
     if wanted.skeleton is not None:
         query = query.where(content.c.skeleton == wanted.skeleton)
     if wanted.motion_name is not None:
-        named = select(span.c.document).where(span.c.name == wanted.motion_name, tx.valid(span))
+        named = select(span.c.document).where(span.c.name == stored_form(wanted.motion_name), tx.valid(span))
         query = query.where(document.c.id.in_(named))
     for name, least, greatest, text in wanted.properties:
         having = select(property_.c.document).where(property_.c.name == name)

@@ -85,6 +85,10 @@ class Heads:
         key_hash = digest(rows)
         query = select(skeleton.c.id).where(skeleton.c.project == project_key, skeleton.c.hash == key_hash)
         found = self._tx.connection.execute(query).scalar_one_or_none()
+        if found is None:
+            # Another import may be storing an equal one: who waited for it finds it.
+            self._tx.dialect.order_commits(self._tx.connection)
+            found = self._tx.connection.execute(query).scalar_one_or_none()
         if found is not None:
             return int(found)
         key = self._tx.insert_row(skeleton, project=project_key, hash=key_hash, joints=joints)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+import unicodedata
 import uuid
 from datetime import UTC, datetime
 
@@ -19,3 +20,8 @@ def new_uuid() -> str:
 def now() -> str:
     """The time as ISO 8601 in UTC, to the millisecond."""
     return datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def stored_form(name: str) -> str:
+    """A name as the store holds and finds it: in NFC, so that both ways to write 걸음 or é are one name."""
+    return unicodedata.normalize("NFC", name)

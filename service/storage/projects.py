@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy import delete, insert, select
 
 from service.errors import ConflictError, NotFoundError
-from service.storage.identifiers import now
+from service.storage.identifiers import now, stored_form
 from service.storage.tables import project, token
 
 if TYPE_CHECKING:
@@ -27,7 +27,8 @@ class Projects:
         return list(self._tx.connection.execute(select(project.c.name).order_by(project.c.name)).scalars())
 
     def find(self, name: str) -> int | None:
-        return self._tx.connection.execute(select(project.c.id).where(project.c.name == name)).scalar_one_or_none()
+        query = select(project.c.id).where(project.c.name == stored_form(name))
+        return self._tx.connection.execute(query).scalar_one_or_none()
 
     def get(self, name: str) -> int:
         """The project's key; NotFoundError."""
@@ -46,7 +47,7 @@ class Projects:
         found = self.find(name)
         if found is not None:
             return found
-        return self._tx.insert_row(project, name=name, created=now())
+        return self._tx.insert_row(project, name=stored_form(name), created=now())
 
 
 @dataclass(frozen=True)

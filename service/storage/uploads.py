@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import zstandard
-from sqlalchemy import delete, insert, select, update
+from sqlalchemy import delete, func, insert, select, update
 
 from service.errors import StoreError
 from service.storage.tables import document, document_upload, upload, upload_block
@@ -55,6 +55,12 @@ class Uploads:
         self._tx.insert_rows(upload_block, rows)
         self._tx.connection.execute(update(upload).where(upload.c.id == key).values(lease=time.time() + LEASE_SECONDS))
 
+    def abandon(self, key: int) -> None:
+        """Drop what an import that failed wrote of a file."""
+        unfinished = select(upload.c.id).where(upload.c.id == key, ~upload.c.complete)
+        self._tx.connection.execute(delete(upload_block).where(upload_block.c.upload.in_(unfinished)))
+        self._tx.connection.execute(delete(upload).where(upload.c.id.in_(unfinished)))
+
     def complete(self, key: int) -> None:
         self._tx.connection.execute(update(upload).where(upload.c.id == key).values(complete=True, lease=None))
 
@@ -72,7 +78,9 @@ class Uploads:
         return [StoredUpload(*row) for row in self._tx.connection.execute(query)]
 
     def twins(self, digests: dict[str, str], project_key: int) -> list[str]:
-        """UUIDs of ready documents of the project made from exactly these files ({part: sha256})."""
+        """UUIDs of documents of the project, deleted ones aside, made from exactly these files ({part: sha256})."""
+        kept = document_upload.alias()
+        parts = select(func.count()).select_from(kept).where(kept.c.document == document.c.id).scalar_subquery()
         candidates: set[str] | None = None
         for part, sha256 in digests.items():
             query = (
@@ -81,6 +89,7 @@ class Uploads:
                 .join(upload, upload.c.id == document_upload.c.upload)
                 .where(document_upload.c.part == part, upload.c.sha256 == sha256)
                 .where(document.c.project == project_key, document.c.state == "ready")
+                .where(document.c.deleted_commit > self._tx.at, parts == len(digests))
             )
             found = set(self._tx.connection.execute(query).scalars())
             candidates = found if candidates is None else candidates & found

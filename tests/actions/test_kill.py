@@ -22,12 +22,12 @@ IMPORTER = textwrap.dedent(
     import os, signal, sys
     sys.path.insert(0, {root!r})
     from sqlalchemy import event
-    from service.actions import import_motion
+    from service.actions import import_motion, keep_upload
     from service.storage.database import Database
     from tests.builders import store
 
     import_motion.FLUSH_BYTES = 30_000
-    import_motion.EARLY_BYTES = 0
+    keep_upload.EARLY_BYTES = 0
     database = Database(sys.argv[1])
     fatal, seen = int(sys.argv[3]), 0
 

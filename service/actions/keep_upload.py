@@ -1,0 +1,103 @@
+"""A file on its way into the store, compressed while its motion is read."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+
+from service.actions.check_names import file_name
+from service.errors import NotFoundError, Place
+from service.formats.format import SourceFile
+from service.storage.database import Transaction
+from service.storage.uploads import BLOCK_BYTES, compress_block
+
+EARLY_BYTES = 64 << 20
+"""Files up to this size are compressed while they are read; larger ones block by block afterwards."""
+
+WORKERS = 2
+
+
+@dataclass
+class Upload:
+    """A file on its way into the store.
+
+    kept: the store has its bytes already. blocks: compressed, waiting for the last transaction; None if kept.
+    early: blocks that are compressed while the motion is read, for files whose blocks all fit in memory.
+    """
+
+    part: str
+    file: SourceFile
+    sha256: str
+    size: int
+    early: list[Future[bytes]]
+    kept: bool = False
+    blocks: list[bytes] | None = None
+    key: int | None = None
+    written: int = 0
+
+    @classmethod
+    def begin(cls, part: str, file: SourceFile, executor: ThreadPoolExecutor) -> Upload:
+        """Read the file once, for its digest and size."""
+        hashed, size = hashlib.sha256(), 0
+        early: list[Future[bytes]] = []
+        file.stream.seek(0)
+        while block := file.stream.read(BLOCK_BYTES):
+            hashed.update(block)
+            size += len(block)
+            if size <= EARLY_BYTES:
+                early.append(executor.submit(compress_block, block))
+        file.stream.seek(0)
+        if size > EARLY_BYTES:
+            for job in early:
+                job.cancel()
+            early = []
+        return cls(part, file, hashed.hexdigest(), size, early)
+
+    def compressed(self, executor: ThreadPoolExecutor) -> Iterator[bytes]:
+        """The blocks in order, a few of them compressed ahead."""
+        if self.early or not self.size:
+            for job in self.early:
+                yield job.result()
+            return
+        self.file.stream.seek(0)
+        waiting: deque[Future[bytes]] = deque()
+        while block := self.file.stream.read(BLOCK_BYTES):
+            waiting.append(executor.submit(compress_block, block))
+            if len(waiting) > 2 * WORKERS:
+                yield waiting.popleft().result()
+        for job in waiting:
+            yield job.result()
+
+    @property
+    def file_name(self) -> str:
+        return file_name(self.file.name)
+
+    def add(self, tx: Transaction, blocks: list[bytes]) -> None:
+        if self.key is None:
+            self.key = tx.uploads.begin(self.sha256, self.size)
+        tx.uploads.add_blocks(self.key, self.written, blocks)
+        self.written += len(blocks)
+
+    def attach(self, tx: Transaction, document_key: int) -> None:
+        found = tx.uploads.find(self.sha256, self.size) if self.blocks is None else None
+        if found is not None:
+            tx.uploads.attach(document_key, self.part, self.file_name, found)
+            return
+        if self.blocks is None:
+            raise NotFoundError(
+                "The equal file that was stored has just been removed.",
+                at=Place(file=self.file_name),
+                remedy="Import the file again.",
+            )
+        self.add(tx, self.blocks)
+        if self.key is not None:
+            tx.uploads.complete(self.key)
+            tx.uploads.attach(document_key, self.part, self.file_name, self.key)
+
+    def abandon(self, tx: Transaction) -> None:
+        """Drop what was written, after a failure."""
+        if self.key is not None:
+            tx.uploads.abandon(self.key)
