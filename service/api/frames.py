@@ -24,8 +24,9 @@ from service.api.dependencies import (
 )
 from service.api.streaming import attachment, streamed, unchanged
 from service.errors import NotFoundError
-from service.motion.kinematics import global_positions, global_rotations
+from service.motion.kinematics import Walker
 from service.motion.skeleton import CHANNELS
+from service.motion.units import reading_of
 from service.storage.database import Transaction
 
 router = APIRouter(tags=["frames"])
@@ -118,6 +119,8 @@ def _array(
             labels = list(wanted.values())
             shape = (source.clip.frames or 0, len(order), 3 if space == "positions" else 4)
 
+        walker = Walker(skeleton, reading_of(source.clip.head))
+
         def content() -> Iterator[bytes]:
             header = io.BytesIO()
             np.lib.format.write_array_header_1_0(header, {"descr": f"<{dtype}", "fortran_order": False, "shape": shape})
@@ -127,8 +130,8 @@ def _array(
                     place = {column: index for index, column in enumerate(block.columns)}
                     values = block.values[:, [place[column] for column in columns]]
                 else:
-                    compute = global_positions if space == "positions" else global_rotations
-                    values = compute(skeleton, block)[:, order]
+                    positions, rotations = walker.poses(block)
+                    values = (positions if space == "positions" else rotations)[:, order]
                 yield np.ascontiguousarray(values, dtype=f"<{dtype}").tobytes()
 
         headers = {
