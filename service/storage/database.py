@@ -19,11 +19,12 @@ from alembic import command
 from alembic.config import Config
 from alembic.runtime.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, Table, and_, func, insert, make_url, select, text
-from sqlalchemy.exc import ArgumentError
+from sqlalchemy import Connection, Table, and_, func, make_url, select, text
+from sqlalchemy.exc import ArgumentError, DataError, DBAPIError, IntegrityError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.sql import ColumnElement
 
-from service.errors import StoreError
+from service.errors import ConflictError, DocumentError, StoreError
 from service.resources import migrations_path
 from service.storage import tables
 from service.storage.dialects import DIALECTS, Dialect
@@ -59,7 +60,7 @@ class Transaction:
             raise StoreError("A read transaction cannot write.")
         self.dialect.order_commits(self.connection)
         newest = self.newest_commit()
-        self.connection.execute(insert(tables.commit).values(number=newest + 1, time=now(), author=self._author))
+        self.insert_rows(tables.commit, [{"number": newest + 1, "time": now(), "author": self._author}])
         return newest + 1
 
     def newest_commit(self) -> int:
@@ -76,10 +77,7 @@ class Transaction:
 
     def insert_row(self, table: Table, **values: Any) -> int:
         """Insert one row and answer the key it got."""
-        key = self.connection.execute(insert(table).values(values)).inserted_primary_key
-        if key is None:
-            raise StoreError(f"The database gave no key to a row of {table.name}.")
-        return int(key[0])
+        return self.dialect.insert_one(self.connection, table, values)
 
     def insert_rows(self, table: Table, rows: list[dict[str, Any]]) -> None:
         if rows:
@@ -139,18 +137,22 @@ class Database:
     @contextmanager
     def read(self, at: int = LATEST) -> Iterator[Transaction]:
         """A snapshot: what other transactions commit meanwhile is not seen."""
-        with self.dialect.reading() as connection:
+        with _in_words(), self.dialect.reading() as connection:
             yield Transaction(connection, self.dialect, at)
 
     @contextmanager
     def write(self, author: str = "local") -> Iterator[Transaction]:
         """A write transaction: committed when the block ends, rolled back when it raises."""
-        with self.dialect.writing() as connection:
+        with _in_words(), self.dialect.writing() as connection:
             yield Transaction(connection, self.dialect, author=author)
 
     def migrate(self) -> None:
         """Bring the schema to this program's version (a new store gets it whole)."""
-        with self.dialect.writing() as connection:
+        found, wanted = self.schema_versions()
+        if found == wanted:
+            # Reading commands need no write lock, and work while another process writes.
+            return
+        with _in_words(), self.dialect.writing() as connection:
             self.dialect.order_commits(connection)
             config = _alembic_config()
             config.attributes["connection"] = connection
@@ -158,7 +160,7 @@ class Database:
 
     def schema_versions(self) -> tuple[str | None, str | None]:
         """(the store's schema version, this program's)."""
-        with self.dialect.reading() as connection:
+        with _in_words(), self.dialect.reading() as connection:
             found = MigrationContext.configure(connection).get_current_revision()
         return found, ScriptDirectory.from_config(_alembic_config()).get_current_head()
 
@@ -190,16 +192,36 @@ class Database:
             return faults(tx)
 
     def size(self) -> dict[str, int]:
-        with self.dialect.reading() as connection:
+        with _in_words(), self.dialect.reading() as connection:
             return self.dialect.size(connection)
 
     def ping(self) -> None:
         """One round trip to the database."""
-        with self.dialect.reading() as connection:
+        with _in_words(), self.dialect.reading() as connection:
             connection.execute(text("SELECT 1"))
 
     def close(self) -> None:
         self.dialect.engine.dispose()
+
+
+@contextmanager
+def _in_words() -> Iterator[None]:
+    """What a database refuses, as errors of ours: without its statements, which no user wrote."""
+    try:
+        yield
+    except DataError as error:
+        raise DocumentError(
+            "The database cannot hold or compare a value of this request.", remedy="Look for NUL and for long names."
+        ) from error
+    except IntegrityError as error:
+        raise ConflictError("Another write came in between.", remedy="Repeat the request.") from error
+    except PoolTimeout as error:
+        raise StoreError("All connections to the store are in use.", remedy="Try again soon.") from error
+    except DBAPIError as error:
+        said = str(error.orig).strip().split("\n")[0]
+        raise StoreError(
+            f"The store does not answer: {said}", remedy="Check its address, the disk and your rights."
+        ) from error
 
 
 def _alembic_config() -> Config:

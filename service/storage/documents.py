@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import zstandard
-from sqlalchemy import Select, and_, delete, func, insert, select, update
+from sqlalchemy import Select, and_, delete, func, select, update
 
 from service.errors import NotFoundError
 from service.storage import tables
@@ -118,7 +118,7 @@ class Documents:
         if done.rowcount != 1:
             raise _swept()
         row = {"document": key, "number": 1, "commit": number, "operation": operation, "message": message}
-        self._tx.connection.execute(insert(revision).values(row))
+        self._tx.insert_rows(revision, [row])
 
     def write_content(
         self,
@@ -146,7 +146,7 @@ class Documents:
             "frame_time": frame_time,
             "intact": intact,
         }
-        self._tx.connection.execute(insert(content).values(row))
+        self._tx.insert_rows(content, [row])
 
     def add_revision(self, stored: StoredDocument, operation: str, message: str = "") -> int:
         """Note that this transaction made a revision; returns its number. The caller checked `stored` is newest."""
@@ -158,7 +158,7 @@ class Documents:
             "operation": operation,
             "message": message,
         }
-        self._tx.connection.execute(insert(revision).values(row))
+        self._tx.insert_rows(revision, [row])
         return stored.revision + 1
 
     def lock(self, key: int) -> None:

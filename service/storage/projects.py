@@ -7,7 +7,7 @@ import secrets
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from sqlalchemy import delete, insert, select
+from sqlalchemy import bindparam, delete, insert, select
 
 from service.errors import ConflictError, NotFoundError
 from service.storage.identifiers import now, stored_form
@@ -16,7 +16,7 @@ from service.storage.tables import project, token
 if TYPE_CHECKING:
     from service.storage.database import Transaction
 
-DEFAULT_PROJECT = "default"
+_BY_NAME = select(project.c.id).where(project.c.name == bindparam("name"))
 
 
 class Projects:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import zstandard
-from sqlalchemy import delete, func, insert, select, update
+from sqlalchemy import delete, func, select, update
 
 from service.errors import StoreError
 from service.storage.tables import document, document_upload, upload, upload_block
@@ -66,7 +66,7 @@ class Uploads:
 
     def attach(self, document_key: int, part: str, file_name: str, key: int) -> None:
         row = {"document": document_key, "part": part, "file_name": file_name, "upload": key}
-        self._tx.connection.execute(insert(document_upload).values(row))
+        self._tx.insert_rows(document_upload, [row])
 
     def of(self, document_key: int) -> list[StoredUpload]:
         query = (

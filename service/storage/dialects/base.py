@@ -37,6 +37,10 @@ class Dialect(ABC):
         """Insert many rows that have the same columns, the fastest way the database has."""
 
     @abstractmethod
+    def insert_one(self, connection: Connection, table: Table, row: dict[str, Any]) -> int:
+        """Insert one row into a table that numbers its rows, and answer the number."""
+
+    @abstractmethod
     def size(self, connection: Connection) -> dict[str, int]:
         """Bytes of the whole store ("total") and of the kept uploads ("uploads")."""
 

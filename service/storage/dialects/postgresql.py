@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy import Connection, Engine, Table, create_engine, text
+from sqlalchemy import Connection, Engine, Table, create_engine, insert, text
 
 from service.storage.dialects.base import Dialect
 from service.storage.tables import metadata
@@ -43,6 +43,10 @@ class PostgreSQL(Dialect):
         with driver.cursor() as cursor, cursor.copy(f'COPY "{table.name}" ({columns}) FROM STDIN') as copy:
             for row in rows:
                 copy.write_row([row[name] for name in names])
+
+    def insert_one(self, connection: Connection, table: Table, row: dict[str, Any]) -> int:
+        (key,) = table.primary_key.columns
+        return int(connection.execute(insert(table).values(row).returning(key)).scalar_one())
 
     def size(self, connection: Connection) -> dict[str, int]:
         total = connection.execute(text("SELECT pg_database_size(current_database())")).scalar_one()
