@@ -11,6 +11,7 @@ from pathlib import Path
 
 BENCHMARKS = {
     "formats": "reading and writing BVH, against pybvh, simdjson, numpy.savetxt",
+    "layouts": "ways to lay frames out in SQLite, against each other",
     "store": "loading, sizes, label counts, edits, against BaseX and lxml",
 }
 

@@ -288,29 +288,64 @@ def _joined(blocks: list[FrameBlock]) -> tuple[Array, tuple[tuple[int, int], ...
 
 def _encode_chunk(chunk: int, values: Array, columns: tuple[tuple[int, int], ...]) -> list[dict[str, Any]]:
     turned = np.ascontiguousarray(values.T)
-    # minimum and maximum are NaN where a sample is missing, so they tell whether the columns are whole.
+    # minimum and maximum are NaN where a sample is missing, so they tell whether all columns are whole.
     low, high = turned.min(axis=1).tolist(), turned.max(axis=1).tolist()
     rows = []
-    for bone, channels, indices in _bones(columns):
-        if not isinstance(indices, slice) or any(value != value for value in low[indices]):
-            row = track_row(chunk, bone, channels, turned[indices])
-        else:
-            row = _row(chunk, bone, channels, turned[indices], low[indices], high[indices])
-        if row is not None:
-            rows.append(row)
+    whole = not any(value != value for value in low)
+    for bone in _bones(columns):
+        if not whole:
+            row = track_row(chunk, bone.number, bone.channels, turned[bone.indices])
+            if row is not None:
+                rows.append(row)
+            continue
+        row = bone.template.copy()
+        for index, least, greatest in bone.zones:
+            row[least] = low[index]
+            row[greatest] = high[index]
+        row["chunk"] = chunk
+        row["count"] = turned.shape[1]
+        row["data"] = compress(turned[bone.place])
+        rows.append(row)
     return rows
 
 
+@dataclass(frozen=True)
+class _Bone:
+    """A bone in a layout of columns, channels ascending.
+
+    indices: where its columns stand; place: the same, as a slice where they are neighbours (a view, not a copy).
+    zones: for each column its index and the names of its zones. template: a row of all that does not change from chunk to chunk.
+    """
+
+    number: int
+    channels: list[int]
+    indices: list[int]
+    place: slice | list[int]
+    zones: list[tuple[int, str, str]]
+    template: dict[str, Any]
+
+
 @lru_cache(maxsize=64)
-def _bones(columns: tuple[tuple[int, int], ...]) -> list[tuple[int, list[int], slice | list[int]]]:
-    """(bone, its channels, where they stand): a slice where they are neighbours in ascending order."""
+def _bones(columns: tuple[tuple[int, int], ...]) -> list[_Bone]:
     by_bone: dict[int, list[int]] = {}
     for index, (bone, _channel) in enumerate(columns):
         by_bone.setdefault(bone, []).append(index)
-    result: list[tuple[int, list[int], slice | list[int]]] = []
-    for bone, indices in by_bone.items():
-        indices = sorted(indices, key=lambda index: columns[index][1])
+    result = []
+    for bone, found in by_bone.items():
+        indices = sorted(found, key=lambda index: columns[index][1])
         channels = [columns[index][1] for index in indices]
         neighbours = indices == list(range(indices[0], indices[0] + len(indices)))
-        result.append((bone, channels, slice(indices[0], indices[0] + len(indices)) if neighbours else indices))
+        place = slice(indices[0], indices[0] + len(indices)) if neighbours else indices
+        zones = [(index, _MIN[channel], _MAX[channel]) for index, channel in zip(indices, channels, strict=True)]
+        bits = sum(1 << channel for channel in channels)
+        template = {
+            **_NO_ZONES,
+            "chunk": 0,
+            "bone": bone,
+            "count": 0,
+            "channels": bits,
+            "has_missing": 0,
+            "codec": PCODEC,
+        }
+        result.append(_Bone(bone, channels, indices, place, zones, template))
     return result

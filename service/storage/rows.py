@@ -54,5 +54,5 @@ def to_elements(rows: Iterable[Any]) -> list[Element]:
 
 def digest(rows: Sequence[dict[str, Any]]) -> str:
     """SHA-256 of the rows' content: equal trees, equal digests."""
-    content = [[row["level"], row["tag"], orjson.loads(row["attributes"]), row["text"]] for row in rows]
+    content = [(row["level"], row["tag"], row["attributes"], row["text"]) for row in rows]
     return hashlib.sha256(orjson.dumps(content)).hexdigest()
