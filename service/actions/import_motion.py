@@ -241,7 +241,8 @@ class _Importer:
     def _add_labels(self, encoder: ClipEncoder) -> None:
         for label in self.options.labels:
             name = motion_names.canonical(label.name, strict=self.options.strict_names)
-            first, last = label.first or 1, label.last or encoder.frames
+            first = 1 if label.first is None else label.first
+            last = encoder.frames if label.last is None else label.last
             if not 1 <= first <= last <= encoder.frames:
                 raise DocumentError(
                     f"The label {label.name!r} lies on frames {first} to {last}, the clip has {encoder.frames}.",

@@ -47,7 +47,7 @@ def parse_label(text: str) -> Label:
     if match is None:
         raise DocumentError(f"{text!r} is not a label.", remedy="Write NAME or NAME:FIRST-LAST, such as walk:1-120.")
     first, last = match["first"], match["last"]
-    return Label(match["name"], int(first) if first else None, int(last) if last else None)
+    return Label(match["name"], None if first is None else int(first), None if last is None else int(last))
 
 
 def parse_property(text: str) -> tuple[str, str, str]:

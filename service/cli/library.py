@@ -13,7 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from schemas.documents import ImportedDocument
 from service.actions.export_motion import ExportOptions
-from service.actions.import_options import ImportOptions, parse_label, parse_property
+from service.actions.import_options import ImportOptions, Label, parse_label, parse_property
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
 from service.errors import UnsupportedError
 from service.storage.documents import DocumentFilter
@@ -231,9 +231,13 @@ def label(
     library = open_library(database, server)
     frames = library.document(id).frames
     wanted = [parse_label(text) for text in labels]
-    added = library.label(id, [(item.name, item.first or 1, item.last or frames) for item in wanted], strict=strict)
+    added = library.label(id, [_ends(item, frames) for item in wanted], strict=strict)
     if as_json:
         print_json(added)
         return
     for item in added.items:
         console.print(f"named    {item.first}-{item.last}  {item.name}")
+
+
+def _ends(label: Label, frames: int) -> tuple[str, int, int]:
+    return label.name, 1 if label.first is None else label.first, frames if label.last is None else label.last

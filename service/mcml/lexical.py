@@ -41,7 +41,7 @@ def escape(text: str) -> str:
 
 
 def unescape(text: str) -> str:
-    r"""The inverse of `escape`; leaves alone what is no escape.
+    r"""The inverse of `escape`; leaves alone what is no escape, and what would be half of a surrogate pair.
 
     >>> unescape(r"\u{20}a\u{zz}\n")
     ' a\\u{zz}\\n'

@@ -52,16 +52,22 @@ class Transaction:
         self.dialect = dialect
         self.at = at
         self._author = author
+        self._commit: int | None = None
 
-    @cached_property
+    @property
     def commit(self) -> int:
         """The number of this write transaction, taken when first asked for; later writers wait from then on."""
+        # Not a cached_property: before Python 3.12 that holds one lock for all transactions while it computes, and
+        # who waits in it for the database's lock would stop the transaction that has it, for ever.
+        if self._commit is not None:
+            return self._commit
         if self._author is None:
             raise StoreError("A read transaction cannot write.")
         self.dialect.order_commits(self.connection)
         newest = self.newest_commit()
         self.insert_rows(tables.commit, [{"number": newest + 1, "time": now(), "author": self._author}])
-        return newest + 1
+        self._commit = newest + 1
+        return self._commit
 
     def newest_commit(self) -> int:
         """The number of the last commit that this transaction sees, 0 in an empty store."""

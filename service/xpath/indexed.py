@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import orjson
 
@@ -53,10 +52,18 @@ class Indexed:
         self.tx = tx
         self.plan = plan
         self.scope = scope
+        self._by_key: dict[int, list[tuple[int, int]]] | None = None
+        self._stored: dict[int, StoredDocument] | None = None
 
-    @cached_property
+    # Plain attributes: before Python 3.12 a cached_property lets one thread compute at a time, in all queries together.
+    @property
     def by_key(self) -> dict[int, list[tuple[int, int]]]:
         """Frames of each document that has any, as ascending ranges (first, last), by document key."""
+        if self._by_key is None:
+            self._by_key = self._find()
+        return self._by_key
+
+    def _find(self) -> dict[int, list[tuple[int, int]]]:
         plan, scope = self.plan, self.scope
         if plan.motion_names:
             groups = [
@@ -74,11 +81,14 @@ class Indexed:
             found = {key: _nth(ranges, plan.nth) for key, ranges in found.items()}
         return {key: ranges for key, ranges in found.items() if ranges}
 
-    @cached_property
+    @property
     def _documents(self) -> dict[int, StoredDocument]:
-        if self.plan.motion_names:
-            return self.tx.documents.by_keys(list(self.by_key))
-        return {stored.key: stored for stored in scope_documents(self.tx, self.scope)}
+        if self._stored is None:
+            if self.plan.motion_names:
+                self._stored = self.tx.documents.by_keys(list(self.by_key))
+            else:
+                self._stored = {stored.key: stored for stored in scope_documents(self.tx, self.scope)}
+        return self._stored
 
     @property
     def ranges(self) -> list[tuple[StoredDocument, list[tuple[int, int]]]]:

@@ -6,7 +6,6 @@ import re
 import time
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 from service.errors import LimitError, QueryError
@@ -36,6 +35,7 @@ class Projected:
         self.engine = engine
         self.tx = tx
         self.scope = scope
+        self._documents: list[StoredDocument] | None = None
         self.query, self.nth = _without_index(query)
         self.deadline = time.monotonic() + engine.settings.query_seconds
         self.projection = projection(self.query.tree)
@@ -45,9 +45,12 @@ class Projected:
         """ "nodes", "number", "string" or "boolean"."""
         return type_of(self.query.tree)
 
-    @cached_property
+    @property
     def documents(self) -> list[StoredDocument]:
-        return scope_documents(self.tx, self.scope)
+        # No cached_property: before Python 3.12 that lets one thread compute at a time.
+        if self._documents is None:
+            self._documents = scope_documents(self.tx, self.scope)
+        return self._documents
 
     def scalars(
         self,

@@ -18,7 +18,7 @@ ORDERS = st.permutations("XYZ").map("".join)
 HARD_TEXTS = st.one_of(
     st.text(max_size=12),
     st.sampled_from(
-        [" a ", "\t", "a\rb", "a\nb", "\\u{41}", "\\u{", "F:\\VICON\\x", "\x00\x1f", "\ud800", "<&>\"'", "]]>", "한글"]
+        [" a ", "\t", "a\rb", "a\nb", "\\u{41}", "\\u{", "F:\\VICON\\x", "\x00\x1f", "<&>\"'", "]]>", "한글"]
     ),
 )
 NAMES = st.one_of(

@@ -1,0 +1,73 @@
+"""An import that fails leaves nothing, and one that goes on is not swept."""
+
+from __future__ import annotations
+
+import pytest
+from sqlalchemy import func, select
+
+from service.actions import import_motion, keep_upload
+from service.errors import McmlError, NotFoundError
+from service.storage import tables
+from service.storage.database import Database
+from tests.builders import bvh, store
+
+
+@pytest.fixture(autouse=True)
+def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(import_motion, "FLUSH_BYTES", 2000)
+    monkeypatch.setattr(keep_upload, "EARLY_BYTES", 0)
+
+
+def rows(database: Database) -> dict[str, int]:
+    with database.read() as tx:
+        counted = {
+            table.name: tx.connection.execute(select(func.count()).select_from(table)).scalar_one()
+            for table in (tables.document, tables.track, tables.upload, tables.upload_block, tables.shape)
+        }
+    return {name: count for name, count in counted.items() if count}
+
+
+def test_a_bad_last_block_leaves_nothing(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = []
+    flush = import_motion._Importer._flush
+    monkeypatch.setattr(import_motion._Importer, "_flush", lambda self, tx: (seen.append(1), flush(self, tx))[1])
+    with pytest.raises(McmlError):
+        store(database, {"long.bvh": bvh(12_000)[:-30] + b"x\n"})
+    assert seen, "nothing was flushed early, so the test shows nothing"
+    assert rows(database) == {}
+
+
+def test_a_failure_at_the_end_leaves_nothing(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError("No space left on device")
+
+    monkeypatch.setattr("service.storage.documents.Documents.publish", full)
+    with pytest.raises(OSError, match="No space"):
+        store(database, {"long.bvh": bvh(3000)})
+    assert rows(database) == {}
+
+
+def test_sweeping_leaves_running_imports_alone(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    prepare = import_motion._Importer._prepare
+
+    def swept_meanwhile(self: import_motion._Importer, upload: keep_upload.Upload) -> None:
+        prepare(self, upload)
+        assert rows(database)["track"]
+        assert database.sweep() == 0
+
+    monkeypatch.setattr(import_motion._Importer, "_prepare", swept_meanwhile)
+    store(database, {"long.bvh": bvh(3000)})
+    assert database.check() == []
+
+
+def test_an_import_whose_lease_ended_says_so(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    prepare = import_motion._Importer._prepare
+
+    def swept_meanwhile(self: import_motion._Importer, upload: keep_upload.Upload) -> None:
+        prepare(self, upload)
+        assert database.sweep(lease_before=float("inf")) == 1
+
+    monkeypatch.setattr(import_motion._Importer, "_prepare", swept_meanwhile)
+    with pytest.raises(NotFoundError, match="swept"):
+        store(database, {"long.bvh": bvh(3000)})
+    assert rows(database) == {}
