@@ -92,7 +92,7 @@ class QueryRequest(BaseModel):
     )
 
     q: str = Field(min_length=1, max_length=10_000)
-    document: list[str] = Field(default_factory=list, description="Documents to ask; none: all")
+    document: list[str] = Field(default_factory=list, max_length=1000, description="Documents to ask; none: all")
     project: str | None = None
     as_: Literal["json", "xml", "runs"] = Field("json", alias="as")
     limit: int = Field(100, ge=1)

@@ -6,17 +6,17 @@ beyond it do not allow is refused (DocumentError): required elements and attribu
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass
 
+from service.actions.check_names import check_frame_time, check_head
 from service.actions.edit_frames import delete_frame, frame_at, rename_frame, rewrite_frame_bone
 from service.actions.edit_names import rewrite_motion_name
 from service.errors import DocumentError, NotFoundError, Place
 from service.mcml.dtd import validate_by_shapes
-from service.mcml.elements import Element, addresses, joint_names, refresh_counts, to_head
+from service.mcml.elements import Element, addresses, check_counts, joint_names, refresh_counts, to_head
+from service.mcml.lexical import escape, is_decimal, unescape
 from service.mcml.writer import write_element
-from service.motion.clip import Shape
 from service.motion.skeleton import CHANNEL_INDEX
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
@@ -29,6 +29,10 @@ _MOTION = re.compile(
 _HEAD = re.compile(
     r"(?P<element>/mcml(?:/(?:header|root|skeleton)(?:/[a-z_]+(?:\[\d{1,9}\])?)*)?)(?:/@(?P<attribute>[A-Za-z_]+))?"
 )
+
+
+MAX_JOINTS = 65_535
+"""Numbers of bones have 16 bits."""
 
 
 @dataclass(frozen=True)
@@ -161,17 +165,13 @@ def _numbers(change: Change, address: str) -> dict[int, float | None]:
         if text is None:
             result[_channel(name, address)] = None
             continue
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value) or "_" in text:
+        if not is_decimal(text):
             raise DocumentError(
                 f"{name} is {text!r}, not a finite decimal number.",
                 at=Place(element=address),
                 remedy="Write a number such as -12.5 or 1e-3.",
             )
-        result[_channel(name, address)] = value
+        result[_channel(name, address)] = float(text)
     return result
 
 
@@ -179,12 +179,9 @@ def _change_motion_leaf(tx: Transaction, stored: StoredDocument, tag: str, chang
     address = f"/mcml/motion/{tag}"
     if tag == "frames":
         raise DocumentError("frames is counted, not set.", at=Place(element=address), remedy="Insert or delete frames.")
-    try:
-        good = change.text is not None and 0 < float(change.text) < 1e6
-    except ValueError:
-        good = False
-    if not good or change.attributes:
-        raise DocumentError(f"{change.text!r} is no frame time.", at=Place(element=address), remedy="Give seconds.")
+    if change.text is None or change.attributes:
+        raise DocumentError("frametime holds a text only.", at=Place(element=address), remedy="Give seconds.")
+    check_frame_time(change.text.strip())
     _write_content(tx, stored, frame_time=(change.text or "").strip())
 
 
@@ -222,11 +219,14 @@ def _edit_head(tx: Transaction, stored: StoredDocument, address: str, change: Ch
         if change.text is not None:
             target.text = change.text.strip()
     shapes = tx.tracks.shapes_in_use(stored.key)
-    _check_names(document, before, shapes, address)
     bones = tx.heads.bone_names(stored.key)
+    _check_names(document, before, {escape(bones[bone]) for shape in shapes for bone, _ in shape}, address)
+    if change is not None:
+        check_counts(document, stored.frames)
+    document = refresh_counts(document, stored.frames)
     names = [bones.get(number, "") for number in range(max(bones, default=-1) + 1)]
     validate_by_shapes(document, [(shape, 1) for shape in shapes], names)
-    to_head(document, stored.frame_time)
+    check_head(document, to_head(document, stored.frame_time), MAX_JOINTS)
     _store_head(tx, stored, document, before)
 
 
@@ -242,14 +242,13 @@ def _remove(parent: Element, target: Element, address: str) -> None:
     raise DocumentError("The document element cannot be deleted alone.", at=Place(element=address))
 
 
-def _check_names(document: Element, before: tuple[str, ...], shapes: list[Shape], address: str) -> None:
+def _check_names(document: Element, before: tuple[str, ...], used: set[str], address: str) -> None:
     after = joint_names(document)
     doubled = {name for name in after if after.count(name) > 1}
     if doubled:
         raise DocumentError(f"Two bones would be named {doubled.pop()!r}.", at=Place(element=address))
-    used = {bone for shape in shapes for bone, _ in shape}
-    if len(after) != len(before) and used:
-        lost = [name for number, name in enumerate(before) if number in used and name not in after]
+    if len(after) != len(before):
+        lost = [name for name in before if name in used and name not in after]
         if lost:
             raise DocumentError(
                 f"Frames name the bone {lost[0]!r}.",
@@ -267,8 +266,12 @@ def _store_head(tx: Transaction, stored: StoredDocument, document: Element, befo
     skeleton = stored.skeleton
     if forest != old.children[1:]:
         skeleton = tx.heads.add_skeleton(stored.project_key, forest, len(names))
+        # Bones keep their numbers when others go, so a number is found by the name, not by the place.
+        number = {escape(name): bone for bone, name in tx.heads.bone_names(stored.key).items()}
         if len(names) == len(before):
-            for number, (was, is_now) in enumerate(zip(before, names, strict=True)):
+            for was, is_now in zip(before, names, strict=True):
                 if was != is_now:
-                    tx.heads.rename_bone(stored.key, number, is_now)
+                    tx.heads.rename_bone(stored.key, number[was], unescape(is_now))
+        for name in set(before) - set(names) if len(names) < len(before) else ():
+            tx.heads.close_bone(stored.key, number[name])
     _write_content(tx, stored, skeleton=skeleton, version=document.attributes.get("version", stored.version))

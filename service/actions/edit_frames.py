@@ -10,6 +10,7 @@ import orjson
 
 from service.errors import DocumentError, NotFoundError, Place
 from service.mcml.elements import Element, leaf
+from service.mcml.lexical import ILLEGAL, escape
 from service.motion.clip import Shape
 from service.motion.skeleton import CHANNELS
 from service.storage.database import Transaction
@@ -32,9 +33,9 @@ def frame_at(tx: Transaction, stored: StoredDocument, position: int) -> Element:
     place = {column: index for index, column in enumerate(block.columns)}
     frame = Element("frame", {"id": str(block.ids[0])})
     labels = names_of_frames(tx.spans.of(stored.key, position, position), range(position, position + 1))
-    frame.children += [leaf("motion_name", name) for name in (labels[0] if labels else ())]
+    frame.children += [leaf("motion_name", escape(name)) for name in (labels[0] if labels else ())]
     for bone, bits in shape:
-        attributes = {"name": names[bone]}
+        attributes = {"name": escape(names[bone])}
         for channel, name in enumerate(CHANNELS):
             if bits >> channel & 1:
                 attributes[name] = orjson.dumps(float(block.values[0, place[bone, channel]])).decode()
@@ -105,6 +106,8 @@ def rename_frame(tx: Transaction, stored: StoredDocument, position: int, frame_i
         raise NotFoundError(f"The document has {stored.frames} frames.")
     if not frame_id.strip() or len(frame_id) > 256:
         raise DocumentError("A frame id is a text of 1 to 256 characters.")
+    if ILLEGAL.search(frame_id):
+        raise DocumentError(f"The frame id {frame_id!r} holds a control character.", remedy="Leave it out.")
     before = tx.tracks.frame_ids(stored.key, 1, position - 1)
     after = tx.tracks.frame_ids(stored.key, position + 1, stored.frames)
     tx.tracks.rewrite_frame_ids(stored.key, [before, [frame_id], after])

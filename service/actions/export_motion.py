@@ -92,7 +92,7 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
         )  # fmt: skip
         return Export(f"{stem}.mcml", "application/xml", content)
     if name == "csv":
-        return Export(f"{stem}.csv", "text/csv; charset=utf-8", _csv(source))
+        return Export(f"{stem}.csv", "text/csv; charset=utf-8", _csv(source, _columns(tx, source)))
     clip = _converted(source, name, options)
     parts = [item.name for item in FORMATS[name].parts]
     if part is None:
@@ -159,25 +159,41 @@ def convert_clip(clip: ClipStream, name: str, names: str | None = None) -> ClipS
     return clip
 
 
-def _csv(source: StoredClip) -> Iterator[bytes]:
+def _columns(tx: Transaction, source: StoredClip) -> list[tuple[int, int]]:
+    """(joint, channel) of every channel that a frame has: those of the skeleton, then those that edits added."""
+    bones = tx.heads.bone_names(source.stored.key)
+    joints = {name: joint for joint, name in enumerate(source.names)}
+    found = dict.fromkeys(source.clip.head.skeleton.columns())
+    for shape in tx.tracks.shapes_in_use(source.stored.key):
+        for bone, bits in shape:
+            found.update(
+                {(joints[bones[bone]], channel): None for channel in range(len(CHANNELS)) if bits >> channel & 1}
+            )
+    return list(found)
+
+
+def _csv(source: StoredClip, columns: list[tuple[int, int]]) -> Iterator[bytes]:
     """Frames as rows: position, id, time, then one column a channel, named bone.channel; an empty cell is missing."""
     seconds = source.clip.head.seconds_per_frame()
     position = source.first
-    header: list[str] | None = None
+    names = [_cell(f"{source.names[joint]}.{CHANNELS[channel]}") for joint, channel in columns]
+    yield (",".join(["frame", "id", "time", *names]) + "\n").encode()
     for block in source.clip.blocks():
-        columns = [f"{source.names[bone]}.{CHANNELS[channel]}" for bone, channel in block.columns]
-        if header is None:
-            header = columns
-            quoted = [f'"{name}"' if re.search(r'[",\n]', name) else name for name in columns]
-            yield (",".join(["frame", "id", "time", *quoted]) + "\n").encode()
-        place = {name: index for index, name in enumerate(columns)}
-        values = block.values[:, [place[name] for name in header]]
-        rows = orjson.dumps(np.ascontiguousarray(values), option=orjson.OPT_SERIALIZE_NUMPY)[2:-2].split(b"],[")
-        ids = [str(item).encode() for item in block.ids]
+        place = {column: index for index, column in enumerate(block.columns)}
+        values = np.full((len(block), len(columns)), np.nan)
+        known = [index for index, column in enumerate(columns) if column in place]
+        values[:, known] = block.values[:, [place[columns[index]] for index in known]]
+        rows = orjson.dumps(values, option=orjson.OPT_SERIALIZE_NUMPY)[2:-2].split(b"],[")
+        ids = [_cell(str(item)).encode() for item in block.ids]
         for row, frame_id in zip(rows, ids, strict=True):
             time = b"" if seconds is None else repr((position - 1) * seconds).encode()
             yield b"%d,%s,%s,%s\n" % (position, frame_id, time, row.replace(b"null", b""))
             position += 1
+
+
+def _cell(text: str) -> str:
+    """A text as a field of CSV (RFC 4180)."""
+    return '"' + text.replace('"', '""') + '"' if re.search(r'[",\r\n]', text) else text
 
 
 def zipped(files: Mapping[str, Callable[[], Iterator[bytes]]]) -> Iterator[bytes]:

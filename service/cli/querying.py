@@ -9,6 +9,8 @@ import typer
 
 from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
+from service.xpath.parse import parse
+from service.xpath.tree import type_of
 
 
 def add_to(app: typer.Typer) -> None:
@@ -31,7 +33,7 @@ def xpath(
         raise typer.BadParameter("--as is runs, json, xml or count")
     library = open_library(database, server)
     text = f"count({query})" if as_ == "count" else query
-    form = "json" if as_ == "count" else as_
+    form = "json" if as_ == "count" or type_of(parse(text).tree) != "nodes" else as_
     request = QueryRequest(
         q=text, document=document or [], project=project, limit=limit, explain=explain, **{"as": form}
     )

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from service.storage.database import Transaction
 
 
+KEYS_AT_A_TIME = 10_000
+"""In one statement; SQLite takes 32,766 parameters, PostgreSQL 65,535."""
+
+
 @dataclass(frozen=True)
 class StoredDocument:
     """A document at one revision.
@@ -179,8 +183,12 @@ class Documents:
         return found
 
     def by_keys(self, keys: list[int]) -> dict[int, StoredDocument]:
-        rows = self._tx.connection.execute(self._select().where(document.c.id.in_(keys)))
-        return {row.key: StoredDocument(**row._mapping) for row in rows}
+        found = {}
+        for start in range(0, len(keys), KEYS_AT_A_TIME):
+            some = document.c.id.in_(keys[start : start + KEYS_AT_A_TIME])
+            for row in self._tx.connection.execute(self._select().where(some)):
+                found[row.key] = StoredDocument(**row._mapping)
+        return found
 
     def _select(self, *, deleted: bool = False) -> Select[Any]:
         at = self._tx.at

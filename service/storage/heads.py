@@ -105,11 +105,14 @@ class Heads:
 
     def rename_bone(self, document_key: int, number: int, name: str) -> None:
         """Give a bone another name from this transaction's commit on."""
-        commit = self._tx.commit
+        self.close_bone(document_key, number)
+        row = {"document": document_key, "bone": number, "from_commit": self._tx.commit, "to_commit": CURRENT}
+        self._tx.connection.execute(insert(bone).values(row | {"name": name}))
+
+    def close_bone(self, document_key: int, number: int) -> None:
+        """The document has this bone no more, from this transaction's commit on."""
         valid = and_(bone.c.document == document_key, bone.c.bone == number, bone.c.to_commit == CURRENT)
-        self._tx.connection.execute(update(bone).where(valid).values(to_commit=commit))
-        row = {"document": document_key, "bone": number, "from_commit": commit, "to_commit": CURRENT, "name": name}
-        self._tx.connection.execute(insert(bone).values(row))
+        self._tx.connection.execute(update(bone).where(valid).values(to_commit=self._tx.commit))
 
     def skeletons(self, project_key: int | None, after: int, limit: int) -> list[Any]:
         """Rows (id, hash, joints, project, documents) of skeletons in use, by key, after a key."""

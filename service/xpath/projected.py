@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
@@ -14,6 +13,7 @@ from service.motion.clip import FrameBlock
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.motion_names import names_of_frames
+from service.xpath.evaluate import Node as Found
 from service.xpath.evaluate import Nodes, Scalar
 from service.xpath.indexed import frame_of, scope_documents
 from service.xpath.nodes import Node, Run, Scope
@@ -24,8 +24,6 @@ from service.xpath.tree import Literal as Constant
 
 if TYPE_CHECKING:
     from service.xpath.run import Queries
-
-_INDEX = re.compile(r"\[(\d+)\]$")
 
 
 class Projected:
@@ -95,11 +93,9 @@ class Projected:
 
     def runs(self) -> Iterator[Run]:
         """Maximal ranges of frames that nodes are or lie in. QueryError for a node outside the frames."""
-        page = self.engine.settings.query_elements
-        for stored in self.documents:
-            found = self._evaluate(stored, 0, page)
+        for stored, nodes in self._nodes_by_document():
             waiting: Run | None = None
-            for node in found.items if isinstance(found, Nodes) else ():
+            for node in nodes:
                 position = frame_of(node.address)
                 if position is None:
                     raise QueryError(
@@ -114,6 +110,14 @@ class Projected:
                 waiting = Run(stored, position, position)
             if waiting is not None:
                 yield waiting
+
+    def _nodes_by_document(self) -> Iterator[tuple[StoredDocument, Sequence[Node | Found]]]:
+        if self.nth is not None:
+            yield from ((node.stored, [node]) for node in self.nodes(0, 1))
+            return
+        for stored in self.documents:
+            found = self._evaluate(stored, 0, self.engine.settings.query_elements)
+            yield stored, found.items if isinstance(found, Nodes) else ()
 
     def _evaluate(self, stored: StoredDocument, offset: int, limit: int) -> Nodes | Scalar:
         self._check_size(stored)
@@ -165,7 +169,9 @@ def _without_index(query: Query) -> tuple[Query, int | None]:
     if isinstance(tree, Filter) and len(tree.predicates) == 1 and isinstance(tree.predicates[0], Constant):
         value = tree.predicates[0].value
         inner = query.text.strip()
-        match = _INDEX.search(inner)
-        if isinstance(value, float) and value >= 1 and value.is_integer() and match and inner.startswith("("):
-            return replace(parse(inner[: match.start()]), warnings=query.warnings), int(value)
+        while inner.endswith(")"):
+            # Parentheses around the whole: the tree says that a predicate comes last.
+            inner = inner[1:-1].strip()
+        if isinstance(value, float) and value >= 1 and value.is_integer():
+            return replace(parse(inner[: inner.rindex("[")]), warnings=query.warnings), int(value)
     return query, None

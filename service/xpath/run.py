@@ -60,6 +60,9 @@ class Queries:
             scope = _scope(tx, request)
             found = plan(query.tree)
             limit = min(request.limit, self.settings.page_limit)
+            kind = type_of(query.tree)
+            if request.as_ != "json" and kind != "nodes":
+                raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
             if is_constant(query.tree):
                 answer = self._constant(query)
             elif cursor is None and found is not None and found.aggregate != "nodes":
@@ -126,8 +129,6 @@ class _Page:
         return QueryAnswer(type="nodes", items=list(shown), next_cursor=self._next(tx, len(nodes) > self.limit))
 
     def _scalars(self, source: Projected) -> QueryAnswer:
-        if self.request.as_ != "json":
-            raise QueryError(f"The answer is a {source.type}, not a node set.", remedy="Ask for it with as=json.")
         kind, value, each = source.scalars()
         if value is not None:
             return QueryAnswer(type=kind, value=_plain(value))
@@ -196,9 +197,9 @@ def _read_cursor(request: QueryRequest) -> _Cursor | None:
     try:
         text = request.cursor + "=" * (-len(request.cursor) % 4)
         commit, offset, check = (int(part) for part in orjson.loads(base64.urlsafe_b64decode(text)))
-    except (binascii.Error, ValueError, TypeError):
+    except (binascii.Error, ValueError, TypeError, OverflowError):
         commit, offset, check = -1, -1, -1
-    if check != _check(request) or commit < 0 or offset < 0:
+    if check != _check(request) or not (0 <= commit < LATEST and 0 <= offset < LATEST):
         raise QueryError("This cursor belongs to another question.", remedy="Begin again without a cursor.")
     return _Cursor(commit, offset, check)
 
