@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -23,6 +24,7 @@ from schemas.documents import (
 from schemas.documents import Label as WireLabel
 from schemas.queries import QueryAnswer, QueryRequest
 from service.actions.change_document import add_labels
+from service.actions.check_names import file_name
 from service.actions.describe_document import detail, summary
 from service.actions.describe_problem import problem_of
 from service.actions.export_motion import ExportOptions, export_document
@@ -34,6 +36,15 @@ from service.settings import Settings
 from service.storage.database import Database
 from service.storage.documents import DocumentFilter
 from service.xpath.run import Queries
+
+
+def name_of(path: Path) -> str:
+    """The name of a file as text. Names on disk are bytes: UTF-8, or what an older system wrote."""
+    name = os.fsencode(path.name)
+    for encoding in ("utf-8", "cp949"):
+        with suppress(UnicodeDecodeError):
+            return name.decode(encoding)
+    return name.decode("latin-1")
 
 
 class Library(ABC):
@@ -66,7 +77,7 @@ class LocalLibrary(Library):
 
     def import_paths(self, paths: list[Path], options: ImportOptions, progress: Progress | None) -> UploadResult:
         with ExitStack() as stack:
-            files = [SourceFile(path.name, stack.enter_context(path.open("rb"))) for path in paths]
+            files = [SourceFile(name_of(path), stack.enter_context(path.open("rb"))) for path in paths]
             done = import_files(self.database, files, options, self.settings, progress=progress)
         return UploadResult(
             documents=[
@@ -136,7 +147,7 @@ class RemoteLibrary(Library):
             if getattr(options, key) is not None:
                 data[key] = getattr(options, key)
         with ExitStack() as stack:
-            files = [("file", (path.name, stack.enter_context(path.open("rb")))) for path in paths]
+            files = [("file", (name_of(path), stack.enter_context(path.open("rb")))) for path in paths]
             answer = self._send("POST", "/documents", data=data, files=files, accept=(201, 415, 422))
         body = answer.json()
         if answer.status_code != 201:
@@ -168,7 +179,8 @@ class RemoteLibrary(Library):
         given = {key: value for key, value in parameters.items() if value is not None}
         with self._stream(f"/documents/{uuid}/export", given) as answer:
             disposition = answer.headers.get("content-disposition", "")
-            name = unquote(disposition.rpartition("UTF-8''")[2]) or f"{uuid}.{options.format}"
+            # Only a name: whatever the server says, nothing is written outside the folder that was asked for.
+            name = file_name(unquote(disposition.rpartition("UTF-8''")[2]) or f"{uuid}.{options.format}")
             notices = [item for item in answer.headers.get("x-mcml-notices", "").split(" | ") if item]
             yield name, answer.iter_bytes(1 << 20), notices
 

@@ -13,6 +13,7 @@ from service.actions.convert_files import convert_files
 from service.actions.export_motion import targets
 from service.actions.import_options import ImportOptions
 from service.actions.inspect_files import inspect_files
+from service.cli.access import name_of
 from service.cli.shared import JsonOption, chosen_settings, console, print_json
 from service.errors import McmlError, UnsupportedError
 from service.formats import FORMATS
@@ -40,7 +41,7 @@ def convert(
     target = to or _format_of(result)
     with ExitStack() as stack:
         inputs = [*sources, *([skeleton] if skeleton else [])]
-        files = [SourceFile(path.name, stack.enter_context(_opened(path))) for path in inputs]
+        files = [SourceFile(name_of(path), stack.enter_context(_opened(path))) for path in inputs]
         converted = convert_files(
             files, target, chosen_settings(), frame_time=frame_time, encoding=encoding, names=names, stem=result.stem
         )
@@ -93,7 +94,7 @@ def validate(
     """Check files: MCML against mcml.dtd and the rules beyond it, other formats against theirs."""
     settings = chosen_settings()
     with ExitStack() as stack:
-        files = [SourceFile(path.name, stack.enter_context(_opened(path))) for path in paths]
+        files = [SourceFile(name_of(path), stack.enter_context(_opened(path))) for path in paths]
         clips, problems = inspect_files(files, ImportOptions(), settings)
     if as_json:
         print_json({"clips": clips, "problems": [{"file": name, "what": str(error)} for name, error in problems]})

@@ -14,6 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from schemas.documents import ImportedDocument
 from service.actions.export_motion import ExportOptions
 from service.actions.import_options import ImportOptions, Label, parse_label, parse_property
+from service.cli.access import name_of
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
 from service.errors import UnsupportedError
 from service.storage.documents import DocumentFilter
@@ -65,7 +66,7 @@ def import_(
     with Progress(*columns, console=console, transient=True, disable=as_json or not sys.stderr.isatty()) as bar:
         task = bar.add_task("importing", total=len(groups))
         for group in groups:
-            bar.update(task, description=group[-1].name[:40])
+            bar.update(task, description=name_of(group[-1])[:40])
             answer = library.import_paths(group, options, None)
             answers.append(answer)
             for document in answer.documents:

@@ -1,0 +1,56 @@
+"""What goes wrong around the command line: disks, names, addresses. One message, an exit code, never a traceback."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from tests.builders import bvh
+from tests.cli.test_cli import mcml  # noqa: F401
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        (("ls", "--database", "sqlite:///walk.bvh/x.db"), 1),
+        (("ls", "--database", "sqlite:///walk.bvh"), 1),
+        (("ls", "--database", "nonsense"), 1),
+        (("ls", "--database", "postgresql://nobody@127.0.0.1:1/x"), 1),
+        (("ls", "--server", "http://["), 1),
+        (("ls", "--server", "http://127.0.0.1:1"), 1),
+        (("convert", "walk.bvh", "walk.bvh/x.htr"), 1),
+        (("db", "backup", "walk.bvh/x.db"), 1),
+        (("xpath", "//frame["), 1),
+        (("xpath", "sum(//@Tx)"), 0),
+        (("xpath", "sum(//@Tx)", "--json"), 0),
+        (("ls", "--nope"), 2),
+    ],
+)
+def test_a_message_and_a_code(mcml, words: tuple[str, ...], code: int) -> None:  # noqa: F811
+    found, output, errors = mcml(*words)
+    assert found == code, errors
+    assert code == 0 or errors.strip()
+    if "--json" in words:
+        assert json.loads(output)["type"] == "number"
+
+
+def test_an_export_into_no_folder(mcml) -> None:  # noqa: F811
+    uuid = json.loads(mcml("import", "walk.bvh", "--json")[1])["documents"][0]["id"]
+    code, _, errors = mcml("export", uuid, "--output", "walk.bvh/x/y.bvh")
+    assert (code, "walk.bvh" in errors) == (1, True)
+
+
+def test_names_of_any_bytes(mcml, tmp_path: Path) -> None:  # noqa: F811
+    for name, encoding in (("걸음", "cp949"), ("für", "latin-1"), ("달리기", "utf-8")):
+        Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name.encode(encoding) + b".bvh")).write_bytes(
+            bvh(3, seed=len(name) + len(encoding))
+        )
+    (tmp_path / "bad.bvh").unlink()
+    code, output, _ = mcml("import", ".", "--json", PYTHONIOENCODING="ascii")
+    assert code == 0
+    names = {item["name"] for item in json.loads(output.encode().decode("unicode_escape"))["documents"]}
+    assert names >= {"걸음", "달리기", "für"}
+    assert mcml("ls", PYTHONIOENCODING="ascii")[0] == 0
