@@ -314,7 +314,7 @@ class _Bone:
     """A bone in a layout of columns, channels ascending.
 
     indices: where its columns stand; place: the same, as a slice where they are neighbours (a view, not a copy).
-    zones: for each column its index and the names of its zones. template: a row of all that does not change from chunk to chunk.
+    zones: for each column its index and the names of its zones. template: of a row, what is the same in every chunk.
     """
 
     number: int
