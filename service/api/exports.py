@@ -10,16 +10,23 @@ from fastapi import APIRouter, Query, Request, Response
 from service.actions.export_motion import Export, ExportOptions, export_document
 from service.api.dependencies import MOST, DatabaseDep, RevisionQuery, at_revision, etag
 from service.api.streaming import attachment, streamed, unchanged
+from service.formats import FORMATS
 from service.storage.database import Transaction
 
 router = APIRouter(tags=["export"])
 
 First = Annotated[int, Query(ge=1, le=MOST, description="First frame, a position from 1")]
 Last = Annotated[int | None, Query(ge=1, le=MOST, description="Last frame, included; default the last one")]
-_FILE: dict[int | str, dict[str, Any]] = {200: {"content": {"application/octet-stream": {}}, "description": "The file"}}
+_MCML: dict[int | str, dict[str, Any]] = {200: {"content": {"application/xml": {}}, "description": "The document"}}
+_TYPES = dict.fromkeys(
+    [*(item.media_type for item in FORMATS.values()), "application/zip", "application/xml", "text/csv"]
+)
+_FILE: dict[int | str, dict[str, Any]] = {
+    200: {"content": {name.partition(";")[0]: {} for name in _TYPES}, "description": "The file"}
+}
 
 
-@router.get("/documents/{id}/mcml", operation_id="get_mcml", response_class=Response, responses=_FILE)
+@router.get("/documents/{id}/mcml", operation_id="get_mcml", response_class=Response, responses=_MCML)
 def get_mcml(
     id: str,
     request: Request,

@@ -32,7 +32,10 @@ from service.storage.database import Transaction
 router = APIRouter(tags=["frames"])
 
 
-@router.get("/documents/{id}/frames", operation_id="get_frames", response_model=FramePage)
+_ARRAY: dict[int | str, dict[str, Any]] = {200: {"content": {"application/octet-stream": {}}}}
+
+
+@router.get("/documents/{id}/frames", operation_id="get_frames", response_model=FramePage, responses=_ARRAY)
 def get_frames(
     id: str,
     request: Request,

@@ -14,7 +14,12 @@ from service.xpath.run import Queries
 router = APIRouter(tags=["xpath"])
 
 
-@router.get("/xpath", operation_id="query", response_model=QueryAnswer, response_model_exclude_none=True)
+_XML: dict[int | str, dict[str, Any]] = {200: {"content": {"application/xml": {}}}}
+
+
+@router.get(
+    "/xpath", operation_id="query", response_model=QueryAnswer, response_model_exclude_none=True, responses=_XML
+)
 def query(
     queries: QueriesDep,
     q: Annotated[str, Query(min_length=1, max_length=10_000, description="An XPath 1.0 expression")],
@@ -38,7 +43,9 @@ def query(
     return _answer(queries, request)
 
 
-@router.post("/xpath", operation_id="post_query", response_model=QueryAnswer, response_model_exclude_none=True)
+@router.post(
+    "/xpath", operation_id="post_query", response_model=QueryAnswer, response_model_exclude_none=True, responses=_XML
+)
 def post_query(queries: QueriesDep, request: QueryRequest) -> Any:
     """As GET, for long expressions."""
     return _answer(queries, request)

@@ -50,6 +50,7 @@ CONTEXT_FUNCTIONS = (
 _KIND_TEST_BEFORE_SIGN = re.compile(
     r"""'[^']*'|"[^"]*"|\b((?:node|text|comment|processing-instruction)\(\s*\))(?=\s*[+*?])"""
 )
+_LONG_NUMBER = re.compile(r"""'[^']*'|"[^"]*"|([0-9]{301})""")
 ANY_NODE = Step("descendant-or-self", "node()")
 
 
@@ -151,6 +152,9 @@ def _bound(text: str, max_length: int) -> None:
                 raise LimitError(f"brackets are nested deeper than {MAX_NESTING}", at=Place(column=column))
         elif letter in ")]":
             depth -= 1
+    for number in _LONG_NUMBER.finditer(text):
+        if number.group(1):
+            raise LimitError("a number has more than 300 digits", at=Place(column=number.start() + 1))
     if re.search(r"-(?:\s*-){100}", text):
         raise LimitError("more than 100 minus signs in a row")
 

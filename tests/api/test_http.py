@@ -90,3 +90,14 @@ def test_a_body_without_a_length_is_bounded(database: Database) -> None:
         )
     assert answer.status_code == 413
     assert answer.headers["content-type"] == "application/problem+json"
+
+
+def test_the_description_says_that_errors_are_problems(client: TestClient) -> None:
+    schema = client.get("/openapi.json").json()
+    assert "HTTPValidationError" not in str(schema)
+    assert {"Problem", "Where"} <= set(schema["components"]["schemas"])
+    for path, operations in schema["paths"].items():
+        for operation in operations.values():
+            assert operation["summary"], path
+            assert operation["description"], path
+            assert "application/problem+json" in operation["responses"]["4XX"]["content"], path
