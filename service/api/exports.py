@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
@@ -83,7 +84,8 @@ def _answer(
             headers["content-disposition"] = headers["content-disposition"].replace("attachment", "inline", 1)
         if options.whole and not options.pretty:
             headers["etag"] = tag
-        content = export.content
+        # A conversion looks through the motion before its first block, and says then what the target cannot hold.
+        content = chain((next(export.content, b""),), export.content)
         if export.notices:
             text = " | ".join(notice.what for notice in export.notices)
             headers["x-mcml-notices"] = text.encode("ascii", "replace").decode()[:4000]

@@ -231,3 +231,10 @@ def test_inspect_stores_nothing(client: TestClient) -> None:
     assert answer.json()["clips"][0]["receipt"]["frames"] == 5
     assert answer.json()["problems"][0]["file"] == "bad.bvh"
     assert client.get(f"{API}/documents").json()["total"] == 0
+
+
+def test_what_a_target_cannot_hold_is_said(client: TestClient) -> None:
+    uuid = only(client, {"leg.asf": ASF, "leg.amc": amc(3)})
+    answer = client.get(f"{API}/documents/{uuid}/export", params={"format": "bvh"})
+    assert "limits" in answer.headers["x-mcml-notices"]
+    assert client.get(f"{API}/documents/{uuid}/export", params={"format": "asf"}).headers.get("x-mcml-notices") is None
