@@ -108,13 +108,9 @@ def _bare_parse(files: list[tuple[str, bytes]]) -> float:
 
 
 def _large_file(folder: Path, files: list[tuple[str, bytes]]) -> dict[str, float]:
-    """One large clip: the biggest file's motion repeated to about 50 MB."""
-    name, content = max(files, key=lambda item: len(item[1]))
-    head, middle, body = re.split(rb"(Frames:\s*\d+\s+Frame Time:\s*\S+[ \t\r]*\n)", content, maxsplit=1)
-    frames = int(middle.split()[1])
-    times = max(1, 50_000_000 // len(body))
-    big = head + middle.replace(str(frames).encode(), str(frames * times).encode(), 1)
-    big += (body.rstrip() + b"\n") * times
+    """One large clip: the biggest file, followed by variations of itself, to about 50 MB."""
+    longest = max(files, key=lambda item: len(item[1]))
+    ((name, big),) = longer([longest], max(1, 50_000_000 // len(longest[1])))
     parse = _bare_parse([(name, big)])
     best = 1e9
     for attempt in range(3):
