@@ -1,0 +1,78 @@
+"""Two ways, one verdict: the streaming reader, the proof by frame shapes, and libxml2, on thousands of documents."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from random import Random
+
+import pytest
+
+from service.errors import DocumentError
+from service.mcml import dtd
+from service.mcml.reader import read_document
+from tests.mcml.broken import (
+    broken_documents,
+    clip_verdict,
+    leading_children,
+    pool,
+    rules_hold,
+    shapes_verdict,
+    with_changed_frames,
+    with_changed_head,
+)
+
+
+def readers_agree(seed: int, count: int) -> None:
+    """The reader takes what libxml2 finds valid, unless it breaks a rule beyond the DTD; and nothing else."""
+    accepted = refused = 0
+    for document in broken_documents(seed, count):
+        valid = not dtd.violations(document)
+        try:
+            for _ in read_document(BytesIO(document)).clip.blocks():
+                pass
+        except DocumentError:
+            refused += 1
+            assert not valid or not rules_hold(document), document
+        else:
+            accepted += 1
+            assert valid, document
+    assert min(accepted, refused) > count // 6
+
+
+def shapes_agree(seed: int, count: int) -> None:
+    """The head with one frame of each shape is valid exactly when the whole document is, by libxml2 both times."""
+    random = Random(seed)
+    whole = [document for document in pool() if b"<frame " in document]
+    valid = 0
+    for number in range(count):
+        document = random.choice(whole)
+        if number % 2:
+            changed = with_changed_frames(random, document)
+            proof = shapes_verdict(changed, leading_children(document))
+        else:
+            changed = with_changed_head(random, document)
+            proof = clip_verdict(changed, document)
+        verdict = not dtd.violations(changed)
+        assert proof == verdict, changed
+        valid += verdict
+    assert count // 6 < valid < count - count // 6
+
+
+def test_the_verdict_is_libxml2_s() -> None:
+    readers_agree(seed=1, count=1500)
+
+
+def test_one_frame_of_each_shape_decides_like_the_whole() -> None:
+    shapes_agree(seed=2, count=1000)
+
+
+@pytest.mark.fuzz
+@pytest.mark.parametrize("seed", range(10, 14))
+def test_the_verdict_is_libxml2_s_many_times(seed: int) -> None:
+    readers_agree(seed, count=3000)
+
+
+@pytest.mark.fuzz
+@pytest.mark.parametrize("seed", range(20, 24))
+def test_one_frame_of_each_shape_decides_like_the_whole_many_times(seed: int) -> None:
+    shapes_agree(seed, count=3000)
