@@ -39,7 +39,7 @@ def bvh(frames: int = 3, seed: int = 0, names: Sequence[str] = ("Hips", "Spine",
     return ("\n".join(lines) + "\n").encode()
 
 
-ASF = b"""# a leg
+ASF = b"""# a comment
 :version 1.10
 :name leg
 :units
@@ -47,7 +47,8 @@ ASF = b"""# a leg
   length 0.45
   angle deg
 :documentation
-   hand-written
+   # kept as it is
+   two lines
 :root
    order TX TY TZ RX RY RZ
    axis XYZ
@@ -55,31 +56,40 @@ ASF = b"""# a leg
    orientation 0 0 0
 :bonedata
   begin
-     id 1
+     id 2
      name lfemur
      direction 0.34202 -0.939693 0
-     length 7.03469
-     axis 0 0 20 XYZ
+     length 7.34031
+     axis 0 0 20  XYZ
     dof rx ry rz
     limits (-160.0 20.0)
            (-70.0 70.0)
            (-60.0 70.0)
   end
   begin
-     id 2
+     id 1
+     name lhipjoint
+     direction 0.567149 -0.783011 0.255413
+     length 2.28399
+     axis 0 0 0  XYZ
+  end
+  begin
+     id 3
      name ltibia
      direction 0.34202 -0.939693 0
-     length 7.3
-     axis 0 0 20 XYZ
+     length 6.9833
+     axis 0 0 20   XYZ
     dof rx
     limits (-10.0 170.0)
   end
 :hierarchy
   begin
-    root lfemur
+    root lhipjoint
+    lhipjoint lfemur
     lfemur ltibia
   end
 """
+"""A leg; bones numbered and listed in an order of their own."""
 
 
 def amc(frames: int = 2) -> bytes:
@@ -89,12 +99,13 @@ def amc(frames: int = 2) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-HTR = b"""# two segments
-[Header]
+HTR_HEAD = """# made by hand
+[Header]\t# Header keywords are followed by a single value
+# KeyWord<space>Value<CR>
 FileType htr
 DataType HTRS
 FileVersion 1
-NumSegments 2
+NumSegments 3
 NumFrames 2
 DataFrameRate 30
 EulerRotationOrder ZYX
@@ -104,19 +115,39 @@ GlobalAxisofGravity Y
 BoneLengthAxis Y
 ScaleFactor 1.00
 [SegmentNames&Hierarchy]
-pelvis\tGLOBAL
-thigh\tpelvis
+# ObjectName<tab>ParentObjectName<CR>
+m:Hand\tm:Arm
+m:Arm\tHips
+Hips\tGLOBAL
 [BasePosition]
-pelvis\t0.0\t950.5\t0.0\t0.0\t0.0\t0.0\t120.0
-thigh\t90.0\t-20.0\t0.0\t0.0\t0.0\t180.0\t430.25
-[pelvis]
-1\t1.5\t0.0\t2.25\t1.0\t2.0\t3.0\t1.0
-2\t1.75\t0.5\t2.5\t1.5\t2.5\t3.5\t1.0
-[thigh]
-1\t0.0\t0.0\t0.0\t10.5\t0.0\t-4.0\t1.0
-2\t0.0\t0.0\t0.0\t9999999\t9999999\t9999999\t1.0
+Hips\t0.902781\t1023.85\t1740.59\t-45.1\t-87.2\t-45.0\t3.937008
+m:Arm\t0\t250.0\t0\t10\t0\t0\t200
+m:Hand 0 200 0 0 0 0 80
+"""
+HTR_V1 = """[m:Hand]
+# Tx<tab>Ty<tab>Tz<tab>Rx<tab>Ry<tab>Rz<tab>BoneScaleFactor<CR>
+0\t0.5\t0\t0\t1\t2\t3\t1.000000
+1\t0.5\t0\t0\t1.5\t2.5\t3.5\t1.000000
+[m:Arm]
+0\t0\t0\t0\t-0\t-0.0\t1e-011\t1
+1\t0\t0\t0\t4\t5\t6\t1
+[Hips]
+0\t10\t20\t30\t7\t8\t9\t1
+1\t11\t21\t31\t7.5\t8.5\t9.5\t1
 [EndOfFile]
 """
+HTR_V2 = """Frame 0:
+m:Hand 0.5 0 0 1 2 3 1.000000
+m:Arm 0 0 0 -0 -0.0 1e-011 1
+Hips 10 20 30 7 8 9 1
+Frame 1:
+m:Hand 0.5 0 0 1.5 2.5 3.5 1.000000
+m:Arm 0 0 0 4 5 6 1
+Hips 11 21 31 7.5 8.5 9.5 1
+[EndOfFile]
+"""
+HTR = (HTR_HEAD + HTR_V1).replace("1\t0\t0\t0\t4\t5\t6", "1\t0\t0\t0" + 3 * "\t9999999").encode()
+"""An arm; in the second frame the rotation of one bone is missing."""
 
 MCML = b"""<?xml version="1.0" encoding="UTF-8"?>
 <!DOCTYPE mcml SYSTEM "mcml.dtd">

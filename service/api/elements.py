@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Depends, Query, Response
 
 from schemas.elements import ElementChange, ElementEdited
 from schemas.queries import NodeItem, QueryRequest
@@ -20,6 +22,8 @@ from service.api.dependencies import (
     etag,
 )
 from service.errors import DocumentError, NotFoundError
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
 from service.xpath.run import Queries
 
 router = APIRouter(tags=["elements"])
@@ -49,43 +53,41 @@ def get_element(
         return Response(content, media_type=media, headers={"etag": etag(stored, "element")})
 
 
+@dataclass(frozen=True)
+class Edit:
+    """What every edit of an element says: where, by whom, and for which revision."""
+
+    id: str
+    xpath: One
+    response: Response
+    database: DatabaseDep
+    queries: QueriesDep
+    author: AuthorDep
+    if_match: IfMatch = None
+
+    def run(self, edit: Callable[[Transaction, StoredDocument, str], StoredDocument]) -> ElementEdited:
+        """Make the edit, given the transaction, the document and the canonical address of the element."""
+        address = _address(self.queries, self.id, self.xpath)
+        with self.database.write(self.author) as tx:
+            changed = edit(tx, checked_for_write(tx, self.id, self.if_match), address)
+        self.response.headers["etag"] = etag(changed, "json")
+        return ElementEdited(address=address, revision=changed.revision)
+
+
+EditDep = Annotated[Edit, Depends()]
+
+
 @router.patch("/documents/{id}/elements", operation_id="change_element")
-def patch_element(
-    id: str,
-    xpath: One,
-    change: ElementChange,
-    response: Response,
-    database: DatabaseDep,
-    queries: QueriesDep,
-    author: AuthorDep,
-    if_match: IfMatch = None,
-) -> ElementEdited:
+def patch_element(edit: EditDep, change: ElementChange) -> ElementEdited:
     """Change attributes or text of one element. Only what is touched is written; the rest of the document stays."""
-    address = _address(queries, id, xpath)
-    with database.write(author) as tx:
-        stored = checked_for_write(tx, id, if_match)
-        changed = change_element(tx, stored, address, Change(change.attributes, change.text), change.message)
-    response.headers["etag"] = etag(changed, "json")
-    return ElementEdited(address=address, revision=changed.revision)
+    new = Change(change.attributes, change.text)
+    return edit.run(lambda tx, stored, address: change_element(tx, stored, address, new, change.message))
 
 
 @router.delete("/documents/{id}/elements", operation_id="delete_element")
-def remove_element(
-    id: str,
-    xpath: One,
-    response: Response,
-    database: DatabaseDep,
-    queries: QueriesDep,
-    author: AuthorDep,
-    if_match: IfMatch = None,
-) -> ElementEdited:
+def remove_element(edit: EditDep) -> ElementEdited:
     """Delete one element or attribute, unless `mcml.dtd` or the frames need it."""
-    address = _address(queries, id, xpath)
-    with database.write(author) as tx:
-        stored = checked_for_write(tx, id, if_match)
-        changed = delete_element(tx, stored, address)
-    response.headers["etag"] = etag(changed, "json")
-    return ElementEdited(address=address, revision=changed.revision)
+    return edit.run(delete_element)
 
 
 def _address(queries: Queries, uuid: str, xpath: str) -> str:

@@ -11,58 +11,9 @@ from service.errors import ConversionError, FormatError, LimitError
 from service.formats import FORMATS
 from service.formats.format import Limits, ReadOptions
 from service.motion.clip import ClipStream
+from tests.builders import ASF as LEG
 from tests.formats.contract import FormatContract, frames, read, written
 
-ASF = """# a comment
-:version 1.10
-:name VICON
-:units
-  mass 1.0
-  length 0.45
-  angle deg
-:documentation
-   # kept as it is
-   two lines
-:root
-   order TX TY TZ RX RY RZ
-   axis XYZ
-   position 0 0 0
-   orientation 0 0 0
-:bonedata
-  begin
-     id 2
-     name lfemur
-     direction 0.34202 -0.939693 0
-     length 7.34031
-     axis 0 0 20  XYZ
-    dof rx ry rz
-    limits (-160.0 20.0)
-           (-70.0 70.0)
-           (-60.0 70.0)
-  end
-  begin
-     id 1
-     name lhipjoint
-     direction 0.567149 -0.783011 0.255413
-     length 2.28399
-     axis 0 0 0  XYZ
-  end
-  begin
-     id 3
-     name ltibia
-     direction 0.34202 -0.939693 0
-     length 6.9833
-     axis 0 0 20   XYZ
-    dof rx
-    limits (-10.0 170.0)
-  end
-:hierarchy
-  begin
-    root lhipjoint
-    lhipjoint lfemur
-    lfemur ltibia
-  end
-"""
 AMC = """#!OML:ASF X:\\file.ASF
 :FULLY-SPECIFIED
 :DEGREES
@@ -76,6 +27,7 @@ lfemur 0 -0 .5
 ltibia 16.5
 """
 NAME = "asf-amc"
+ASF = LEG.decode()
 
 
 def clip_of(asf: str = ASF, amc: str | None = AMC, **options: object) -> ClipStream:
@@ -123,7 +75,7 @@ def test_keeps_what_the_file_says() -> None:
     assert (root.channels[:3], root.offset, root.axis) == (("Tx", "Ty", "Tz"), ("0", "0", "0"), ("0", "0", "0"))
     assert tibia.rotation_order == "X"
     assert clip.head.fields == {
-        "version": "1.10", "skeleton_name": "VICON", "units_mass": "1.0", "units_length": "0.45", "units_angle": "deg",
+        "version": "1.10", "skeleton_name": "leg", "units_mass": "1.0", "units_length": "0.45", "units_angle": "deg",
     }  # fmt: skip
     asf, amc = clip.head.sources
     assert asf.comments == ("# a comment",)

@@ -11,55 +11,11 @@ from service.errors import FormatError, LimitError, UnsupportedError
 from service.formats import FORMATS
 from service.formats.format import Limits, ReadOptions
 from service.motion.clip import ClipStream
+from tests.builders import HTR_HEAD as HEAD
+from tests.builders import HTR_V1 as V1
+from tests.builders import HTR_V2 as V2
 from tests.formats.contract import FormatContract, frames, read, written
 
-HEAD = """# made by hand
-[Header]\t# Header keywords are followed by a single value
-# KeyWord<space>Value<CR>
-FileType htr
-DataType HTRS
-FileVersion 1
-NumSegments 3
-NumFrames 2
-DataFrameRate 30
-EulerRotationOrder ZYX
-CalibrationUnits mm
-RotationUnits Degrees
-GlobalAxisofGravity Y
-BoneLengthAxis Y
-ScaleFactor 1.00
-[SegmentNames&Hierarchy]
-# ObjectName<tab>ParentObjectName<CR>
-m:Hand\tm:Arm
-m:Arm\tHips
-Hips\tGLOBAL
-[BasePosition]
-Hips\t0.902781\t1023.85\t1740.59\t-45.1\t-87.2\t-45.0\t3.937008
-m:Arm\t0\t250.0\t0\t10\t0\t0\t200
-m:Hand 0 200 0 0 0 0 80
-"""
-V1 = """[m:Hand]
-# Tx<tab>Ty<tab>Tz<tab>Rx<tab>Ry<tab>Rz<tab>BoneScaleFactor<CR>
-0\t0.5\t0\t0\t1\t2\t3\t1.000000
-1\t0.5\t0\t0\t1.5\t2.5\t3.5\t1.000000
-[m:Arm]
-0\t0\t0\t0\t-0\t-0.0\t1e-011\t1
-1\t0\t0\t0\t4\t5\t6\t1
-[Hips]
-0\t10\t20\t30\t7\t8\t9\t1
-1\t11\t21\t31\t7.5\t8.5\t9.5\t1
-[EndOfFile]
-"""
-V2 = """Frame 0:
-m:Hand 0.5 0 0 1 2 3 1.000000
-m:Arm 0 0 0 -0 -0.0 1e-011 1
-Hips 10 20 30 7 8 9 1
-Frame 1:
-m:Hand 0.5 0 0 1.5 2.5 3.5 1.000000
-m:Arm 0 0 0 4 5 6 1
-Hips 11 21 31 7.5 8.5 9.5 1
-[EndOfFile]
-"""
 HEAD2 = HEAD.replace("FileVersion 1", "FileVersion 2")
 NAME = "htr"
 

@@ -70,15 +70,20 @@ def _bvh(clip: ClipStream, motion: list[Channels], frames: int) -> tuple[list[np
         for axis, channel in enumerate(("Tx", "Ty", "Tz")):
             if channel in values:
                 moved[:, axis] = values[channel] + (offset[axis] if joint.translation == "relative" else 0.0)
-        if joint.parent < 0:
-            places.append(moved)
-            turns.append(local)
-        else:
-            places.append(places[joint.parent] + turns[joint.parent].apply(moved))
-            turns.append(turns[joint.parent] * local)
+        _hang(joint, moved, local, places, turns)
         site = numbers(joint.end_sites[0].offset) if joint.end_sites else np.zeros(3)
         ends.append(places[-1] + turns[-1].apply(site))
     return places, ends
+
+
+def _hang(joint: Joint, moved: np.ndarray, local: Rotation, places: list[np.ndarray], turns: list[Rotation]) -> None:
+    """Appends where the joint is and how it is turned. moved, local: in the axes of its parent."""
+    if joint.parent < 0:
+        places.append(moved)
+        turns.append(local)
+    else:
+        places.append(places[joint.parent] + turns[joint.parent].apply(moved))
+        turns.append(turns[joint.parent] * local)
 
 
 def _asf(clip: ClipStream, motion: list[Channels], frames: int) -> tuple[list[np.ndarray], list[np.ndarray]]:
@@ -119,12 +124,7 @@ def _htr(clip: ClipStream, motion: list[Channels], frames: int) -> tuple[list[np
         rest = _product(_turns(base, joint.rotation_order, reading.rest_angle, frames), frames)
         local = rest * _product(_turns(values, joint.rotation_order, reading.motion_angle, frames), frames)
         moved = numbers(joint.offset) + _translation(values, frames)
-        if joint.parent < 0:
-            places.append(moved)
-            turns.append(local)
-        else:
-            places.append(places[joint.parent] + turns[joint.parent].apply(moved))
-            turns.append(turns[joint.parent] * local)
+        _hang(joint, moved, local, places, turns)
         along = np.eye(3)[reading.bone_axis] * float(joint.length or 0) * values.get("SF", np.ones(frames))[:, None]
         ends.append(places[-1] + turns[-1].apply(along))
     return places, ends
