@@ -158,6 +158,8 @@ class _Importer:
         self.progress = progress
         self.key: int | None = None
         self.uuid = ""
+        self.project = 0
+        self.committed = False
         self.uploads: list[Upload] = []
         self.rows: list[dict[str, Any]] = []
         self.row_bytes = 0
@@ -177,7 +179,8 @@ class _Importer:
     def _discard(self) -> None:
         # Where the store itself fails, the rows stay invisible and are swept when their lease has ended.
         with suppress(Exception):
-            if self.key is not None:
+            # A key of a transaction that was rolled back may be another document's by now.
+            if self.key is not None and self.committed:
                 with self.database.write(self.author) as tx:
                     tx.documents.remove_import(self.key)
                     for upload in self.uploads:
@@ -258,20 +261,23 @@ class _Importer:
             self.row_bytes += sum(len(row["data"]) + 200 for row in rows)
             if self.row_bytes >= FLUSH_BYTES:
                 with self.database.write(self.author) as tx:
-                    self._begin(tx)
                     self._flush(tx)
+                self.committed = True
 
     def _begin(self, tx: Transaction) -> int:
+        """The document's key, its lease renewed where an earlier transaction made it."""
         if self.key is None:
-            project = tx.projects.get_or_add(self.options.project)
-            self.key, self.uuid = tx.documents.begin(project, self.name, self.clip.format)
+            self.project = tx.projects.get_or_add(self.options.project)
+            self.key, self.uuid = tx.documents.begin(self.project, self.name, self.clip.format)
+        else:
+            tx.documents.renew_lease(self.key)
         return self.key
 
-    def _flush(self, tx: Transaction) -> None:
+    def _flush(self, tx: Transaction) -> int:
         key = self._begin(tx)
-        tx.documents.renew_lease(key)
         tx.tracks.write_chunks(key, self.rows, 0)
         self.rows, self.row_bytes = [], 0
+        return key
 
     def _store(
         self,
@@ -286,15 +292,13 @@ class _Importer:
             self._prepare(upload)
         header, forest = document.children[0], document.children[1:]
         with self.database.write(self.author) as tx:
-            key = self._begin(tx)
-            self._flush(tx)
+            key = self._flush(tx)
             tx.tracks.write_shapes(key, encoder.shapes)
             tx.tracks.write_shape_runs(key, encoder.shape_rows, 0)
             tx.tracks.write_frame_runs(key, encoder.ids.rows, 0)
             tx.tracks.write_timeline(key, [Piece(1, 0, encoder.frames)] if encoder.frames else [], 0)
             tx.spans.write(key, encoder.spans.rows, 0)
-            project = tx.projects.get(self.options.project)
-            skeleton = tx.heads.add_skeleton(project, forest, len(head.skeleton))
+            skeleton = tx.heads.add_skeleton(self.project, forest, len(head.skeleton))
             tx.heads.write_header(key, header, 0)
             tx.heads.write_bones(key, list(head.skeleton.names), 0)
             tx.documents.write_content(
@@ -308,18 +312,18 @@ class _Importer:
             )
             for upload in uploads:
                 upload.attach(tx, key)
-            self._skip_twins(tx, project)
+            self._skip_twins(tx)
             tx.documents.publish(
                 key, next_slot=encoder.frames, receipt=json.dumps(facts, ensure_ascii=False), message=self.clip.name
             )
         return Imported(self.uuid, self.name, facts)
 
-    def _skip_twins(self, tx: Transaction, project: int) -> None:
+    def _skip_twins(self, tx: Transaction) -> None:
         """An equal import that became visible since this one began counts as stored already, too."""
         if self.options.on_duplicate == "skip":
             tx.dialect.order_commits(tx.connection)
             digests = {upload.part: upload.sha256 for upload in self.uploads}
-            twins = [uuid for uuid in tx.uploads.twins(digests, project) if uuid != self.uuid]
+            twins = [uuid for uuid in tx.uploads.twins(digests, self.project) if uuid != self.uuid]
             if twins:
                 raise _StoredMeanwhile(twins[0])
 
@@ -338,9 +342,9 @@ class _Importer:
             pending_bytes += len(block)
             if pending_bytes >= FLUSH_BYTES:
                 with self.database.write(self.author) as tx:
-                    key = self._begin(tx)
-                    tx.documents.renew_lease(key)
+                    self._begin(tx)
                     upload.add(tx, pending)
+                self.committed = True
                 pending, pending_bytes = [], 0
         upload.blocks = pending
 

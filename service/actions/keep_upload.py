@@ -92,10 +92,13 @@ class Upload:
                 at=Place(file=self.file_name),
                 remedy="Import the file again.",
             )
-        self.add(tx, self.blocks)
-        if self.key is not None:
-            tx.uploads.complete(self.key)
-            tx.uploads.attach(document_key, self.part, self.file_name, self.key)
+        if self.key is None:
+            key = tx.uploads.add(self.sha256, self.size, self.blocks)
+        else:
+            key = self.key
+            self.add(tx, self.blocks)
+            tx.uploads.complete(key)
+        tx.uploads.attach(document_key, self.part, self.file_name, key)
 
     def abandon(self, tx: Transaction) -> None:
         """Drop what was written, after a failure."""

@@ -124,6 +124,10 @@ def _read_end_site(tokens: Tokens, joint: _Open, limits: Limits) -> None:
 
 
 def _read_triple(tokens: Tokens, what: str) -> Triple:
+    words = tokens.rest_words()
+    if len(words) == 3 and all(map(is_number, words)):
+        tokens.skip_line()
+        return words[0], words[1], words[2]
     lexemes = []
     for count in range(3):
         token = tokens.peek()
@@ -143,6 +147,10 @@ def _read_channels(tokens: Tokens, joint: str) -> tuple[str, ...]:
     if count is None or not (count.text.isascii() and count.text.isdigit()):
         raise _unexpected(count, f"the number of channels of joint {joint!r}", tokens)
     channels: list[str] = []
+    listed = [_CHANNEL_OF.get(word.lower(), "") for word in tokens.rest_words()]
+    if all(listed) and len(set(listed)) == len(listed):
+        tokens.skip_line()
+        channels = listed
     while (token := tokens.peek()) is not None:
         word = token.text.lower()
         if word not in _CHANNEL_OF and not word.endswith(("position", "rotation")):

@@ -140,12 +140,13 @@ def guess_translation(skeleton: Skeleton, sample: Array, wanted: str, notices: l
     for column, (owner, channel) in enumerate(columns):
         if channel < 3:
             moving.setdefault(owner, []).append((column, channel))
+    means = sample.mean(axis=0) if len(sample) else None
     for index, mine in moving.items():
         joint = skeleton.joints[index]
         offset = numbers(joint.offset)
-        if not len(sample) or not offset.any():
+        if means is None or not offset.any():
             continue
-        mean = sample[:, [column for column, _ in mine]].mean(axis=0)
+        mean = means[[column for column, _ in mine]]
         target = offset[[channel for _, channel in mine]]
         large = np.abs(target) >= 0.1 * np.linalg.norm(target)
         # Files exist whose OFFSET holds the place on the floor of another take; the height gives them away.

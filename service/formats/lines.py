@@ -9,7 +9,7 @@ import codecs
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 from service.errors import FormatError, LimitError, Notice, Place
 
@@ -128,8 +128,7 @@ def encoded(text: str, codec: str, notices: list[Notice]) -> bytes:
         return text.encode("utf-8", errors="replace")
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
+class Line(NamedTuple):
     """One line without its end. number: from 1. start, end: byte offsets, end behind the line's end characters."""
 
     text: str
@@ -150,24 +149,23 @@ class Lines:
     def __init__(self, stream: BinaryIO, encoding: Encoding, start: int | None = None, number: int = 1) -> None:
         self._codec = "utf-8" if encoding.codec == "utf-8-sig" else encoding.codec
         self._raw = _raw_lines(stream, encoding.start if start is None else start, number)
-        self._ahead: list[Line] = []
+        self._ahead: Line | None = None
         self.number = number
         """Number of the line last read."""
 
     def peek(self) -> Line | None:
         """The next line, None at the end of the file."""
-        if not self._ahead:
+        if self._ahead is None:
             raw = next(self._raw, None)
-            if raw is None:
-                return None
-            text, number, start, end = raw
-            self._ahead.append(Line(text.decode(self._codec, errors="replace"), number, start, end))
-        return self._ahead[0]
+            if raw is not None:
+                text, number, start, end = raw
+                self._ahead = Line(text.decode(self._codec, errors="replace"), number, start, end)
+        return self._ahead
 
     def next(self) -> Line | None:
-        line = self.peek()
+        line = self._ahead or self.peek()
         if line is not None:
-            self._ahead.clear()
+            self._ahead = None
             self.number = line.number
         return line
 
@@ -208,8 +206,7 @@ def _raw_lines(stream: BinaryIO, start: int, number: int) -> Iterator[tuple[byte
         yield rest, number, offset, offset + len(rest)
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(NamedTuple):
     """A word of a line. column: from 1, in characters."""
 
     text: str
@@ -237,23 +234,34 @@ class Tokens:
         """The next word, None at the end of the file."""
         if self._ahead is not None:
             return self._ahead
+        line, position = self._line, self._position
         while True:
-            if self._line is not None:
-                match = _WORD.search(self._line.text, self._position)
+            if line is not None:
+                match = _WORD.search(line.text, position)
                 if match:
-                    self._ahead = Token(match.group(), self._line, match.start() + 1)
+                    self._ahead = Token(match.group(), line, match.start() + 1)
                     return self._ahead
-            following = self._lines.next()
-            if following is None:
+            line, position = self._lines.next(), 0
+            if line is None:
                 return None
-            self._line, self._position = following, 0
+            self._line, self._position = line, 0
 
     def next(self) -> Token | None:
-        token = self.peek()
+        token = self._ahead or self.peek()
         if token is not None:
             self._position = token.column - 1 + len(token.text)
             self._ahead = None
         return token
+
+    def rest_words(self) -> list[str]:
+        """The words that the current line still holds; `skip_line` takes them all at once."""
+        return [] if self._line is None else _WORD.findall(self._line.text, self._position)
+
+    def skip_line(self) -> None:
+        """Go on behind the current line's last word."""
+        if self._line is not None:
+            self._position = len(self._line.text.rstrip(BLANKS))
+            self._ahead = None
 
     def rest_of_line(self) -> Token | None:
         """What the line still holds, trimmed, up to a brace that opens a body; None where that is nothing."""
@@ -273,7 +281,7 @@ class Tokens:
 
     def words_left_in_line(self) -> int:
         """How many words the current line still holds."""
-        return 0 if self._line is None else len(_WORD.findall(self._line.text, self._position))
+        return len(self.rest_words())
 
     def words_in_next_line(self) -> int:
         """How many words the line after the current one holds."""

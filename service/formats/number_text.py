@@ -6,6 +6,7 @@ Styles: "shortest" (the fewest digits that read back as the same double, orjson'
 
 from __future__ import annotations
 
+import operator
 import re
 
 import numpy as np
@@ -16,6 +17,7 @@ from service.motion.skeleton import Array
 
 SHORTEST = "shortest"
 SAMPLE_TOKENS = 300
+_EXPONENT = re.compile(rb"[eE][+-]?[0-9]*")
 _STYLE = re.compile(r"(fixed|general):([0-9]{1,2})")
 _TO_LINES = {
     separator: bytes(ord(separator) if code == ord(",") else code for code in range(256)) for separator in " \t"
@@ -26,29 +28,42 @@ def detect_style(sample: bytes) -> str:
     """The style in which most numbers of a text are written; SHORTEST where none fits more than half."""
     words = sample.split()
     # Spread over the sample: the first frame is often a pose of zeros.
-    tokens = [token.decode("latin-1") for token in words[:: len(words) // SAMPLE_TOKENS + 1]]
-    values = parse_numbers(" ".join(tokens).encode())
+    tokens = words[:: len(words) // SAMPLE_TOKENS + 1]
+    text = b" ".join(tokens)
+    values = parse_numbers(text)
     if values is None or not tokens:
         return SHORTEST
-    decimals = [len(token) - token.index(".") - 1 for token in tokens if "." in token and "e" not in token.lower()]
+    plain = [token for token in tokens if b"e" not in token and b"E" not in token] if _EXPONENT.search(text) else tokens
+    decimals = [len(token) - token.index(b".") - 1 for token in plain if b"." in token]
     fixed = [f"fixed:{max(set(decimals), key=decimals.count)}"] if decimals else []
-    digits = min(17, max(1, *(_significant_digits(token) for token in tokens)))
+    mantissas = _EXPONENT.sub(b"", text).translate(None, b"+-.").split(b" ")
+    digits = min(17, max(1, *(len(mantissa.lstrip(b"0")) for mantissa in mantissas)))
     general = f"general:{digits}"
     # Where several fit alike, few digits are a program's %g; a dozen are the value itself.
     candidates = [general, SHORTEST, *fixed] if digits <= 9 else [SHORTEST, *fixed, general]
-    shares = [_share(tokens, values, style) for style in candidates]
-    best = max(range(len(candidates)), key=lambda index: shares[index])
-    return candidates[best] if shares[best] > 0.5 else SHORTEST
+    shortest = number_tokens(values)
+    best, largest = SHORTEST, 0.5
+    for style in candidates:
+        share = _share(tokens, values, style, shortest)
+        if share > largest:
+            best, largest = style, share
+        if share == 1:
+            break
+    return best
 
 
-def _significant_digits(token: str) -> int:
-    mantissa = token.lower().split("e")[0].lstrip("+-")
-    return len(mantissa.replace(".", "").lstrip("0"))
-
-
-def _share(tokens: list[str], values: Array, style: str) -> float:
-    written = number_tokens(values, style)
-    return sum(token.encode() == text for token, text in zip(tokens, written, strict=True)) / len(tokens)
+def _share(tokens: list[bytes], values: Array, style: str, shortest: list[bytes]) -> float:
+    """How many of the tokens are what `number_tokens` gives; without reading again all that was written."""
+    template = _template(style)
+    if template is None:
+        return sum(map(operator.eq, tokens, shortest)) / len(tokens)
+    plain: list[float] = values.tolist()
+    written = (" ".join([template] * len(plain)) % tuple(plain)).encode().split(b" ")
+    mended = sum(
+        token == short != text and float(text) != value
+        for token, short, text, value in zip(tokens, shortest, written, plain, strict=True)
+    )
+    return (sum(map(operator.eq, tokens, written)) + mended) / len(tokens)
 
 
 def number_tokens(values: Array, style: str = SHORTEST) -> list[bytes]:

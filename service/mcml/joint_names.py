@@ -12,7 +12,7 @@ import csv
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 
 from service.errors import Notice, VocabularyError
 from service.motion.skeleton import Convention, Joint, Skeleton, unique_names
@@ -196,9 +196,12 @@ def named(skeleton: Skeleton, extra: Sequence[tuple[str, str]] = ()) -> tuple[Sk
 
 def _claim(claims: Sequence[tuple[str, str]], keys: list[str], given: dict[int, str], why: dict[int, str]) -> None:
     """Gives each name to the first joint with its key, if neither the joint nor the name has a match already."""
+    places: dict[str, list[int]] = {}
+    for index, key in enumerate(keys):
+        places.setdefault(key, []).append(index)
     for key, name in claims:
-        for index, candidate in enumerate(keys):
-            if candidate != key or index in given:
+        for index in places.get(key, ()):
+            if index in given:
                 continue
             if name in given.values():
                 why.setdefault(index, f"{name} is taken")
@@ -278,6 +281,7 @@ def _bare(name: str) -> str:
     return name.lower().rpartition(":")[2].strip()
 
 
+@lru_cache(maxsize=4096)
 def _key(name: str) -> str:
     bare = _bare(name)
     shorter = re.sub(r"^(?:mixamorig[0-9]*|bip0?01|character1_)[ _.-]*", "", bare)

@@ -27,6 +27,7 @@ from sqlalchemy.sql import ColumnElement
 from service.errors import ConflictError, DocumentError, StoreError
 from service.resources import migrations_path
 from service.storage import tables
+from service.storage.columns import Columns
 from service.storage.dialects import DIALECTS, Dialect
 from service.storage.documents import Documents
 from service.storage.heads import Heads
@@ -36,6 +37,8 @@ from service.storage.spans import Spans
 from service.storage.tables import CURRENT
 from service.storage.tracks import Tracks
 from service.storage.uploads import Uploads
+
+_NEWEST_COMMIT = select(func.coalesce(func.max(tables.commit.c.number), 0))
 
 LATEST = CURRENT - 1
 """Read at this commit to see what is current."""
@@ -71,7 +74,7 @@ class Transaction:
 
     def newest_commit(self) -> int:
         """The number of the last commit that this transaction sees, 0 in an empty store."""
-        return int(self.connection.execute(select(func.coalesce(func.max(tables.commit.c.number), 0))).scalar_one())
+        return int(self.connection.execute(_NEWEST_COMMIT).scalar_one())
 
     def valid(self, table: Table) -> ColumnElement[bool]:
         """The condition that a row of a table with `from_commit` and `to_commit` is valid at `self.at`."""
@@ -100,6 +103,10 @@ class Transaction:
     @cached_property
     def tracks(self) -> Tracks:
         return Tracks(self)
+
+    @cached_property
+    def columns(self) -> Columns:
+        return Columns(self)
 
     @cached_property
     def spans(self) -> Spans:

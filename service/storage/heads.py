@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import and_, delete, func, insert, or_, select, update
+from sqlalchemy import and_, bindparam, delete, func, insert, or_, select, update
 
 from service.mcml.elements import Element
 from service.storage.rows import digest, to_elements, to_rows
@@ -14,6 +14,10 @@ from service.storage.tables import CURRENT, bone, content, document, header, pro
 if TYPE_CHECKING:
     from service.storage.database import Transaction
     from service.storage.documents import StoredDocument
+
+_EQUAL_SKELETON = select(skeleton.c.id).where(
+    skeleton.c.project == bindparam("project"), skeleton.c.hash == bindparam("hash")
+)
 
 
 class Heads:
@@ -83,12 +87,12 @@ class Heads:
         """The key of this skeleton in the project: the stored one where an equal one is stored."""
         rows = to_rows(forest, level=1)
         key_hash = digest(rows)
-        query = select(skeleton.c.id).where(skeleton.c.project == project_key, skeleton.c.hash == key_hash)
-        found = self._tx.connection.execute(query).scalar_one_or_none()
+        wanted = {"project": project_key, "hash": key_hash}
+        found = self._tx.connection.execute(_EQUAL_SKELETON, wanted).scalar_one_or_none()
         if found is None:
             # Another import may be storing an equal one: who waited for it finds it.
             self._tx.dialect.order_commits(self._tx.connection)
-            found = self._tx.connection.execute(query).scalar_one_or_none()
+            found = self._tx.connection.execute(_EQUAL_SKELETON, wanted).scalar_one_or_none()
         if found is not None:
             return int(found)
         key = self._tx.insert_row(skeleton, project=project_key, hash=key_hash, joints=joints)

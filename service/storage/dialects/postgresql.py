@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import Any
 
 from sqlalchemy import Connection, Engine, Table, create_engine, insert, text
+from sqlalchemy.sql.dml import ReturningInsert
 
 from service.storage.dialects.base import Dialect
 from service.storage.tables import metadata
 
 COMMIT_LOCK = 0x4D434D4C
 """Key of the advisory lock that orders commits: "MCML" in ASCII."""
+
+_ORDER = text("SELECT pg_advisory_xact_lock(:key)")
 
 
 class PostgreSQL(Dialect):
@@ -34,7 +38,7 @@ class PostgreSQL(Dialect):
             yield connection
 
     def order_commits(self, connection: Connection) -> None:
-        connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": COMMIT_LOCK})
+        connection.execute(_ORDER, {"key": COMMIT_LOCK})
 
     def insert(self, connection: Connection, table: Table, rows: list[dict[str, Any]]) -> None:
         names = list(rows[0])
@@ -45,8 +49,7 @@ class PostgreSQL(Dialect):
                 copy.write_row([row[name] for name in names])
 
     def insert_one(self, connection: Connection, table: Table, row: dict[str, Any]) -> int:
-        (key,) = table.primary_key.columns
-        return int(connection.execute(insert(table).values(row).returning(key)).scalar_one())
+        return int(connection.execute(_insertion(table), row).scalar_one())
 
     def size(self, connection: Connection) -> dict[str, int]:
         total = connection.execute(text("SELECT pg_database_size(current_database())")).scalar_one()
@@ -63,3 +66,9 @@ class PostgreSQL(Dialect):
                         f'GREATEST((SELECT MAX({key.name}) FROM "{table.name}"), 1))'
                     )
                 )
+
+
+@cache
+def _insertion(table: Table) -> ReturningInsert[tuple[int]]:
+    (key,) = table.primary_key.columns
+    return insert(table).returning(key)
