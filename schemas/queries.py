@@ -6,6 +6,19 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.examples import CURSOR, DOCUMENT, NODE, QUERY, shown
+
+_RUN = {
+    "document": DOCUMENT,
+    "name": "walk",
+    "revision": 1,
+    "first": 100,
+    "last": 142,
+    "first_id": "100",
+    "last_id": "142",
+    "frames": 43,
+}
+
 
 class NodeItem(BaseModel):
     """One node of a result. address: a canonical XPath that finds it in its document."""
@@ -41,7 +54,9 @@ class RunItem(BaseModel):
 class Explain(BaseModel):
     """How the query ran."""
 
-    way: Literal["index", "projection"] = Field(description="Answered from rows and indexes, or on projected documents")
+    way: Literal["index", "columns", "projection"] = Field(
+        description="Answered from indexes, on columns, or on documents as XML"
+    )
     plan: list[str]
     documents: int
     milliseconds: float
@@ -51,25 +66,11 @@ class QueryAnswer(BaseModel):
     """type: nodes, runs, or the type of the scalar. For one scalar `value`; else `items`, a page."""
 
     model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "type": "nodes",
-                    "items": [
-                        {
-                            "kind": "attribute",
-                            "document": "01a1fd5b-63fa-7af5-9027-3f8ccdfe4736",
-                            "revision": 1,
-                            "address": "/mcml/motion/frame[100]/frame_bone[3]/@Rx",
-                            "value": "45.1942",
-                        }
-                    ],
-                    "next_cursor": None,
-                    "complete": True,
-                    "warnings": [],
-                }
-            ]
-        }
+        json_schema_extra=shown(
+            {"type": "nodes", "items": [NODE], "next_cursor": CURSOR, "complete": True, "warnings": []},
+            {"type": "runs", "items": [_RUN], "complete": True, "warnings": []},
+            {"type": "number", "value": 42.0, "complete": True, "warnings": []},
+        )
     )
 
     type: Literal["nodes", "runs", "number", "string", "boolean"]
@@ -88,7 +89,7 @@ class QueryRequest(BaseModel):
     model_config = ConfigDict(
         extra="forbid",
         populate_by_name=True,
-        json_schema_extra={"examples": [{"q": "//frame[motion_name='left-arm-abduction']", "as": "runs"}]},
+        json_schema_extra=shown({"q": QUERY, "document": [DOCUMENT], "as": "runs", "explain": True}),
     )
 
     q: str = Field(min_length=1, max_length=10_000)

@@ -29,6 +29,9 @@ class Projection(IntEnum):
 
 _FRAME_TYPES = frozenset({FRAME, f"@{FRAME}", MOTION_NAME, f"#{MOTION_NAME}"})
 _BONE_TYPES = frozenset({FRAME_BONE, f"@{FRAME_BONE}"})
+_STRUCTURE = _FRAME_TYPES | _BONE_TYPES | {DOCUMENT, MCML, f"@{MCML}", MOTION}
+_STRUCTURE |= {f"{mark}{name}" for name in ("frames", "frametime") for mark in ("", "#")}
+"""Types of what every document has, and what is in frames."""
 _WITH_FRAMES = frozenset({DOCUMENT, MCML, MOTION, FRAME})
 """Types whose elements hold frames or frame_bones: serialised, they need them."""
 
@@ -44,6 +47,20 @@ def projection(tree: Expression) -> Projection:
     return analysis.least()
 
 
+def needs_head(tree: Expression) -> bool:
+    """Whether the value depends on headers or skeletons, or is made of them."""
+    analysis = _Analysis()
+    result = analysis.types(tree, frozenset({DOCUMENT}))
+    if type_of(tree) == "nodes":
+        analysis.use(result)
+    return analysis.sees_head()
+
+
+def types_of(tree: Expression, context: Types = frozenset({DOCUMENT})) -> Types:
+    """Types of the nodes that an expression can select; of a value, none."""
+    return _Analysis().types(tree, context)
+
+
 def may_select_document(tree: Expression) -> bool:
     """Whether the document node can be among the nodes that the expression selects."""
     return type_of(tree) == "nodes" and DOCUMENT in _Analysis().types(tree, frozenset({DOCUMENT}))
@@ -54,6 +71,7 @@ class _Analysis:
 
     def __init__(self) -> None:
         self._used: set[str] = set()
+        self._head_text = False
 
     def use(self, types: Types) -> None:
         self._used |= types
@@ -62,6 +80,9 @@ class _Analysis:
         if self._used & _BONE_TYPES:
             return Projection.WHOLE
         return Projection.FRAMES if self._used & _FRAME_TYPES else Projection.HEAD
+
+    def sees_head(self) -> bool:
+        return self._head_text or not self._used <= _STRUCTURE
 
     def types(self, expression: Expression, context: Types) -> Types:
         """Types of the nodes selected; of a value, none. context: types of the context node."""
@@ -98,6 +119,7 @@ class _Analysis:
     def _value(self, types: Types) -> None:
         """The string of these nodes is taken: the text of all that is in them."""
         self.use(types)
+        self._head_text = self._head_text or bool(types & {DOCUMENT, MCML})
         for holder in types:
             # Text is in motion names only; frame_bones have none.
             self.use(_descendants().get(holder, frozenset()) & _FRAME_TYPES)
@@ -157,7 +179,7 @@ def _axis(source: str, axis: str) -> Types:
     if axis == "descendant-or-self":
         return _descendants().get(source, frozenset()) | {source}
     if axis == "parent":
-        return _parents(source)
+        return parent_types(source)
     if axis in ("ancestor", "ancestor-or-self"):
         above = frozenset(holder for holder, held in _descendants().items() if source.removeprefix("@") in held)
         own = frozenset({source[1:]}) if source.startswith("@") else frozenset()
@@ -165,13 +187,14 @@ def _axis(source: str, axis: str) -> Types:
     if axis in ("following-sibling", "preceding-sibling"):
         if source.startswith("@") or source == DOCUMENT:
             return frozenset()
-        return frozenset().union(*(_children()[parent] for parent in _parents(source)))
+        return frozenset().union(*(_children()[parent] for parent in parent_types(source)))
     if axis in ("following", "preceding"):
         return _everything()
     return frozenset()
 
 
-def _parents(source: str) -> Types:
+def parent_types(source: str) -> Types:
+    """Types of the parents that nodes of a type can have."""
     if source.startswith("@"):
         return frozenset({source[1:]})
     return frozenset(holder for holder, held in _children().items() if source in held)

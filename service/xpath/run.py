@@ -7,7 +7,7 @@ import binascii
 import math
 import time
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import orjson
@@ -16,13 +16,21 @@ from schemas.queries import Explain, NodeItem, QueryAnswer, QueryRequest, RunIte
 from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.database import LATEST, Database, Transaction
+from service.storage.documents import StoredDocument
+from service.xpath import sources
+from service.xpath.axes import TooWideError
+from service.xpath.columnar import Columnar
 from service.xpath.evaluate import Evaluator, Scalar
+from service.xpath.heads import Heads
 from service.xpath.indexed import Indexed, scope_documents
 from service.xpath.nodes import Node, Run, Scope
 from service.xpath.parse import Query, parse
 from service.xpath.plan import COUNT, Plan, plan
 from service.xpath.projected import Projected
-from service.xpath.tree import Literal, is_constant, type_of
+from service.xpath.rules import normal
+from service.xpath.sources import Nth, Source
+from service.xpath.tree import Call, Expression, Filter, Literal, is_constant, type_of
+from service.xpath.values import TooLongError
 
 MAX_RUNS = 100_000
 
@@ -43,6 +51,7 @@ class Queries:
         self.database = database
         self.settings = settings
         self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
+        self.heads = Heads()
 
     def close(self) -> None:
         self.evaluator.close()
@@ -63,18 +72,38 @@ class Queries:
             kind = type_of(query.tree)
             if request.as_ != "json" and kind != "nodes":
                 raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
+            way = "index"
             if is_constant(query.tree):
                 answer = self._constant(query)
             elif cursor is None and found is not None and found.aggregate != "nodes":
                 answer = _aggregate(tx, found, scope)
             else:
                 page = _Page(request, limit, cursor or _Cursor(-1, 0, _check(request)))
-                source = Indexed(tx, found, scope) if found is not None else Projected(self, tx, query, scope)
-                answer = page.of(source, tx)
+                if found is not None:
+                    answer = page.of(Indexed(tx, found, scope), tx)
+                else:
+                    way, answer = self._evaluated(tx, query, scope, page)
             answer.warnings += query.warnings
             if request.explain:
-                answer.explain = _explain(query, found, scope, (time.perf_counter() - start) * 1000)
+                answer.explain = _explain(query, found, way, scope, (time.perf_counter() - start) * 1000)
         return answer
+
+    def _evaluated(self, tx: Transaction, query: Query, scope: Scope, page: _Page) -> tuple[str, QueryAnswer]:
+        """On columns; on the documents as XML where an intermediate result is too large for that."""
+        check = Deadline(self.settings.query_seconds).check
+        tree, nth = without_index(normal(query.tree))
+        documents = scope_documents(tx, scope)
+        try:
+            source = Columnar(tx, tree, documents, self.heads, check)
+            if type_of(tree) == "nodes":
+                nodes = source if nth is None else Nth(source, nth)
+                return "columns", page.of_nodes(nodes, tx, self.settings.query_elements)
+            if isinstance(tree, Call) and tree.function in ("count", "sum"):
+                inner = Columnar(tx, tree.arguments[0], documents, self.heads, check)
+                return "columns", QueryAnswer(type="number", value=_plain(inner.total(tree.function)))
+            return "columns", scalars(type_of(tree), documents, source.values())
+        except (TooWideError, TooLongError):
+            return "projection", page.of(Projected(self, tx, query, scope), tx)
 
     def _constant(self, query: Query) -> QueryAnswer:
         """A value that no document can change, such as `1 + 1`: said once."""
@@ -121,10 +150,20 @@ class _Page:
         if isinstance(source, Projected) and source.type != "nodes":
             return self._scalars(source)
         if self.request.as_ == "runs":
-            runs = list(_page_of(source.runs(), offset, self.limit + 1))
-            items = [_run_item(tx, run) for run in runs[: self.limit]]
-            return QueryAnswer(type="runs", items=list(items), next_cursor=self._next(tx, len(runs) > self.limit))
-        nodes = source.nodes(offset, self.limit + 1)
+            return self._runs(source.runs(), tx)
+        return self._nodes(source.nodes(offset, self.limit + 1), tx)
+
+    def of_nodes(self, source: Source, tx: Transaction, max_elements: int) -> QueryAnswer:
+        if self.request.as_ == "runs":
+            return self._runs(sources.runs(source), tx)
+        return self._nodes(sources.page(source, self.cursor.offset, self.limit + 1, max_elements), tx)
+
+    def _runs(self, found: Iterator[Run], tx: Transaction) -> QueryAnswer:
+        runs = list(_page_of(found, self.cursor.offset, self.limit + 1))
+        items = [_run_item(tx, run) for run in runs[: self.limit]]
+        return QueryAnswer(type="runs", items=list(items), next_cursor=self._next(tx, len(runs) > self.limit))
+
+    def _nodes(self, nodes: list[Node], tx: Transaction) -> QueryAnswer:
         shown = [_node_item(node) for node in nodes[: self.limit]]
         return QueryAnswer(type="nodes", items=list(shown), next_cursor=self._next(tx, len(nodes) > self.limit))
 
@@ -132,10 +171,7 @@ class _Page:
         kind, value, each = source.scalars()
         if value is not None:
             return QueryAnswer(type=kind, value=_plain(value))
-        items = [
-            ScalarItem(document=stored.uuid, revision=stored.revision, value=_plain(item)) for stored, item in each
-        ]
-        return QueryAnswer(type=kind, items=list(items))
+        return scalars(kind, [stored for stored, _ in each], [item for _, item in each])
 
     def _next(self, tx: Transaction, more: bool) -> str | None:
         if not more:
@@ -143,6 +179,43 @@ class _Page:
         commit = self.cursor.commit if self.cursor.commit >= 0 else tx.newest_commit()
         parts = [commit, self.cursor.offset + self.limit, self.cursor.check]
         return base64.urlsafe_b64encode(orjson.dumps(parts)).decode().rstrip("=")
+
+
+def scalars(kind: str, documents: Sequence[StoredDocument], found: Sequence[float | str | bool]) -> QueryAnswer:
+    """One value of one document, or a value of each."""
+    if len(documents) == 1:
+        return QueryAnswer(type=kind, value=_plain(found[0]))
+    items = [
+        ScalarItem(document=stored.uuid, revision=stored.revision, value=_plain(value))
+        for stored, value in zip(documents, found, strict=True)
+    ]
+    return QueryAnswer(type=kind, items=list(items))
+
+
+def without_index(tree: Expression) -> tuple[Expression, int | None]:
+    """`(…)[n]` around the whole counts over all documents: the expression inside, and n."""
+    if isinstance(tree, Filter) and len(tree.predicates) == 1 and isinstance(tree.predicates[0], Literal):
+        value = tree.predicates[0].value
+        if isinstance(value, float) and value >= 1 and value.is_integer():
+            return tree.operand, int(value)
+    return tree, None
+
+
+class Deadline:
+    """seconds: how long a query may take."""
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self._end = time.monotonic() + seconds
+
+    def check(self) -> None:
+        """LimitError once the time is up."""
+        if time.monotonic() > self._end:
+            raise LimitError(
+                f"The query took longer than {self._seconds:g} s.",
+                remedy="Ask fewer documents, or ask for a motion name first.",
+                code="query-timeout",
+            )
 
 
 def _page_of(runs: Iterator[Run], offset: int, limit: int) -> Iterator[Run]:
@@ -204,8 +277,10 @@ def _read_cursor(request: QueryRequest) -> _Cursor | None:
     return _Cursor(commit, offset, check)
 
 
-def _explain(query: Query, found: Plan | None, scope: Scope, milliseconds: float) -> Explain:
+def _explain(query: Query, found: Plan | None, way: str, scope: Scope, milliseconds: float) -> Explain:
     asked = 0 if scope.keys is None else len(scope.keys)
+    if found is None and way == "columns":
+        return Explain(way="columns", plan=["the expression on columns"], documents=asked, milliseconds=milliseconds)
     if found is None:
         steps = ["the documents as XML, without what the expression cannot touch", "libxml2 evaluates the expression"]
         return Explain(way="projection", plan=steps, documents=asked, milliseconds=milliseconds)

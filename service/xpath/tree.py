@@ -153,3 +153,16 @@ def is_constant(expression: Expression) -> bool:
 
 def _given(call: Call) -> bool:
     return bool(call.arguments) or call.function in ("true", "false")
+
+
+def depends_on_position(expression: Expression) -> bool:
+    """Whether position() or last() of the context itself are asked for, not those of predicates inside."""
+    if isinstance(expression, Call):
+        if expression.function in ("position", "last"):
+            return True
+        return any(depends_on_position(argument) for argument in expression.arguments)
+    if isinstance(expression, Path):
+        return expression.start is not None and depends_on_position(expression.start)
+    if isinstance(expression, Filter):
+        return depends_on_position(expression.operand)
+    return isinstance(expression, Operation) and any(depends_on_position(operand) for operand in expression.operands)

@@ -1,0 +1,304 @@
+"""The documents of a batch as columns: heads as arrays of nodes, frames as runs of equal structure."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+import numpy as np
+
+from service.errors import StoreError
+from service.mcml.lexical import escape
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+from service.xpath.heads import Head, Heads
+from service.xpath.numbering import (
+    BONE_WIDTH,
+    BONES,
+    DOCUMENT_SHIFT,
+    FIRST_ATTRIBUTE,
+    FIRST_CHANNEL,
+    FRAME_SHIFT,
+    IS_ELEMENT,
+    MAX_DOCUMENTS,
+    MAX_FRAMES,
+    MOTION,
+    NAME_WIDTH,
+    NAMES_FROM,
+    Bools,
+    Ints,
+    documents_of,
+    frames_of,
+    slots_of,
+)
+
+
+class Forest:
+    """Documents side by side. Nodes are numbers (`numbering`); a document's place here is the number's first part.
+
+    documents: in order of the answer. whole_heads: whether headers and skeletons can be asked for. All columns are read
+    when they are first needed.
+    """
+
+    def __init__(
+        self, tx: Transaction, documents: Sequence[StoredDocument], heads: Heads, *, whole_heads: bool
+    ) -> None:
+        if len(documents) > MAX_DOCUMENTS or any(stored.frames > MAX_FRAMES for stored in documents):
+            raise StoreError("More documents or frames than nodes can be numbered for.")
+        self.tx = tx
+        self.documents = documents
+        self.keys = [stored.key for stored in documents]
+        self.frames: Ints = np.array([stored.frames for stored in documents], np.int64)
+        self._heads = heads
+        self._whole_heads = whole_heads
+        self._head: HeadRows | None = None
+        self._shapes: ShapeRuns | None = None
+        self._labels: LabelRuns | None = None
+        self._ids: IdRuns | None = None
+
+    def __len__(self) -> int:
+        return len(self.documents)
+
+    @property
+    def head(self) -> HeadRows:
+        if self._head is None:
+            self._head = HeadRows(self._heads.read(self.tx, self.documents, whole=self._whole_heads))
+        return self._head
+
+    @property
+    def shapes(self) -> ShapeRuns:
+        if self._shapes is None:
+            self._shapes = ShapeRuns(self.tx, self.keys)
+        return self._shapes
+
+    @property
+    def labels(self) -> LabelRuns:
+        if self._labels is None:
+            self._labels = LabelRuns(self.tx, self.keys, self.frames)
+        return self._labels
+
+    @property
+    def ids(self) -> IdRuns:
+        if self._ids is None:
+            self._ids = IdRuns(self.tx, self.keys)
+        return self._ids
+
+    def all_frames(self, documents: Ints) -> tuple[Ints, Ints]:
+        """(index into documents, frame element) of every frame of each document, in order."""
+        source, position = expand(self.frames[documents])
+        return source, (documents[source] << DOCUMENT_SHIFT) | ((position + 1) << FRAME_SHIFT)
+
+
+class HeadRows:
+    """The heads of a batch as one table: kinds, names, parents and ends by row; `nodes` are ascending."""
+
+    def __init__(self, heads: Sequence[Head]) -> None:
+        sizes = [len(head.part) for head in heads]
+        self.starts: Ints = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+        self.motions: Ints = self.starts[:-1] + np.array([head.motion for head in heads], np.int64)
+        document = np.repeat(np.arange(len(heads)), sizes)
+        within = np.arange(self.starts[-1]) - self.starts[document]
+        motion = self.motions[document] - self.starts[document] if heads else within
+        slot = np.where(within < motion, within, within - motion + MOTION)
+        self.nodes: Ints = (document << DOCUMENT_SHIFT) | slot
+        offset = self.starts[:-1].tolist()
+        parts = [head.part for head in heads]
+        self.kinds = _joined([part.kinds for part in parts], np.int8)
+        self.names = _joined([part.names for part in parts], np.int16)
+        # The document node is its own parent here; the parent axis leaves it out.
+        self.parents = _joined([np.maximum(p.parents, 0) + o for p, o in zip(parts, offset, strict=True)], np.int64)
+        self.ends = _joined([part.ends + start for part, start in zip(parts, offset, strict=True)], np.int64)
+        self._parts = parts
+
+    def rows(self, nodes: Ints) -> Ints:
+        documents, slots = documents_of(nodes), slots_of(nodes)
+        base = np.where(slots < MOTION, self.starts[documents], self.motions[documents] - MOTION)
+        return np.asarray(base + slots, np.int64)
+
+    def texts(self, rows: Ints) -> list[str]:
+        """The strings of attributes, texts and namespace nodes."""
+        documents = np.searchsorted(self.starts, rows, side="right") - 1
+        within = rows - self.starts[documents]
+        parts = self._parts
+        return [parts[d].texts[row] for d, row in zip(documents.tolist(), within.tolist(), strict=True)]
+
+    def is_motion(self, rows: Ints) -> Bools:
+        return np.isin(rows, self.motions)
+
+    def elements(self, rows: Ints) -> Bools:
+        return np.asarray(self.kinds[rows] == IS_ELEMENT)
+
+
+class ShapeRuns:
+    """Runs of frames of equal shape that lie in neighbouring slots, and the frame_bones of each shape.
+
+    bones, bits, names: of all shapes one after the other, those of shape s from offsets[s]: number of the bone, its
+    channels, and the number of its name in `texts`.
+    """
+
+    def __init__(self, tx: Transaction, keys: Sequence[int]) -> None:
+        place = {key: number for number, key in enumerate(keys)}
+        found = tx.columns.shapes(keys)
+        number_of = {shape: number for number, shape in enumerate(found)}
+        bone_names = tx.columns.bone_names(keys)
+        self.texts: list[str] = list(dict.fromkeys(escape(name) for name in bone_names.values()))
+        codes = {text: code for code, text in enumerate(self.texts)}
+        lengths = [len(shape) for shape in found.values()]
+        self.offsets: Ints = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
+        self.bones: Ints = np.array([bone for shape in found.values() for bone, _ in shape], np.int64)
+        self.bits: Ints = np.array([bits for shape in found.values() for _, bits in shape], np.int64)
+        self.names: Ints = np.array(
+            [codes[escape(bone_names[document, bone])] for (document, _), shape in found.items() for bone, _ in shape],
+            np.int64,
+        )
+        runs: list[tuple[int, int, int, int]] = []
+        in_slots: dict[int, list[tuple[int, int, int]]] = {}
+        for document, slot, count, shape in tx.columns.shape_runs(keys):
+            in_slots.setdefault(document, []).append((slot, count, number_of[document, shape]))
+        for document, first, slot, count in tx.columns.timelines(keys):
+            for start, length, shape in in_slots.get(document, ()):
+                begin, end = max(start, slot), min(start + length, slot + count)
+                if begin < end:
+                    key = (place[document] << (DOCUMENT_SHIFT - FRAME_SHIFT)) | (first + begin - slot)
+                    runs.append((key, begin, end - begin, shape))
+        runs.sort()
+        table = np.array(runs, np.int64).reshape(-1, 4)
+        self._keys, self._slots, self.counts, self.shape = table.T
+
+    def run_of(self, nodes: Ints) -> Ints:
+        """The run in which each node's frame lies."""
+        return np.asarray(np.searchsorted(self._keys, nodes >> FRAME_SHIFT, side="right") - 1)
+
+    def shape_of(self, nodes: Ints) -> Ints:
+        return np.asarray(self.shape[self.run_of(nodes)], np.int64)
+
+    def slot_of(self, nodes: Ints) -> Ints:
+        """Where the values of each node's frame lie in its document."""
+        runs = self.run_of(nodes)
+        return np.asarray(self._slots[runs] + (nodes >> FRAME_SHIFT) - self._keys[runs], np.int64)
+
+    def sizes(self, frames: Ints) -> Ints:
+        """How many frame_bones each frame has."""
+        shapes = self.shape_of(frames)
+        return np.asarray(self.offsets[shapes + 1] - self.offsets[shapes], np.int64)
+
+    def entries(self, nodes: Ints) -> Ints:
+        """The place in `bones`, `bits`, `names` of each frame_bone that nodes are or belong to."""
+        return np.asarray(self.offsets[self.shape_of(nodes)] + ((slots_of(nodes) - BONES) // BONE_WIDTH), np.int64)
+
+    def children(self, frames: Ints) -> tuple[Ints, Ints]:
+        """(index into frames, frame_bone) of all frame_bones of each frame, in order."""
+        source, number = expand(self.sizes(frames))
+        return source, frames[source] + BONES + BONE_WIDTH * number
+
+    def named(self, frames: Ints, text: str) -> tuple[Ints, Ints]:
+        """(index into frames, frame_bone) of the frame_bones of a name."""
+        matching = np.flatnonzero(self.names == (self.texts.index(text) if text in self.texts else -1))
+        shape = np.searchsorted(self.offsets, matching, side="right") - 1
+        number = matching - self.offsets[shape]
+        shapes = self.shape_of(frames)
+        begin, end = np.searchsorted(shape, shapes, side="left"), np.searchsorted(shape, shapes, side="right")
+        source, within = expand(end - begin)
+        return source, frames[source] + BONES + BONE_WIDTH * number[begin[source] + within]
+
+    def attributes(self, bones: Ints) -> tuple[Ints, Ints]:
+        """(index into bones, attribute) of all attributes of each frame_bone, in order."""
+        bits = self.bits[self.entries(bones)]
+        present = np.concatenate(
+            [np.ones((len(bones), 1), bool), (bits[:, None] >> np.arange(8) & 1).astype(bool)], axis=1
+        )
+        source, place = np.nonzero(present)
+        return source, bones[source] + FIRST_ATTRIBUTE + place
+
+    def channel(self, bones: Ints, channel: int) -> tuple[Ints, Ints]:
+        """(index into bones, attribute) of one channel, where frame_bones have it."""
+        source = np.flatnonzero(self.bits[self.entries(bones)] >> channel & 1)
+        return source, bones[source] + FIRST_CHANNEL + channel
+
+
+class LabelRuns:
+    """Runs of frames that carry the same motion names; every frame is in one. names: all runs' names, as `texts`."""
+
+    def __init__(self, tx: Transaction, keys: Sequence[int], frames: Ints) -> None:
+        spans: dict[int, list[tuple[int, int, str]]] = {}
+        for document, first, last, name in tx.columns.spans(keys):
+            spans.setdefault(document, []).append((first, last, name))
+        self.texts: list[str] = []
+        codes: dict[str, int] = {}
+        starts: list[int] = []
+        lengths: list[int] = []
+        names: list[int] = []
+        for place, key in enumerate(keys):
+            found = spans.get(key, [])
+            ends = {1, *(first for first, _, _ in found), *(last + 1 for _, last, _ in found)}
+            for start in sorted(end for end in ends if end <= max(1, int(frames[place]))):
+                covering = [name for first, last, name in found if first <= start <= last]
+                starts.append((place << (DOCUMENT_SHIFT - FRAME_SHIFT)) | start)
+                lengths.append(len(covering))
+                for name in covering:
+                    code = codes.setdefault(name, len(codes))
+                    if code == len(self.texts):
+                        self.texts.append(escape(name))
+                    names.append(code)
+        self.starts: Ints = np.array(starts, np.int64)
+        self.lengths: Ints = np.array(lengths, np.int64)
+        self.offsets: Ints = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
+        self.names: Ints = np.array(names, np.int64)
+
+    def run_of(self, nodes: Ints) -> Ints:
+        return np.asarray(np.searchsorted(self.starts, nodes >> FRAME_SHIFT, side="right") - 1)
+
+    def sizes(self, frames: Ints) -> Ints:
+        """How many motion_names each frame has."""
+        return np.asarray(self.lengths[self.run_of(frames)], np.int64)
+
+    def codes(self, nodes: Ints) -> Ints:
+        """The place in `texts` of the name that each motion_name (or its text) holds."""
+        number = (slots_of(nodes) - NAMES_FROM) // NAME_WIDTH
+        return np.asarray(self.names[self.offsets[self.run_of(nodes)] + number], np.int64)
+
+    def children(self, frames: Ints) -> tuple[Ints, Ints]:
+        """(index into frames, motion_name) of all motion_names of each frame, in order."""
+        source, number = expand(self.sizes(frames))
+        return source, frames[source] + NAMES_FROM + NAME_WIDTH * number
+
+
+class IdRuns:
+    """Frame ids, as arithmetic where they are integers of equal steps."""
+
+    def __init__(self, tx: Transaction, keys: Sequence[int]) -> None:
+        place = {key: number for number, key in enumerate(keys)}
+        rows = [
+            ((place[document] << (DOCUMENT_SHIFT - FRAME_SHIFT)) | first, first_id or 0, step or 0, texts)
+            for document, first, _, first_id, step, texts in tx.columns.frame_runs(keys)
+        ]
+        rows.sort(key=lambda row: row[0])
+        self._texts = {number: json.loads(row[3]) for number, row in enumerate(rows) if row[3] is not None}
+        self._keys, self._first, self._step = np.array([row[:3] for row in rows], np.int64).reshape(-1, 3).T
+
+    def numbers(self, nodes: Ints) -> tuple[Ints, dict[int, str]]:
+        """The id of each node's frame as an integer; by index, those that are other texts."""
+        keys = nodes >> FRAME_SHIFT
+        run = np.searchsorted(self._keys, keys, side="right") - 1
+        within = keys - self._keys[run]
+        others: dict[int, str] = {}
+        for number, texts in self._texts.items():
+            for index in np.flatnonzero(run == number).tolist():
+                others[index] = texts[within[index]]
+        return np.asarray(self._first[run] + self._step[run] * within, np.int64), others
+
+
+def expand(counts: Ints) -> tuple[Ints, Ints]:
+    """For counts 2, 0, 3: (0 0 2 2 2, 0 1 0 1 2): which one, and the number within it."""
+    counts = np.asarray(counts, np.int64)
+    source = np.repeat(np.arange(len(counts)), counts)
+    within = np.arange(len(source)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return source, within
+
+
+def in_frames(nodes: Ints) -> Bools:
+    return np.asarray(frames_of(nodes) > 0)
+
+
+def _joined(parts: list[np.ndarray], kind: type) -> np.ndarray:
+    return np.concatenate([*parts, np.empty(0, kind)]).astype(kind, copy=False)

@@ -1,0 +1,186 @@
+"""The head of a document, all that is not in a frame, as arrays of nodes in document order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.mcml.elements import Element
+from service.mcml.vocabulary import MCML, MOTION
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+from service.xpath.numbering import (
+    IS_ATTRIBUTE,
+    IS_DOCUMENT,
+    IS_ELEMENT,
+    IS_NAMESPACE,
+    IS_TEXT,
+    name_codes,
+)
+
+XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Nodes in document order, each element followed by its namespace node, its attributes, its text, its children.
+
+    kinds, names: as in `numbering`. parents: the row of the parent, below 0 for nodes whose parent is outside. ends:
+    the last row inside each node. texts: the string of attributes and texts, "" for others.
+    """
+
+    kinds: NDArray[np.int8]
+    names: NDArray[np.int16]
+    parents: NDArray[np.int64]
+    ends: NDArray[np.int64]
+    texts: list[str]
+
+    def __len__(self) -> int:
+        return len(self.texts)
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """Rows of the document node, `mcml` and all before the motion; from row `motion` on, the motion without frames."""
+
+    part: Part
+    motion: int
+
+
+def flatten(forest: Sequence[Element]) -> Part:
+    """The nodes of trees, their roots without a parent."""
+    codes = name_codes()
+    kinds: list[int] = []
+    names: list[int] = []
+    parents: list[int] = []
+    ends: list[int] = []
+    texts: list[str] = []
+
+    def add(kind: int, name: int, parent: int, text: str) -> int:
+        kinds.append(kind)
+        names.append(name)
+        parents.append(parent)
+        ends.append(len(texts))
+        texts.append(text)
+        return len(texts) - 1
+
+    stack: list[tuple[Element | None, int]] = [(tree, -1) for tree in reversed(forest)]
+    while stack:
+        element, parent = stack.pop()
+        if element is None:
+            ends[parent] = len(texts) - 1
+            continue
+        row = add(IS_ELEMENT, codes[element.tag], parent, "")
+        add(IS_NAMESPACE, codes["xml"], row, XML_NAMESPACE)
+        for name, value in element.attributes.items():
+            add(IS_ATTRIBUTE, codes[name], row, value)
+        if element.text:
+            add(IS_TEXT, 0, row, element.text)
+        stack.append((None, row))
+        stack.extend((child, row) for child in reversed(element.children))
+    return Part(
+        np.array(kinds, np.int8),
+        np.array(names, np.int16),
+        np.array(parents, np.int64),
+        np.array(ends, np.int64),
+        texts,
+    )
+
+
+def _assemble(version: str, parts: Sequence[Part], frames: int, frame_time: str | None) -> Head:
+    before = _frame_of_parts(version)
+    motion = _motion(frames, frame_time)
+    # `mcml` is in row 1; the document node and it end with the last row.
+    offset = len(before)
+    pieces = [before]
+    for part in parts:
+        pieces.append(_moved(part, offset, parent=1))
+        offset += len(part)
+    pieces.append(_moved(motion, offset, parent=1))
+    total = offset + len(motion)
+    ends = np.concatenate([piece.ends for piece in pieces])
+    ends[:2] = total - 1
+    whole = Part(
+        np.concatenate([piece.kinds for piece in pieces]),
+        np.concatenate([piece.names for piece in pieces]),
+        np.concatenate([piece.parents for piece in pieces]),
+        ends,
+        [text for piece in pieces for text in piece.texts],
+    )
+    return Head(whole, offset)
+
+
+@lru_cache(maxsize=16)
+def _frame_of_parts(version: str) -> Part:
+    """Document node and `mcml`."""
+    mcml = flatten([Element(MCML, {"version": version}, "", [])])
+    document = Part(np.array([IS_DOCUMENT], np.int8), np.zeros(1, np.int16), np.array([-1]), np.zeros(1, int), [""])
+    moved = _moved(mcml, 1, parent=0)
+    return Part(
+        np.concatenate([document.kinds, moved.kinds]),
+        np.concatenate([document.names, moved.names]),
+        np.concatenate([document.parents, moved.parents]),
+        np.concatenate([document.ends, moved.ends]),
+        document.texts + moved.texts,
+    )
+
+
+@lru_cache(maxsize=1024)
+def _motion(frames: int, frame_time: str | None) -> Part:
+    children = [Element("frames", {}, str(frames), [])]
+    if frame_time is not None:
+        children.append(Element("frametime", {}, frame_time, []))
+    return flatten([Element(MOTION, {}, "", children)])
+
+
+def _moved(part: Part, offset: int, parent: int) -> Part:
+    parents = np.where(part.parents < 0, parent, part.parents + offset)
+    return replace(part, parents=parents, ends=part.ends + offset)
+
+
+class Heads:
+    """Heads of documents, the parts read before kept: they never change under their keys, so none can be out of date.
+
+    limit: nodes kept, about 100 bytes each. Threads may share it.
+    """
+
+    def __init__(self, limit: int = 1 << 20) -> None:
+        self._limit = limit
+        self._size = 0
+        self._headers: dict[tuple[int, int], Part] = {}
+        self._skeletons: dict[int, Part] = {}
+
+    def read(self, tx: Transaction, documents: Sequence[StoredDocument], *, whole: bool) -> list[Head]:
+        """The head of each document. whole: with header and skeleton; else only document, `mcml` and motion."""
+        if not whole:
+            return [_assemble(stored.version, (), stored.frames, stored.frame_time) for stored in documents]
+        headers, skeletons = self._headers, self._skeletons
+        revisions = {stored.key: stored.revision for stored in documents}
+        unread = [key for key, revision in revisions.items() if (key, revision) not in headers]
+        found = {(key, revisions[key]): flatten([element]) for key, element in tx.columns.headers(unread).items()}
+        missing = [key for key in dict.fromkeys(stored.skeleton for stored in documents) if key not in skeletons]
+        forests = {key: flatten(forest) for key, forest in tx.columns.skeletons(missing).items()}
+        headers, skeletons = {**headers, **found}, {**skeletons, **forests}
+        self._remember(headers, skeletons, sum(map(len, found.values())) + sum(map(len, forests.values())))
+        return [
+            _assemble(
+                stored.version,
+                (headers[stored.key, stored.revision], skeletons[stored.skeleton]),
+                stored.frames,
+                stored.frame_time,
+            )
+            for stored in documents
+        ]
+
+    def _remember(self, headers: dict[tuple[int, int], Part], skeletons: dict[int, Part], added: int) -> None:
+        if not added:
+            return
+        self._size += added
+        if self._size > self._limit:
+            self._headers, self._skeletons, self._size = {}, {}, 0
+        else:
+            self._headers, self._skeletons = headers, skeletons

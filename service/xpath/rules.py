@@ -1,0 +1,113 @@
+"""Rewriting: expressions that mean the same become the same tree, in the form that runs best.
+
+Each rule holds for every document that is valid against `mcml.dtd`; what it relies on are the element types that a step
+can reach (`projection.reach`). Rules, in the order in which they are tried:
+
+1. `self::node()` is left out.
+2. `descendant-or-self::node()/child::x[p]` is `descendant::x[p]` where p does not count positions.
+3. Where it does, and all x have parents of one type: `descendant-or-self::parent/child::x[p]`.
+4. `descendant-or-self::node()/attribute::a` is `descendant-or-self::e/attribute::a` where only e has the attribute.
+5. `descendant::x` where all x are children of frames is `descendant-or-self::frame/child::x`.
+6. All frames are children of the one motion: from the document they are `/child::mcml/child::motion/child::frame`,
+   positions and all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+from service.mcml.content import declarations
+from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
+from service.xpath.projection import DOCUMENT, Types, parent_types, reach, types_of
+from service.xpath.tree import Call, Expression, Filter, Operation, Path, Step, depends_on_position, type_of
+
+ANY = ("descendant-or-self", "node()")
+_WAY = {DOCUMENT: (MCML, MOTION), MCML: (MOTION,), MOTION: ()}
+"""From each of these the elements between it and all frames."""
+
+
+def normal(expression: Expression, context: Types = frozenset({DOCUMENT})) -> Expression:
+    """The expression rewritten. context: types of its context node."""
+    if isinstance(expression, Path):
+        start = None if expression.start is None else normal(expression.start, context)
+        types = frozenset({DOCUMENT}) if expression.absolute else context
+        if expression.start is not None:
+            types = types_of(expression.start, context)
+        return replace(expression, start=start, steps=_steps(expression.steps, types))
+    if isinstance(expression, Filter):
+        types = types_of(expression.operand, context)
+        predicates = tuple(normal(predicate, types) for predicate in expression.predicates)
+        return Filter(normal(expression.operand, context), predicates, expression.span)
+    if isinstance(expression, Call):
+        return replace(expression, arguments=tuple(normal(each, context) for each in expression.arguments))
+    if isinstance(expression, Operation):
+        return replace(expression, operands=tuple(normal(each, context) for each in expression.operands))
+    return expression
+
+
+def counts(step: Step) -> bool:
+    """Whether a predicate of the step depends on positions."""
+    return any(type_of(each) == "number" or depends_on_position(each) for each in step.predicates)
+
+
+def after(types: Types, step: Step) -> Types:
+    """Types of the nodes that a step can reach."""
+    return frozenset[str]().union(*(reach(source, step) for source in types))
+
+
+def _steps(steps: Sequence[Step], types: Types) -> tuple[Step, ...]:
+    waiting = [step for step in steps if (step.axis, step.name, step.predicates) != ("self", "node()", ())]
+    waiting.reverse()
+    result: list[Step] = []
+    while waiting:
+        step = waiting.pop()
+        rewritten = _any_depth(step, waiting[-1] if waiting else None)
+        if rewritten is not None:
+            waiting.pop()
+            waiting.extend(reversed(rewritten))
+            continue
+        rewritten = _to_frames(step, types)
+        if rewritten is not None:
+            waiting.extend(reversed(rewritten))
+            continue
+        reached = after(types, step)
+        result.append(replace(step, predicates=tuple(normal(each, reached) for each in step.predicates)))
+        types = reached
+    return tuple(result)
+
+
+def _any_depth(step: Step, following: Step | None) -> list[Step] | None:
+    """Rules 2 to 4: what becomes of `descendant-or-self::node()` and the step behind it."""
+    if following is None or (step.axis, step.name) != ANY or step.predicates:
+        return None
+    if following.axis in ("child", "descendant") and not counts(following):
+        return [replace(following, axis="descendant")]
+    if following.axis == "child":
+        above = frozenset(holder for source in _types_named(following) for holder in parent_types(source))
+        holder = next(iter(above)) if len(above) == 1 else ""
+        return [Step("descendant-or-self", holder), following] if holder in declarations() else None
+    if following.axis == "attribute":
+        owners = [name for name, declared in declarations().items() if following.name in declared.attributes]
+        return [Step("descendant-or-self", owners[0]), following] if len(owners) == 1 else None
+    return None
+
+
+def _to_frames(step: Step, types: Types) -> list[Step] | None:
+    """Rules 5 and 6: how the frames, and what only frames hold, are reached."""
+    if step.axis not in ("descendant", "descendant-or-self"):
+        return None
+    if step.name in (FRAME_BONE, MOTION_NAME) and not counts(step) and step.name not in types:
+        return [Step("descendant-or-self", FRAME), replace(step, axis="child")]
+    if step.name == FRAME and types and types <= _WAY.keys():
+        holder = next(iter(types)) if len(types) == 1 else None
+        if holder is not None:
+            return [*(Step("child", name) for name in _WAY[holder]), replace(step, axis="child")]
+    return None
+
+
+@cache
+def _types_named(step: Step) -> Types:
+    """All types that a step of this name can reach from anywhere."""
+    return frozenset({step.name}) if step.name in declarations() else frozenset()
