@@ -4,6 +4,19 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.examples import HASH, MOTION_NAME, PROJECT, shown
+
+_BVH = {
+    "name": "bvh",
+    "title": "Biovision BVH",
+    "parts": [{"name": "bvh", "title": "Skeleton and motion", "extensions": [".bvh"]}],
+    "convention": "listed",
+    "reads": True,
+    "writes": True,
+}
+_JOINT_NAME = {"number": 6, "name": "left_up_arm", "reconstructed": False, "aliases": {"asf": ["lhumerus"]}}
+_LEG = {"part": "leg", "sided": True, "joints": ["*_up_leg"], "movements": ["flexion", "extension"]}
+
 
 class FormatPart(BaseModel):
     name: str
@@ -26,6 +39,10 @@ class UnsupportedFormat(BaseModel):
 
 
 class FormatList(BaseModel):
+    model_config = ConfigDict(
+        json_schema_extra=shown({"items": [_BVH], "unsupported": [{"name": "c3d", "why": "comes later"}]})
+    )
+
     items: list[FormatInfo]
     unsupported: list[UnsupportedFormat]
 
@@ -33,11 +50,7 @@ class FormatList(BaseModel):
 class JointName(BaseModel):
     """A row of the table of joint names."""
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [{"number": 6, "name": "left_up_arm", "reconstructed": False, "aliases": {"asf": ["lhumerus"]}}]
-        }
-    )
+    model_config = ConfigDict(json_schema_extra=shown(_JOINT_NAME))
 
     number: int
     name: str
@@ -46,6 +59,8 @@ class JointName(BaseModel):
 
 
 class JointNameList(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_JOINT_NAME]}))
+
     items: list[JointName]
 
 
@@ -65,6 +80,12 @@ class BodyPart(BaseModel):
 class MotionNameList(BaseModel):
     """Names in use, and the vocabulary of movements that bodies can perform."""
 
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"items": [{"name": MOTION_NAME, "documents": 12, "frames": 1430}], "vocabulary": [_LEG]}
+        )
+    )
+
     items: list[MotionNameInUse]
     vocabulary: list[BodyPart]
 
@@ -77,14 +98,24 @@ class SkeletonInfo(BaseModel):
 
 
 class SkeletonPage(BaseModel):
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"items": [{"id": 3, "hash": HASH, "joints": 31, "documents": 12}], "next_cursor": None}
+        )
+    )
+
     items: list[SkeletonInfo]
     next_cursor: str | None = None
 
 
 class ProjectList(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": ["default", PROJECT]}))
+
     items: list[str]
 
 
 class Health(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"status": "ok", "database": "sqlite"}))
+
     status: str
     database: str | None = None

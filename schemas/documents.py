@@ -6,15 +6,37 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.examples import (
+    CURSOR,
+    DETAIL,
+    DOCUMENT,
+    LABEL,
+    LABEL_REQUEST,
+    PROBLEM,
+    PROPERTY,
+    RECEIPT,
+    SUMMARY,
+    TIME,
+    shown,
+)
 from schemas.problem import Problem
 
-_ID = "01a1fd5b-63fa-7af5-9027-3f8ccdfe4736"
+_IMPORTED = {"id": DOCUMENT, "name": "walk", "skipped": False, "receipt": RECEIPT}
+_REFUSED = {"file": "broken.bvh", "problem": PROBLEM}
+_REVISION = {"number": 1, "parent": None, "operation": "import", "message": "walk.bvh", "time": TIME, "author": "local"}
+_FRAME = {"frame": 1, "id": "1", "values": {"Root": {"Tx": 0.1886, "Ty": 92.5, "Tz": -3.25}, "Spine": {"Rz": 1.956}}}
+_CLIP = {
+    "files": ["walk.bvh"],
+    "header": {"filename": "walk.bvh"},
+    "joints": [{"name": "Root", "source_name": "Hips", "parent": -1}],
+    "receipt": RECEIPT,
+}
 
 
 class Property(BaseModel):
     """An attribute of the clip, such as the age of the actor."""
 
-    model_config = ConfigDict(json_schema_extra={"examples": [{"name": "age", "value": "23", "unit": "year"}]})
+    model_config = ConfigDict(json_schema_extra=shown(PROPERTY))
 
     name: str = Field(min_length=1, max_length=256)
     value: str = Field(max_length=4096)
@@ -61,6 +83,8 @@ class NoticeLine(BaseModel):
 class Receipt(BaseModel):
     """What an import found, guessed and mended."""
 
+    model_config = ConfigDict(json_schema_extra=shown(RECEIPT))
+
     format: str
     frames: int
     joints: int
@@ -91,25 +115,7 @@ class StoredFile(BaseModel):
 class DocumentSummary(BaseModel):
     """A document as lists show it."""
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "id": _ID,
-                    "name": "salsa_60_10",
-                    "project": "default",
-                    "format": "bvh",
-                    "frames": 1197,
-                    "seconds_per_frame": 0.008333,
-                    "duration": 9.974601,
-                    "skeleton": 3,
-                    "revision": 1,
-                    "created": "2026-01-31T14:02:11.120Z",
-                    "modified": "2026-01-31T14:02:11.120Z",
-                }
-            ]
-        }
-    )
+    model_config = ConfigDict(json_schema_extra=shown(SUMMARY))
 
     id: str
     name: str
@@ -139,9 +145,7 @@ class Bone(BaseModel):
 class Label(BaseModel):
     """A motion name on frames first to last: positions from 1, both ends included."""
 
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"id": 12, "name": "left-arm-abduction", "first": 100, "last": 142, "rank": 0}]}
-    )
+    model_config = ConfigDict(json_schema_extra=shown(LABEL))
 
     id: int
     name: str
@@ -152,6 +156,8 @@ class Label(BaseModel):
 
 class DocumentDetail(DocumentSummary):
     """Everything about a document but its frames."""
+
+    model_config = ConfigDict(json_schema_extra=shown(DETAIL))
 
     description: str
     properties: list[Property]
@@ -181,11 +187,15 @@ class FileProblem(BaseModel):
 class UploadResult(BaseModel):
     """Each document is stored whole or not at all; one bad file stops no other."""
 
+    model_config = ConfigDict(json_schema_extra=shown({"documents": [_IMPORTED], "problems": [_REFUSED]}))
+
     documents: list[ImportedDocument]
     problems: list[FileProblem]
 
 
 class DocumentPage(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": [SUMMARY], "next_cursor": CURSOR, "total": 240}))
+
     items: list[DocumentSummary]
     next_cursor: str | None = None
     total: int = Field(description="Documents that match, on all pages")
@@ -195,7 +205,8 @@ class DocumentChange(BaseModel):
     """What to change; what is left out stays. An empty text removes description, unit or up axis."""
 
     model_config = ConfigDict(
-        extra="forbid", json_schema_extra={"examples": [{"name": "salsa, lady", "unit": "cm", "up": "Y"}]}
+        extra="forbid",
+        json_schema_extra=shown({"name": "walk, second take", "unit": "cm", "up": "Y", "properties": [PROPERTY]}),
     )
 
     name: Annotated[str, Field(min_length=1, max_length=1024)] | None = None
@@ -209,9 +220,7 @@ class DocumentChange(BaseModel):
 
 
 class LabelRequest(BaseModel):
-    model_config = ConfigDict(
-        extra="forbid", json_schema_extra={"examples": [{"name": "left-arm-abduction", "first": 100, "last": 142}]}
-    )
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(LABEL_REQUEST))
 
     name: str = Field(min_length=1, max_length=1024)
     first: int = Field(ge=1)
@@ -219,6 +228,8 @@ class LabelRequest(BaseModel):
 
 
 class LabelPage(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": [LABEL], "next_cursor": None}))
+
     items: list[Label]
     next_cursor: str | None = None
 
@@ -233,6 +244,8 @@ class Revision(BaseModel):
 
 
 class RevisionPage(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_REVISION], "next_cursor": None}))
+
     items: list[Revision]
     next_cursor: str | None = None
 
@@ -248,12 +261,16 @@ class FrameRow(BaseModel):
 class FramePage(BaseModel):
     """Frames as JSON; `format=npy` answers one array instead."""
 
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_FRAME], "next_cursor": CURSOR}))
+
     items: list[FrameRow]
     next_cursor: str | None = None
 
 
 class InspectResult(BaseModel):
     """What an upload would find; nothing is stored."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"clips": [_CLIP], "problems": []}))
 
     clips: list[dict[str, Any]]
     problems: list[FileProblem]

@@ -6,6 +6,8 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.examples import PROBLEM, shown
+
 
 class Where(BaseModel):
     """Where in the input; what does not apply is left out."""
@@ -19,20 +21,7 @@ class Where(BaseModel):
 class Problem(BaseModel):
     """What is wrong, where, and how to mend it."""
 
-    model_config = ConfigDict(
-        json_schema_extra={
-            "examples": [
-                {
-                    "type": "/docs/problems#format-error",
-                    "title": "Format error",
-                    "status": 422,
-                    "detail": "CHANNELS announces 6 names, 5 follow.",
-                    "where": {"file": "walk.bvh", "line": 4},
-                    "remedy": "Add the missing channel name.",
-                }
-            ]
-        }
-    )
+    model_config = ConfigDict(json_schema_extra=shown(PROBLEM))
 
     type: str
     title: str

@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from fastapi import FastAPI
 from fastapi.middleware.gzip import GZipMiddleware
 
-from service.api import ROUTERS, problems
+from service.api import ROUTERS, description, problems
 from service.api.guard import Guard
 from service.settings import Settings
 from service.storage.database import Database
@@ -57,6 +57,7 @@ def create_app(settings: Settings, database: Database | None = None) -> FastAPI:
     app.state.queries = Queries(store, settings)
     app.state.requests = {}
     problems.install(app)
+    description.install(app)
     for router, prefix in ROUTERS:
         app.include_router(router, prefix=prefix)
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-from fastapi import APIRouter, Query
+from fastapi import APIRouter
 
 from schemas.catalogues import (
     BodyPart,
@@ -20,7 +18,7 @@ from schemas.catalogues import (
     SkeletonPage,
     UnsupportedFormat,
 )
-from service.api.dependencies import DatabaseDep, PageDep, decode_cursor, encode_cursor
+from service.api.dependencies import DatabaseDep, PageDep, ProjectQuery, decode_cursor, encode_cursor
 from service.formats import FORMATS, UNSUPPORTED
 from service.mcml import joint_names, motion_names
 
@@ -67,9 +65,7 @@ def list_joint_names() -> JointNameList:
 
 
 @router.get("/motion-names", operation_id="list_motion_names")
-def list_motion_names(
-    database: DatabaseDep, project: Annotated[str | None, Query(description="Names used in this project only")] = None
-) -> MotionNameList:
+def list_motion_names(database: DatabaseDep, project: ProjectQuery = None) -> MotionNameList:
     """Motion names in use with their frames, and the movements that each part of the body can perform."""
     with database.read() as tx:
         used = tx.spans.counts(project)
@@ -83,7 +79,7 @@ def list_motion_names(
 
 
 @router.get("/skeletons", operation_id="list_skeletons")
-def list_skeletons(database: DatabaseDep, page: PageDep, project: str | None = None) -> SkeletonPage:
+def list_skeletons(database: DatabaseDep, page: PageDep, project: ProjectQuery = None) -> SkeletonPage:
     """Skeletons in use. Documents with equal skeletons share one."""
     after = 0 if page.cursor is None else int(decode_cursor(page.cursor, int)[0])
     with database.read() as tx:

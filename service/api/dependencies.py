@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import orjson
-from fastapi import Depends, Header, Query, Request
+from fastapi import Depends, Header, Path, Query, Request
 
+from schemas.examples import CURSOR, DOCUMENT, PROJECT
 from service.actions.describe_problem import PreconditionError
 from service.errors import NotFoundError, QueryError
 from service.settings import Settings
@@ -43,7 +44,15 @@ AuthorDep = Annotated[str, Depends(_author)]
 QueriesDep = Annotated[Queries, Depends(_queries)]
 MOST = 2**31 - 1
 """Of numbers in requests: what every database can compare."""
-RevisionQuery = Annotated[int | None, Query(ge=1, le=MOST, description="Read this revision instead of the current one")]
+DocumentId = Annotated[str, Path(description="Id of the document", examples=[DOCUMENT])]
+ProjectQuery = Annotated[str | None, Query(description="This project only", examples=[PROJECT])]
+RevisionQuery = Annotated[
+    int | None, Query(ge=1, le=MOST, description="Read this revision instead of the current one", examples=[1])
+]
+First = Annotated[int, Query(ge=1, le=MOST, description="First frame, a position from 1", examples=[100])]
+Last = Annotated[
+    int | None, Query(ge=1, le=MOST, description="Last frame, included; default the last one", examples=[142])
+]
 
 
 def encode_cursor(*parts: Any) -> str:
@@ -77,8 +86,10 @@ class Page:
 
 def _page(
     settings: SettingsDep,
-    limit: Annotated[int, Query(ge=1, description="Most items on the page")] = 100,
-    cursor: Annotated[str | None, Query(max_length=4096, description="`next_cursor` of the page before")] = None,
+    limit: Annotated[int, Query(ge=1, description="Most items on the page", examples=[20])] = 100,
+    cursor: Annotated[
+        str | None, Query(max_length=4096, description="`next_cursor` of the page before", examples=[CURSOR])
+    ] = None,
 ) -> Page:
     return Page(min(limit, settings.page_limit), cursor)
 
@@ -93,7 +104,10 @@ def etag(stored: StoredDocument, format_name: str) -> str:
 
 IfMatch = Annotated[
     str | None,
-    Header(description='The ETag that was read, or its revision as `"7"`; `*` for whatever is current'),
+    Header(
+        description='The ETag that was read, or its revision as `"7"`; `*` for whatever is current',
+        examples=['"7"'],
+    ),
 ]
 
 

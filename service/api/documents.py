@@ -19,6 +19,7 @@ from schemas.documents import (
     RevisionPage,
     UploadResult,
 )
+from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT
 from service.actions.change_document import change_document, delete_document, restore_document, restore_revision
 from service.actions.describe_document import detail, summary
 from service.actions.describe_problem import problem_of
@@ -29,8 +30,10 @@ from service.api.dependencies import (
     MOST,
     AuthorDep,
     DatabaseDep,
+    DocumentId,
     IfMatch,
     PageDep,
+    ProjectQuery,
     RevisionQuery,
     SettingsDep,
     at_revision,
@@ -46,7 +49,12 @@ from service.storage.documents import DocumentFilter
 
 router = APIRouter(tags=["documents"])
 
-Files = Annotated[list[UploadFile], File(description="BVH, ASF and AMC, HTR, MCML, or zips of them")]
+Files = Annotated[
+    list[UploadFile], File(description="BVH, ASF and AMC, HTR, MCML, or zips of them", examples=[["walk.bvh"]])
+]
+
+
+Encoding = Annotated[str | None, Form(description="Text encoding, if it is not UTF-8", examples=["cp949"])]
 
 
 @router.post("/documents", status_code=201, operation_id="upload_documents", response_model=UploadResult)
@@ -55,17 +63,31 @@ def upload_documents(
     settings: SettingsDep,
     author: AuthorDep,
     file: Files,
-    project: Annotated[str, Form(min_length=1, max_length=256)] = "default",
-    name: Annotated[str | None, Form(max_length=1024, description="Name of the document; default the file's")] = None,
-    description: Annotated[str, Form(max_length=100_000)] = "",
-    label: Annotated[list[str] | None, Form(description="NAME or NAME:FIRST-LAST; may be repeated")] = None,
-    property: Annotated[list[str] | None, Form(description="NAME=VALUE or NAME=VALUE UNIT; may be repeated")] = None,
-    encoding: Annotated[str | None, Form(description="Text encoding, if it is not UTF-8")] = None,
+    project: Annotated[str, Form(min_length=1, max_length=256, examples=[PROJECT])] = "default",
+    name: Annotated[
+        str | None, Form(max_length=1024, description="Name of the document; default the file's", examples=["walk"])
+    ] = None,
+    description: Annotated[str, Form(max_length=100_000, examples=["A walk on flat ground."])] = "",
+    label: Annotated[
+        list[str] | None,
+        Form(description="NAME or NAME:FIRST-LAST; may be repeated", examples=[[f"{MOTION_NAME}:100-142"]]),
+    ] = None,
+    property: Annotated[
+        list[str] | None,
+        Form(description="NAME=VALUE or NAME=VALUE UNIT; may be repeated", examples=[["age=23 year"]]),
+    ] = None,
+    encoding: Encoding = None,
     translation: Annotated[Literal["auto", "absolute", "relative"], Form()] = "auto",
-    unit: Annotated[str | None, Form(description="Length unit of the files: mm, cm, m, inch …")] = None,
-    up: Annotated[str | None, Form(description="Axis that points up")] = None,
-    frame_time: Annotated[str | None, Form(description="Seconds a frame, where the files do not say")] = None,
-    skeleton: Annotated[str | None, Form(description="Stored document whose ASF an AMC alone shall use")] = None,
+    unit: Annotated[
+        str | None, Form(description="Length unit of the files: mm, cm, m, inch …", examples=["cm"])
+    ] = None,
+    up: Annotated[str | None, Form(description="Axis that points up", examples=["Y"])] = None,
+    frame_time: Annotated[
+        str | None, Form(description="Seconds a frame, where the files do not say", examples=["0.0083333"])
+    ] = None,
+    skeleton: Annotated[
+        str | None, Form(description="Stored document whose ASF an AMC alone shall use", examples=[DOCUMENT])
+    ] = None,
     on_duplicate: Annotated[Literal["new", "skip"], Form()] = "new",
     strict_names: Annotated[bool, Form(description="Refuse labels that are no anatomical movement")] = False,
 ) -> Response:
@@ -102,7 +124,7 @@ def upload_documents(
 
 
 @router.post("/inspect", operation_id="inspect_files")
-def inspect(settings: SettingsDep, file: Files, encoding: Annotated[str | None, Form()] = None) -> InspectResult:
+def inspect(settings: SettingsDep, file: Files, encoding: Encoding = None) -> InspectResult:
     """What an upload of these files would find. Nothing is stored."""
     clips, problems = inspect_files(_sources(file), ImportOptions(encoding=encoding), settings)
     return InspectResult(
@@ -114,12 +136,19 @@ def inspect(settings: SettingsDep, file: Files, encoding: Annotated[str | None, 
 def list_documents(
     database: DatabaseDep,
     page: PageDep,
-    project: str | None = None,
-    q: Annotated[str | None, Query(description="Part of the name")] = None,
-    motion_name: Annotated[str | None, Query(description="Documents with a frame of this name")] = None,
-    format: str | None = None,
-    skeleton: Annotated[int | None, Query(ge=0, le=MOST)] = None,
-    property: Annotated[list[str] | None, Query(description="age:20..30 or take:calm; may be repeated")] = None,
+    project: ProjectQuery = None,
+    q: Annotated[str | None, Query(description="Part of the name", examples=["walk"])] = None,
+    motion_name: Annotated[
+        str | None, Query(description="Documents with a frame of this name", examples=[MOTION_NAME])
+    ] = None,
+    format: Annotated[str | None, Query(description="Source format", examples=["bvh"])] = None,
+    skeleton: Annotated[
+        int | None, Query(ge=0, le=MOST, description="Number of the skeleton, as lists give it", examples=[3])
+    ] = None,
+    property: Annotated[
+        list[str] | None,
+        Query(description="age:20..30 or take:calm; may be repeated", examples=[["age:20..30", "take:calm"]]),
+    ] = None,
     sort: Literal["name", "newest"] = "name",
 ) -> DocumentPage:
     """Documents, by name or newest first."""
@@ -147,7 +176,7 @@ def list_documents(
 
 @router.get("/documents/{id}", operation_id="get_document", response_model=DocumentDetail)
 def get_document(
-    id: str, request: Request, response: Response, database: DatabaseDep, revision: RevisionQuery = None
+    id: DocumentId, request: Request, response: Response, database: DatabaseDep, revision: RevisionQuery = None
 ) -> Any:
     """Everything about a document but its frames."""
     with database.read() as tx:
@@ -162,7 +191,7 @@ def get_document(
 
 @router.patch("/documents/{id}", operation_id="change_document")
 def patch_document(
-    id: str,
+    id: DocumentId,
     change: DocumentChange,
     response: Response,
     database: DatabaseDep,
@@ -181,7 +210,7 @@ def patch_document(
 
 
 @router.delete("/documents/{id}", status_code=204, operation_id="delete_document")
-def remove_document(id: str, database: DatabaseDep, author: AuthorDep, if_match: IfMatch = None) -> Response:
+def remove_document(id: DocumentId, database: DatabaseDep, author: AuthorDep, if_match: IfMatch = None) -> Response:
     """Hide a document. Nothing is lost: `POST /documents/{id}/restore` brings it back."""
     with database.write(author) as tx:
         delete_document(tx, checked_for_write(tx, id, if_match))
@@ -190,12 +219,13 @@ def remove_document(id: str, database: DatabaseDep, author: AuthorDep, if_match:
 
 @router.post("/documents/{id}/restore", operation_id="restore_document")
 def restore(
-    id: str,
+    id: DocumentId,
     response: Response,
     database: DatabaseDep,
     author: AuthorDep,
     revision: Annotated[
-        int | None, Query(ge=1, le=MOST, description="Make the content of this revision current again")
+        int | None,
+        Query(ge=1, le=MOST, description="Make the content of this revision current again", examples=[1]),
     ] = None,
     if_match: IfMatch = None,
 ) -> DocumentDetail:
@@ -208,7 +238,7 @@ def restore(
 
 
 @router.get("/documents/{id}/revisions", operation_id="list_revisions")
-def list_revisions(id: str, database: DatabaseDep, page: PageDep) -> RevisionPage:
+def list_revisions(id: DocumentId, database: DatabaseDep, page: PageDep) -> RevisionPage:
     """The history of a document, newest first."""
     before = None if page.cursor is None else int(decode_cursor(page.cursor, int)[0])
     with database.read() as tx:

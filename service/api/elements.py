@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Response
 
 from schemas.elements import ElementChange, ElementEdited
+from schemas.examples import ADDRESS, FRAME_BONE, NODE
 from schemas.queries import NodeItem, QueryRequest
 from service.actions.edit_element import Change, change_element, delete_element, read_element
 from service.api.dependencies import (
     AuthorDep,
     DatabaseDep,
+    DocumentId,
     IfMatch,
     QueriesDep,
     RevisionQuery,
@@ -34,15 +36,21 @@ One = Annotated[
         alias="xpath",
         min_length=1,
         max_length=10_000,
-        description="Selects exactly one element or attribute, such as /mcml/motion/frame[100]/frame_bone[3]/@Rx",
+        description="Selects exactly one element or attribute",
+        examples=[ADDRESS],
     ),
 ]
-_XML = {200: {"content": {"application/xml": {}}, "description": "The element, or the text of the attribute"}}
+_XML: dict[int | str, dict[str, Any]] = {
+    200: {
+        "content": {"application/xml": {"example": FRAME_BONE}, "text/plain": {"example": NODE["value"]}},
+        "description": "The element, or the text of the attribute",
+    }
+}
 
 
-@router.get("/documents/{id}/elements", operation_id="get_element", response_class=Response, responses=_XML)  # type: ignore[arg-type]
+@router.get("/documents/{id}/elements", operation_id="get_element", response_class=Response, responses=_XML)
 def get_element(
-    id: str, xpath: One, database: DatabaseDep, queries: QueriesDep, revision: RevisionQuery = None
+    id: DocumentId, xpath: One, database: DatabaseDep, queries: QueriesDep, revision: RevisionQuery = None
 ) -> Response:
     """One element of a document as XML, or the value of one attribute as text."""
     with database.read() as tx:
@@ -57,7 +65,7 @@ def get_element(
 class Edit:
     """What every edit of an element says: where, by whom, and for which revision."""
 
-    id: str
+    id: DocumentId
     xpath: One
     response: Response
     database: DatabaseDep

@@ -8,28 +8,32 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 
+from schemas.examples import MCML
 from service.actions.export_motion import Export, ExportOptions, export_document
-from service.api.dependencies import MOST, DatabaseDep, RevisionQuery, at_revision, etag
+from service.api.dependencies import DatabaseDep, DocumentId, First, Last, RevisionQuery, at_revision, etag
 from service.api.streaming import attachment, streamed, unchanged
 from service.formats import FORMATS
 from service.storage.database import Transaction
 
 router = APIRouter(tags=["export"])
 
-First = Annotated[int, Query(ge=1, le=MOST, description="First frame, a position from 1")]
-Last = Annotated[int | None, Query(ge=1, le=MOST, description="Last frame, included; default the last one")]
-_MCML: dict[int | str, dict[str, Any]] = {200: {"content": {"application/xml": {}}, "description": "The document"}}
+_MCML: dict[int | str, dict[str, Any]] = {
+    200: {"content": {"application/xml": {"example": MCML}}, "description": "The document"}
+}
 _TYPES = dict.fromkeys(
     [*(item.media_type for item in FORMATS.values()), "application/zip", "application/xml", "text/csv"]
 )
 _FILE: dict[int | str, dict[str, Any]] = {
-    200: {"content": {name.partition(";")[0]: {} for name in _TYPES}, "description": "The file"}
+    200: {
+        "content": {name.partition(";")[0]: {} for name in _TYPES},
+        "description": "The file: text in its own format, asf-amc a zip of both, mcml XML, csv a table of frames",
+    }
 }
 
 
 @router.get("/documents/{id}/mcml", operation_id="get_mcml", response_class=Response, responses=_MCML)
 def get_mcml(
-    id: str,
+    id: DocumentId,
     request: Request,
     database: DatabaseDep,
     revision: RevisionQuery = None,
@@ -44,20 +48,21 @@ def get_mcml(
 
 @router.get("/documents/{id}/export", operation_id="export_document", response_class=Response, responses=_FILE)
 def export(
-    id: str,
+    id: DocumentId,
     request: Request,
     database: DatabaseDep,
-    format: Annotated[str, Query(description="bvh, asf-amc (a zip), asf, amc, htr, mcml or csv")],
+    format: Annotated[str, Query(description="bvh, asf-amc (a zip), asf, amc, htr, mcml or csv", examples=["htr"])],
     revision: RevisionQuery = None,
     first: First = 1,
     last: Last = None,
     names: Annotated[
-        str | None, Query(description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's")
+        str | None,
+        Query(description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's", examples=["mcml"]),
     ] = None,
     unit: Annotated[
-        str | None, Query(description="Scale lengths to this unit; the document must state its own")
+        str | None, Query(description="Scale lengths to this unit; the document must state its own", examples=["mm"])
     ] = None,
-    up: Annotated[str | None, Query(description="Turn so that this axis points up")] = None,
+    up: Annotated[str | None, Query(description="Turn so that this axis points up", examples=["Z"])] = None,
     original: Annotated[bool, Query(description="Answer the kept bytes of an unedited document")] = True,
 ) -> Response:
     """The document in a motion-capture format. In its own format an unedited one comes back byte for byte."""

@@ -15,6 +15,9 @@ from service.actions.read_clip import read_clip
 from service.api.dependencies import (
     MOST,
     DatabaseDep,
+    DocumentId,
+    First,
+    Last,
     PageDep,
     RevisionQuery,
     at_revision,
@@ -32,20 +35,27 @@ from service.storage.database import Transaction
 router = APIRouter(tags=["frames"])
 
 
-_ARRAY: dict[int | str, dict[str, Any]] = {200: {"content": {"application/octet-stream": {}}}}
+_ARRAY: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "A page of frames; or with `format=npy` a NumPy file of one array, numbers little-endian",
+        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+    }
+}
 
 
 @router.get("/documents/{id}/frames", operation_id="get_frames", response_model=FramePage, responses=_ARRAY)
 def get_frames(
-    id: str,
+    id: DocumentId,
     request: Request,
     database: DatabaseDep,
     page: PageDep,
     revision: RevisionQuery = None,
-    first: Annotated[int, Query(ge=1, le=MOST, description="First frame, a position from 1")] = 1,
-    last: Annotated[int | None, Query(ge=1, le=MOST, description="Last frame, included; default the last one")] = None,
-    step: Annotated[int, Query(ge=1, le=MOST, description="Every step-th frame, from `first` on")] = 1,
-    bone: Annotated[list[str] | None, Query(description="Bones by MCML name; default all")] = None,
+    first: First = 1,
+    last: Last = None,
+    step: Annotated[int, Query(ge=1, le=MOST, description="Every step-th frame, from `first` on", examples=[4])] = 1,
+    bone: Annotated[
+        list[str] | None, Query(description="Bones by MCML name; default all", examples=[["Root", "left_up_leg"]])
+    ] = None,
     space: Annotated[
         Literal["channels", "positions", "rotations"],
         Query(description="Source channels, or global joint positions (x y z) or rotations (x y z w) by kinematics"),

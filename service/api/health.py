@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import PlainTextResponse
 
@@ -9,6 +11,10 @@ from schemas.catalogues import Health
 from service.api.dependencies import DatabaseDep
 
 router = APIRouter(tags=["health"])
+
+_METRICS: dict[int | str, dict[str, Any]] = {
+    200: {"content": {"text/plain": {"example": 'mcml_requests_total{method="GET",status="200"} 10\n'}}}
+}
 
 
 @router.get("/healthz", operation_id="healthz")
@@ -27,7 +33,7 @@ def readyz(database: DatabaseDep, response: Response) -> Health:
     return Health(status="ok", database=database.name)
 
 
-@router.get("/metrics", operation_id="metrics", response_class=PlainTextResponse)
+@router.get("/metrics", operation_id="metrics", response_class=PlainTextResponse, responses=_METRICS)
 def metrics(request: Request, database: DatabaseDep) -> str:
     """Counters in the Prometheus text format."""
     counts: dict[tuple[str, int], int] = request.app.state.requests

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, Path, Query, Response
 
 from schemas.documents import Label, LabelPage, LabelRequest
+from schemas.examples import MOTION_NAME
 from service.actions.change_document import add_labels, remove_labels
 from service.api.dependencies import (
+    MOST,
     AuthorDep,
     DatabaseDep,
+    DocumentId,
     IfMatch,
     PageDep,
     RevisionQuery,
@@ -23,14 +26,16 @@ from service.storage.spans import StoredSpan
 
 router = APIRouter(tags=["labels"])
 
+LabelId = Annotated[int, Path(le=MOST, description="Id of the label, as the list gives it", examples=[12])]
+
 
 @router.get("/documents/{id}/labels", operation_id="list_labels")
 def list_labels(
-    id: str,
+    id: DocumentId,
     database: DatabaseDep,
     page: PageDep,
     revision: RevisionQuery = None,
-    name: Annotated[str | None, Query(description="Only this motion name")] = None,
+    name: Annotated[str | None, Query(description="Only this motion name", examples=[MOTION_NAME])] = None,
 ) -> LabelPage:
     """The motion names of a document and the frames that carry them, in order."""
     start = 0 if page.cursor is None else int(decode_cursor(page.cursor, int)[0])
@@ -44,7 +49,7 @@ def list_labels(
 
 @router.post("/documents/{id}/labels", status_code=201, operation_id="add_labels")
 def post_labels(
-    id: str,
+    id: DocumentId,
     labels: list[LabelRequest],
     response: Response,
     database: DatabaseDep,
@@ -61,7 +66,9 @@ def post_labels(
 
 
 @router.delete("/documents/{id}/labels/{label}", status_code=204, operation_id="delete_label")
-def delete_label(id: str, label: int, database: DatabaseDep, author: AuthorDep, if_match: IfMatch = None) -> Response:
+def delete_label(
+    id: DocumentId, label: LabelId, database: DatabaseDep, author: AuthorDep, if_match: IfMatch = None
+) -> Response:
     """Take a motion name off its frames."""
     with database.write(author) as tx:
         remove_labels(tx, checked_for_write(tx, id, if_match), label)

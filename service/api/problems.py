@@ -12,14 +12,12 @@ from fastapi import FastAPI, Request
 from fastapi.encoders import jsonable_encoder
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
-from pydantic.json_schema import models_json_schema
 from starlette.exceptions import HTTPException
 
 from schemas.problem import Problem
 from service import errors
 from service.actions.describe_problem import problem_of
 
-REF = "#/components/schemas/{model}"
 log = logging.getLogger("mcml.api")
 
 
@@ -39,8 +37,7 @@ def plain(
 
 
 def install(app: FastAPI) -> None:
-    """Let every error leave as a problem, and the API's description say so."""
-    _describe(app)
+    """Let every error leave as a problem."""
 
     @app.exception_handler(errors.McmlError)
     def _ours(_request: Request, error: errors.McmlError) -> JSONResponse:
@@ -72,24 +69,3 @@ def install(app: FastAPI) -> None:
         log.error("%s %s failed, incident %s", request.method, request.url.path, number, exc_info=error)
         detail = f"The server failed on this request. The log has the details under incident {number}."
         return plain(500, detail, "Try again; if it fails again, report the incident.")
-
-
-def _describe(app: FastAPI) -> None:
-    """FastAPI describes errors of its own form, which never leave here; every refusal is a problem."""
-    make = app.openapi
-    content = {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}
-
-    def described() -> dict[str, Any]:
-        if app.openapi_schema is None:
-            schema = make()
-            for operation in (item for path in schema["paths"].values() for item in path.values()):
-                operation["responses"].pop("422", None)
-                operation["responses"]["4XX"] = {"description": "A problem: what, where, remedy", "content": content}
-            schemas = schema["components"]["schemas"]
-            for name in ("HTTPValidationError", "ValidationError"):
-                schemas.pop(name, None)
-            schemas.update(models_json_schema([(Problem, "serialization")], ref_template=REF)[1]["$defs"])
-            app.openapi_schema = schema
-        return app.openapi_schema
-
-    app.openapi = described  # type: ignore[method-assign]

@@ -6,15 +6,16 @@ from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Response
 
+from schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest
-from service.api.dependencies import QueriesDep
+from service.api.dependencies import ProjectQuery, QueriesDep
 from service.mcml.writer import attribute_bytes, text_bytes
 from service.xpath.run import Queries
 
 router = APIRouter(tags=["xpath"])
 
 
-_XML: dict[int | str, dict[str, Any]] = {200: {"content": {"application/xml": {}}}}
+_XML: dict[int | str, dict[str, Any]] = {200: {"content": {"application/xml": {"example": RESULTS}}}}
 
 
 @router.get(
@@ -22,14 +23,18 @@ _XML: dict[int | str, dict[str, Any]] = {200: {"content": {"application/xml": {}
 )
 def query(
     queries: QueriesDep,
-    q: Annotated[str, Query(min_length=1, max_length=10_000, description="An XPath 1.0 expression")],
-    document: Annotated[list[str] | None, Query(description="Documents to ask; default all")] = None,
-    project: Annotated[str | None, Query(description="Ask this project only")] = None,
+    q: Annotated[str, Query(min_length=1, max_length=10_000, description="An XPath 1.0 expression", examples=[QUERY])],
+    document: Annotated[
+        list[str] | None, Query(description="Documents to ask; default all", examples=[[DOCUMENT]])
+    ] = None,
+    project: ProjectQuery = None,
     as_: Annotated[
         Literal["json", "xml", "runs"], Query(alias="as", description="Nodes, nodes as XML, or runs of frames")
     ] = "json",
-    limit: Annotated[int, Query(ge=1)] = 100,
-    cursor: Annotated[str | None, Query(max_length=4096)] = None,
+    limit: Annotated[int, Query(ge=1, description="Most items on the page", examples=[20])] = 100,
+    cursor: Annotated[
+        str | None, Query(max_length=4096, description="`next_cursor` of the page before", examples=[CURSOR])
+    ] = None,
     explain: Annotated[bool, Query(description="Say how the query ran")] = False,
 ) -> Any:
     """Ask one document or all an XPath question, such as `//frame[motion_name='left-arm-abduction']`.
