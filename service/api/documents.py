@@ -149,6 +149,7 @@ def list_documents(
         list[str] | None,
         Query(description="age:20..30 or take:calm; may be repeated", examples=[["age:20..30", "take:calm"]]),
     ] = None,
+    deleted: Annotated[bool, Query(description="List deleted documents instead, which can be restored")] = False,
     sort: Literal["name", "newest"] = "name",
 ) -> DocumentPage:
     """Documents, by name or newest first."""
@@ -159,6 +160,7 @@ def list_documents(
         format=format,
         skeleton=skeleton,
         properties=tuple(_condition(text) for text in property or ()),
+        deleted=deleted,
     )
     after = None if page.cursor is None else decode_cursor(page.cursor, str, int)
     with database.read() as tx:

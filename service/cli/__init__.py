@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
+from typing import NoReturn
 
 import typer
 
@@ -27,7 +29,10 @@ def main() -> None:
         # A terminal that cannot show a name, such as a Korean one in the C locale, is no reason to fail.
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
-        app()
+        try:
+            app()
+        finally:
+            sys.stdout.flush()
     except McmlError as error:
         where = f"{error.at}: " if error.at and str(error.at) else ""
         print(f"mcml: {where}{error.what}", file=sys.stderr)
@@ -35,7 +40,19 @@ def main() -> None:
             print(f"      {error.remedy}", file=sys.stderr)
         sys.exit(1)
     except BrokenPipeError:
-        sys.exit(0)
+        _leave_quietly()
+    except SystemExit as end:
+        # Typer and Rich take a closed pipe for a failure.
+        if isinstance(end.__context__, BrokenPipeError):
+            _leave_quietly()
+        raise
     except OSError as error:
         print(f"mcml: {error.filename or 'the system'}: {error.strerror or error}", file=sys.stderr)
         sys.exit(1)
+
+
+def _leave_quietly() -> NoReturn:
+    """Whoever read the output, such as `head`, has seen enough."""
+    # What is still buffered would fail again when Python ends.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(0)

@@ -15,6 +15,7 @@ import httpx
 from schemas.documents import (
     DocumentDetail,
     DocumentPage,
+    DocumentSummary,
     FileProblem,
     ImportedDocument,
     LabelPage,
@@ -157,10 +158,18 @@ class RemoteLibrary(Library):
         return UploadResult(**body)
 
     def documents(self, wanted: DocumentFilter, limit: int) -> DocumentPage:
-        parameters: dict[str, Any] = {"limit": limit}
+        parameters: dict[str, Any] = {"deleted": wanted.deleted}
         pairs = (("project", wanted.project), ("q", wanted.text), ("motion_name", wanted.motion_name))
         parameters.update({key: value for key, value in (*pairs, ("format", wanted.format)) if value is not None})
-        return DocumentPage(**self._send("GET", "/documents", params=parameters).json())
+        items: list[DocumentSummary] = []
+        while True:
+            # The server decides how many one page holds.
+            parameters["limit"] = limit - len(items)
+            page = DocumentPage(**self._send("GET", "/documents", params=parameters).json())
+            items += page.items
+            if page.next_cursor is None or len(items) >= limit:
+                return DocumentPage(items=items, total=page.total)
+            parameters["cursor"] = page.next_cursor
 
     def document(self, uuid: str) -> DocumentDetail:
         return DocumentDetail(**self._send("GET", f"/documents/{uuid}").json())

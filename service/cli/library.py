@@ -134,13 +134,14 @@ def ls(
     project: Annotated[str | None, typer.Option(help="Only this project")] = None,
     motion_name: Annotated[str | None, typer.Option(help="Documents with a frame of this name")] = None,
     format: Annotated[str | None, typer.Option(help="Source format")] = None,
-    limit: Annotated[int, typer.Option(help="Most documents to list")] = 1000,
+    deleted: Annotated[bool, typer.Option("--deleted", help="List deleted documents instead")] = False,
+    limit: Annotated[int, typer.Option(min=1, help="Most documents to list")] = 1000,
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """List documents."""
-    wanted = DocumentFilter(project=project, text=text, motion_name=motion_name, format=format)
+    wanted = DocumentFilter(project=project, text=text, motion_name=motion_name, format=format, deleted=deleted)
     page = open_library(database, server).documents(wanted, limit)
     if as_json:
         print_json(page)

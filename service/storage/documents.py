@@ -85,6 +85,7 @@ class DocumentFilter:
     """Which documents a list holds; every condition that is given must hold.
 
     text: part of the name, any case. properties: (name, least, greatest, text): numbers within bounds, or equal text.
+    deleted: only deleted documents; else none of them.
     """
 
     project: str | None = None
@@ -93,6 +94,7 @@ class DocumentFilter:
     format: str | None = None
     skeleton: int | None = None
     properties: tuple[tuple[str, float | None, float | None, str | None], ...] = ()
+    deleted: bool = False
 
 
 class Documents:
@@ -247,7 +249,7 @@ class Documents:
         self, wanted: DocumentFilter, *, after: tuple[str, int] | None, limit: int, newest_first: bool = False
     ) -> list[StoredDocument]:
         """Documents by name and key after (name, key), or newest first after (_, key)."""
-        query = _filtered(self._select(), wanted, self._tx)
+        query = _filtered(self._select(deleted=True), wanted, self._tx)
         if newest_first:
             query = query.order_by(document.c.id.desc())
             if after is not None:
@@ -261,7 +263,7 @@ class Documents:
 
     def count(self, wanted: DocumentFilter) -> int:
         query = _filtered(select(func.count()).select_from(document).join(project), wanted, self._tx)
-        query = query.where(self.visible(), document.c.deleted_commit > self._tx.at)
+        query = query.where(self.visible())
         if wanted.skeleton is not None:
             query = query.join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
         return int(self._tx.connection.execute(query).scalar_one())
@@ -347,6 +349,8 @@ def _packed(receipt: str) -> bytes:
 
 
 def _filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Select[Any]:
+    gone = document.c.deleted_commit <= tx.at
+    query = query.where(gone if wanted.deleted else ~gone)
     if wanted.project is not None:
         query = query.where(project.c.name == stored_form(wanted.project))
     if wanted.text:

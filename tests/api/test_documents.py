@@ -153,6 +153,21 @@ def test_delete_hides_and_restore_brings_back(client: TestClient) -> None:
     assert operations == ["restore", "delete", "import"]
 
 
+def test_deleted_documents_are_listed_in_pages(client: TestClient) -> None:
+    uuids = [only(client, {f"{name}.bvh": bvh(2 + number)}) for number, name in enumerate("abcd")]
+    for uuid in uuids[:3]:
+        client.delete(f"{API}/documents/{uuid}", headers={"if-match": "*"}).raise_for_status()
+    first = client.get(f"{API}/documents", params={"deleted": True, "limit": 2}).json()
+    rest = client.get(f"{API}/documents", params={"deleted": True, "cursor": first["next_cursor"]}).json()
+    assert ([item["id"] for item in first["items"] + rest["items"]], first["total"]) == (uuids[:3], 3)
+    assert rest["next_cursor"] is None
+    found = client.get(f"{API}/documents", params={"deleted": True, "q": "B"}).json()
+    assert ([item["id"] for item in found["items"]], found["total"]) == ([uuids[1]], 1)
+    assert [item["id"] for item in client.get(f"{API}/documents").json()["items"]] == uuids[3:]
+    client.post(f"{API}/documents/{uuids[0]}/restore", headers={"if-match": "*"}).raise_for_status()
+    assert client.get(f"{API}/documents", params={"deleted": True}).json()["total"] == 2
+
+
 def test_any_revision_can_be_read_and_restored(client: TestClient) -> None:
     uuid = only(client, {"walk.bvh": bvh(4)}, label="walk")
     address = f"{API}/documents/{uuid}"

@@ -12,22 +12,23 @@ import pytest
 from tests.builders import ASF, HTR, MCML, amc, bvh
 
 
+def environment(folder: Path) -> dict[str, str]:
+    """What a command sees: this checkout, and a store of its own in the folder."""
+    root = Path(__file__).resolve().parents[2]
+    return {"PATH": "/usr/bin:/bin", "PYTHONPATH": str(root), "XDG_DATA_HOME": str(folder / "home")}
+
+
 @pytest.fixture
 def mcml(tmp_path: Path):
     """Runs `mcml`; answers (exit code, output, errors)."""
 
-    def run(*words: str, **environment: str) -> tuple[int, str, str]:
+    def run(*words: str, **more: str) -> tuple[int, str, str]:
         done = subprocess.run(
             [sys.executable, "-m", "service.cli", *words],
             capture_output=True,
             text=True,
             cwd=tmp_path,
-            env={
-                "PATH": "/usr/bin:/bin",
-                "PYTHONPATH": str(Path(__file__).resolve().parents[2]),
-                "XDG_DATA_HOME": str(tmp_path / "home"),
-                **environment,
-            },
+            env=environment(tmp_path) | more,
         )
         assert "Traceback" not in done.stderr, done.stderr
         return done.returncode, done.stdout, done.stderr

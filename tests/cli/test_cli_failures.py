@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from tests.builders import bvh
-from tests.cli.test_cli import mcml  # noqa: F401
+from tests.cli.test_cli import environment, mcml  # noqa: F401
 
 
 @pytest.mark.parametrize(
@@ -54,3 +56,31 @@ def test_names_of_any_bytes(mcml, tmp_path: Path) -> None:  # noqa: F811
     names = {item["name"] for item in json.loads(output.encode().decode("unicode_escape"))["documents"]}
     assert names >= {"걸음", "달리기", "für"}
     assert mcml("ls", PYTHONIOENCODING="ascii")[0] == 0
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("ls",),
+        ("ls", "--json"),
+        ("show", "{id}"),
+        ("xpath", "//frame"),
+        ("xpath", "//frame", "--json"),
+        ("export", "{id}", "-o", "-"),
+        ("doctor",),
+        ("--help",),
+    ],
+)
+def test_nobody_reads_the_output(mcml, tmp_path: Path, words: tuple[str, ...]) -> None:  # noqa: F811
+    uuid = json.loads(mcml("import", "walk.bvh", "--json")[1])["documents"][0]["id"]
+    read_end, write_end = os.pipe()
+    os.close(read_end)
+    done = subprocess.run(
+        [sys.executable, "-m", "service.cli", *(word.format(id=uuid) for word in words)],
+        stdout=write_end,
+        stderr=subprocess.PIPE,
+        cwd=tmp_path,
+        env=environment(tmp_path),
+    )
+    os.close(write_end)
+    assert (done.returncode, done.stderr) == (0, b"")

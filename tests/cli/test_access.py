@@ -1,0 +1,37 @@
+"""A library on a server, asked through its REST API."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from fastapi.testclient import TestClient
+
+from service.app import create_app
+from service.cli.access import RemoteLibrary
+from service.settings import Settings
+from service.storage.database import Database
+from service.storage.documents import DocumentFilter
+from tests.builders import bvh, store
+
+
+@pytest.fixture
+def library(database: Database) -> Iterator[RemoteLibrary]:
+    """Five documents, the last one deleted, on a server whose pages hold two."""
+    uuids = [store(database, {f"{name}.bvh": bvh(2 + number)})[0] for number, name in enumerate("abcde")]
+    with TestClient(create_app(Settings(page_limit=2), database), base_url="http://127.0.0.1:8000/api/v1/") as client:
+        client.delete(f"documents/{uuids[-1]}", headers={"if-match": "*"}).raise_for_status()
+        remote = RemoteLibrary("http://127.0.0.1:8000", None)
+        remote.http = client  # type: ignore[assignment]
+        yield remote
+
+
+@pytest.mark.parametrize("limit", [1, 2, 3, 4, 5000])
+def test_a_list_goes_on_behind_the_first_page(library: RemoteLibrary, limit: int) -> None:
+    page = library.documents(DocumentFilter(), limit)
+    assert [item.name for item in page.items] == list("abcd")[:limit]
+    assert page.total == 4
+
+
+def test_deleted_documents_are_listed_from_a_server(library: RemoteLibrary) -> None:
+    assert [item.name for item in library.documents(DocumentFilter(deleted=True), 10).items] == ["e"]
