@@ -95,7 +95,11 @@ def _pair(
     used: set[int] = set()
     stored: SourceFile | None = None
     for motion in by_part.get(motion_part, []):
-        found = _skeleton_for(motion, skeletons)
+        try:
+            found = _skeleton_for(motion, skeletons)
+        except FormatError as ambiguous:
+            result.problems.append((motion.name, ambiguous))
+            continue
         if found is None and lookup is not None:
             stored = stored or lookup()
             found = stored
@@ -119,16 +123,38 @@ _NAMED_SKELETON = re.compile(rb"^\s*#!\s*OML\s*:\s*ASF\s+([^\r\n]+)", re.IGNOREC
 
 
 def _skeleton_for(motion: SourceFile, skeletons: list[SourceFile]) -> SourceFile | None:
-    """The skeleton that the motion names, else that of its stem, a prefix of it, its first word, or the only one."""
-    by_name = {posixpath.basename(file.name).lower(): file for file in skeletons}
-    by_stem = {name.rsplit(".", 1)[0]: file for name, file in by_name.items()}
+    """The skeleton that is meant by its name; of several of that name, or where names say nothing, that of its folder.
+
+    FormatError where several of one name are left to choose from.
+    """
+    by_name: dict[str, list[SourceFile]] = {}
+    for file in skeletons:
+        by_name.setdefault(posixpath.basename(file.name).lower(), []).append(file)
+    name = _skeleton_name(motion, list(by_name))
+    meant = skeletons if name is None else by_name[name]
+    near = [file for file in meant if posixpath.dirname(file.name) == posixpath.dirname(motion.name)]
+    if len(near) == 1 or len(meant) == 1:
+        return near[0] if near else meant[0]
+    if name is None:
+        return None
+    raise FormatError(
+        f"{len(meant)} skeletons are called {posixpath.basename(meant[0].name)}, and none of them alone stands in the "
+        "motion's folder.",
+        at=Place(file=motion.name),
+        remedy="Put each motion into one folder with its skeleton, or send them apart.",
+    )
+
+
+def _skeleton_name(motion: SourceFile, names: list[str]) -> str | None:
+    """Which of the skeletons' names the motion states, else that of its stem, a prefix of it, or its first word."""
+    by_stem = {name.rsplit(".", 1)[0]: name for name in names}
     motion.stream.seek(0)
     named = _NAMED_SKELETON.match(motion.stream.read(SNIFF_BYTES))
     motion.stream.seek(0)
     if named:
         wanted = re.split(r"[\\/]", named[1].decode("latin-1").strip())[-1].lower()
-        if wanted in by_name:
-            return by_name[wanted]
+        if wanted in names:
+            return wanted
     stem = posixpath.basename(motion.name).lower().rsplit(".", 1)[0]
     if stem in by_stem:
         return by_stem[stem]
@@ -137,10 +163,8 @@ def _skeleton_for(motion: SourceFile, skeletons: list[SourceFile]) -> SourceFile
         return by_stem[max(prefixes, key=len)]
     # CMU copies are named 07-walk.asf and 07_05-walk.amc: the subject is the first word.
     subject = _WORDS.findall(stem)[:1]
-    same = [file for other, file in by_stem.items() if subject and _WORDS.findall(other)[:1] == subject]
-    if len(same) == 1:
-        return same[0]
-    return skeletons[0] if len(skeletons) == 1 else None
+    same = [name for other, name in by_stem.items() if subject and _WORDS.findall(other)[:1] == subject]
+    return same[0] if len(same) == 1 else None
 
 
 _WORDS = re.compile(r"[^\W_]+")

@@ -72,17 +72,43 @@ def test_amc_finds_its_asf(client: TestClient) -> None:
     assert helped["documents"][0]["receipt"]["frames"] == 3
 
 
-def test_zip_of_everything_and_one_bad_file(client: TestClient) -> None:
+def zipped(files: list[tuple[str, bytes]]) -> bytes:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
-        archive.writestr("a/walk.bvh", bvh(4))
-        archive.writestr("a/leg.asf", ASF)
-        archive.writestr("a/leg.amc", amc())
-        archive.writestr("two.htr", HTR)
-        archive.writestr("hand.mcml", MCML)
-        archive.writestr("bad.bvh", bvh(4)[:-30])
-        archive.writestr("__MACOSX/._walk.bvh", b"\0\1")
-    done = upload(client, {"all.zip": packed.getvalue()})
+        for name, content in files:
+            archive.writestr(name, content)
+    return packed.getvalue()
+
+
+def test_skeletons_of_equal_name_are_kept_apart_by_their_folders(client: TestClient) -> None:
+    shin = ASF.replace(b"6.9833", b"5.5")
+    files = [("one/leg.asf", ASF), ("one/leg.amc", amc(2)), ("two/leg.asf", shin), ("two/leg.amc", amc(3))]
+    done = upload(client, {"all.zip": zipped(files)})
+    assert done["problems"] == []
+    kept = {
+        document["receipt"]["frames"]: client.get(
+            f"{API}/documents/{document['id']}/export", params={"format": "asf"}
+        ).content
+        for document in done["documents"]
+    }
+    assert kept == {2: ASF, 3: shin}
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+@pytest.mark.parametrize("folders", [("one", "two"), ("", ""), ("takes", "takes")])
+def test_skeletons_of_equal_name_are_not_guessed(client: TestClient, folders: tuple[str, str]) -> None:
+    files = [(f"{folder}/leg.asf".lstrip("/"), ASF) for folder in folders] + [("takes/leg.amc", amc())]
+    done = upload(client, {"all.zip": zipped(files)})
+    (problem,) = done["problems"]
+    assert problem["file"] == "takes/leg.amc"
+    assert "2 skeletons are called leg.asf" in problem["problem"]["detail"]
+    assert [document["receipt"]["frames"] for document in done["documents"]] == [0, 0]
+
+
+def test_zip_of_everything_and_one_bad_file(client: TestClient) -> None:
+    files = [("a/walk.bvh", bvh(4)), ("a/leg.asf", ASF), ("a/leg.amc", amc()), ("two.htr", HTR), ("hand.mcml", MCML)]
+    files += [("bad.bvh", bvh(4)[:-30]), ("__MACOSX/._walk.bvh", b"\0\1")]
+    done = upload(client, {"all.zip": zipped(files)})
     assert {document["name"] for document in done["documents"]} == {"walk", "leg", "two", "hand"}
     (problem,) = done["problems"]
     assert problem["file"] == "bad.bvh"
