@@ -15,7 +15,7 @@ from service.errors import FormatError, McmlError, Notice, Place
 from service.formats.asf import read_asf
 from service.formats.asf_amc_writer import write_amc, write_asf
 from service.formats.format import Limits, Part, ReadOptions, SourceFile, need_convention
-from service.formats.frame_rows import FrameRows, RowLayout
+from service.formats.frame_rows import FrameRows, RowLayout, note_comments
 from service.formats.lines import BLANKS, Encoding, Lines, detect_encoding
 from service.formats.number_text import detect_style
 from service.motion.clip import ClipHead, ClipStream, FrameBlock, SourcePart
@@ -117,6 +117,7 @@ def _read_amc(head: ClipHead, file: SourceFile, options: ReadOptions, notices: l
         except McmlError as error:
             raise error.in_file(file.name) from None
         watch.report()
+        note_comments(rows, notices)
 
     return ClipStream(head, blocks, None, notices)
 
@@ -131,13 +132,13 @@ def _read_amc_head(stream: BinaryIO, encoding: Encoding, limits: Limits) -> tupl
         text, sign, comment = line.text.partition("#")
         kept += len(line.text) + 64 if line.text else 0
         limits.check_text(kept, line.at())
+        text = text.strip(BLANKS)
+        if re.fullmatch(r"[+-]?[0-9]+", text, re.ASCII):
+            return flags, comments, line.start
         if sign:
             comments.append((sign + comment).rstrip(BLANKS))
-        text = text.strip(BLANKS)
         if text.startswith(":"):
             flags.append(text)
-        elif re.fullmatch(r"[+-]?[0-9]+", text, re.ASCII):
-            return flags, comments, line.start
         elif text:
             raise FormatError(f"expected a frame number, found {text[:40]!r}", at=line.at(1))
     raise FormatError("the AMC holds no frame", at=lines.here, remedy="The file was cut off; send it whole.")

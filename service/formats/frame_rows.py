@@ -14,7 +14,8 @@ from typing import BinaryIO, Final
 
 import numpy as np
 
-from service.errors import FormatError, LimitError, Place
+from service.errors import FormatError, LimitError, Notice, Place
+from service.formats.format import note
 from service.formats.lines import blocks_of, line_and_column, shown
 from service.formats.numbers import is_number, parse_numbers, what_is_wrong
 from service.motion.clip import FrameBlock, Shape
@@ -58,6 +59,13 @@ class RowLayout:
         return shown(text[:100].decode(self.codec, errors="replace"))
 
 
+def note_comments(rows: FrameRows, notices: list[Notice]) -> None:
+    """Say how many comments stand among the frames, which only the kept file still has."""
+    if rows.comments:
+        what = f"{rows.comments} comments among the frames are not in the document; the kept file has them"
+        note(notices, "warning", what)
+
+
 class FrameRows:
     """Frames of a file from a byte offset on, read anew each time.
 
@@ -83,11 +91,16 @@ class FrameRows:
         self._spelled: dict[bytes, bytes] = {}
         self.stopped = False
         """Whether the line that ends the motion was seen."""
+        self.comments = 0
+        """Lines with a comment that were seen; MCML has no place for comments inside the motion."""
 
     def blocks(self) -> Iterator[FrameBlock]:
         """All frames. FormatError with line and frame for a bad row."""
         regular: _Regular | None = None
+        self.comments = 0
         for text, offset in self._pieces():
+            if b"#" in text:
+                self.comments += sum(b"#" in line for line in _LINE.findall(text))
             if regular is None:
                 second = self._opening.search(text, 1)
                 regular = self._read_slowly(text[: second.start()] if second else text, offset)[1]

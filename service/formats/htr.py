@@ -13,7 +13,7 @@ import numpy as np
 
 from service.errors import FormatError, McmlError, Notice
 from service.formats.format import Part, ReadOptions, SourceFile, need_convention
-from service.formats.frame_rows import FrameRows, RowLayout
+from service.formats.frame_rows import FrameRows, RowLayout, note_comments
 from service.formats.htr_head import CHANNELS, HtrHead, read_head
 from service.formats.htr_segments import Segments, index_segments, missing_lexeme, plain_ids
 from service.formats.htr_writer import write_htr
@@ -84,7 +84,8 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     else:
         missing, has_end = _scan(file)
         start = head.data
-        source = _by_frame(FrameRows(stream, start, _layout(head.skeleton, encoding), encoding.start, _END), head)
+        rows = FrameRows(stream, start, _layout(head.skeleton, encoding), encoding.start, _END)
+        source = _by_frame(rows, head, notices)
     if not has_end:
         notices.append(Notice("warning", "no [EndOfFile]: the file may have been cut off"))
     stream.seek(start)
@@ -145,7 +146,7 @@ def _by_segment(
     return blocks
 
 
-def _by_frame(rows: FrameRows, head: HtrHead) -> Callable[[], Iterator[FrameBlock]]:
+def _by_frame(rows: FrameRows, head: HtrHead, notices: list[Notice]) -> Callable[[], Iterator[FrameBlock]]:
     def blocks() -> Iterator[FrameBlock]:
         done = 0
         for block in rows.blocks():
@@ -165,6 +166,7 @@ def _by_frame(rows: FrameRows, head: HtrHead) -> Callable[[], Iterator[FrameBloc
             raise FormatError(
                 f"the file has {found} frames, NumFrames says {head.frames}", remedy="The file may have been cut off."
             )
+        note_comments(rows, notices)
 
     return blocks
 

@@ -92,6 +92,18 @@ def test_numbers_keep_every_bit() -> None:
     assert block.values[1, 8] == 0.5
 
 
+def test_comments_among_the_frames_are_told_of() -> None:
+    kept = AMC.replace(":DEGREES\n", ":DEGREES # unit\n# before the frames\n")
+    clip = clip_of(amc=kept)
+    assert clip.head.sources[1].comments == ("#!OML:ASF X:\\file.ASF", "# unit", "# before the frames")
+    assert "among the frames" not in notices(amc=kept)
+    commented = kept.replace("\n1\n", "\n1 # first\n").replace("\n2\n", "\n# between\n2\n") + "# end"
+    assert "3 comments among the frames are not in the document; the kept file has them" in notices(amc=commented)
+    clip = clip_of(amc=commented)
+    assert frames(clip) == frames(clip) == frames(clip_of())
+    assert sum("among the frames" in notice.what for notice in clip.notices) == 1
+
+
 @pytest.mark.parametrize(
     "change",
     [

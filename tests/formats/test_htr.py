@@ -79,6 +79,12 @@ def test_both_versions_hold_the_same_motion() -> None:
     assert b"Frame 1:\nm:Hand\t" in written(FORMATS[NAME], two)["htr"]
 
 
+def test_comments_among_the_frames_of_version_2_are_told_of() -> None:
+    said = notices(HEAD2 + V2.replace("Frame 1:", "# second\nFrame 1: # here"))
+    assert "2 comments among the frames" in said
+    assert "comments" not in notices(HEAD2 + V2)
+
+
 def test_numbers_keep_every_bit() -> None:
     block = next(iter(clip_of().blocks()))
     arm = block.values[0, 7:14]
