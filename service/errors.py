@@ -5,6 +5,7 @@ Every error says what is wrong, where, and how to mend it.
 
 from __future__ import annotations
 
+import errno
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -92,6 +93,18 @@ class ConflictError(McmlError):
 
 class StoreError(McmlError):
     """The store is damaged or not at the schema this program needs."""
+
+
+class SpaceError(StoreError):
+    """The disk is full. Nothing of the request was stored."""
+
+    def __init__(self, what: str = "There is no room left on the disk.") -> None:
+        super().__init__(what, remedy="Make room on the server, then repeat the request.")
+
+
+def is_full(error: OSError) -> bool:
+    """Whether the system refused a write because the disk, or the user's share of it, is full."""
+    return error.errno in (errno.ENOSPC, errno.EDQUOT)
 
 
 class AccessError(McmlError):

@@ -18,6 +18,7 @@ STATUS_OF: dict[type[errors.McmlError], int] = {
     errors.NotFoundError: 404,
     errors.ConflictError: 409,
     errors.StoreError: 500,
+    errors.SpaceError: 507,
     errors.AccessError: 403,
 }
 

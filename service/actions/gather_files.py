@@ -15,7 +15,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import BinaryIO, TypeAlias, cast
 
-from service.errors import FormatError, LimitError, McmlError, Place
+from service.errors import FormatError, LimitError, McmlError, Place, SpaceError, is_full
 from service.formats import FORMATS, find_format
 from service.formats.format import SourceFile
 from service.settings import Settings
@@ -198,6 +198,8 @@ def _unpacked(files: list[SourceFile], settings: Settings, stack: ExitStack, res
         except LimitError as error:
             result.problems.append((file.name, error))
         except _BROKEN_ZIP as error:
+            if isinstance(error, OSError) and is_full(error):
+                raise SpaceError from error
             problem = FormatError(
                 f"The zip cannot be read: {error}", at=Place(file=file.name), remedy="Zip the files again, unencrypted."
             )

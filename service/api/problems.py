@@ -61,7 +61,15 @@ def install(app: FastAPI) -> None:
 
     @app.exception_handler(HTTPException)
     def _http(_request: Request, error: HTTPException) -> JSONResponse:
+        if isinstance(error.__cause__, OSError) and errors.is_full(error.__cause__):
+            # FastAPI says 400 for whatever goes wrong while it keeps the parts of an upload.
+            return respond(problem_of(errors.SpaceError()))
         return plain(error.status_code, str(error.detail), headers=error.headers)
+
+    @app.exception_handler(OSError)
+    def _of_the_system(request: Request, error: OSError) -> JSONResponse:
+        # Uploads wait in temporary files, so a disk can be full before the store is asked.
+        return respond(problem_of(errors.SpaceError())) if errors.is_full(error) else _unexpected(request, error)
 
     @app.exception_handler(Exception)
     def _unexpected(request: Request, error: Exception) -> JSONResponse:

@@ -24,7 +24,7 @@ from sqlalchemy.exc import ArgumentError, DataError, DBAPIError, IntegrityError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.sql import ColumnElement
 
-from service.errors import ConflictError, DocumentError, StoreError
+from service.errors import ConflictError, DocumentError, SpaceError, StoreError
 from service.resources import migrations_path
 from service.storage import tables
 from service.storage.columns import Columns
@@ -150,14 +150,39 @@ class Database:
     @contextmanager
     def read(self, at: int = LATEST) -> Iterator[Transaction]:
         """A snapshot: what other transactions commit meanwhile is not seen."""
-        with _in_words(), self.dialect.reading() as connection:
+        with self._in_words(), self.dialect.reading() as connection:
             yield Transaction(connection, self.dialect, at)
 
     @contextmanager
     def write(self, author: str = "local") -> Iterator[Transaction]:
         """A write transaction: committed when the block ends, rolled back when it raises."""
-        with _in_words(), self.dialect.writing() as connection:
+        with self._in_words(), self.dialect.writing() as connection:
             yield Transaction(connection, self.dialect, author=author)
+
+    @contextmanager
+    def _in_words(self) -> Iterator[None]:
+        """What the database refuses, as errors of ours: without its statements, which no user wrote."""
+        # Bulk inserts go to the driver itself, whose errors nobody has wrapped.
+        driver = self.dialect.engine.dialect.loaded_dbapi.Error
+        try:
+            yield
+        except DataError as error:
+            raise DocumentError(
+                "The database cannot hold or compare a value of this request.",
+                remedy="Look for NUL and for long names.",
+            ) from error
+        except IntegrityError as error:
+            raise ConflictError("Another write came in between.", remedy="Repeat the request.") from error
+        except PoolTimeout as error:
+            raise StoreError("All connections to the store are in use.", remedy="Try again soon.") from error
+        except (DBAPIError, driver) as error:
+            cause = error.orig if isinstance(error, DBAPIError) else error
+            if self.dialect.is_full(cause):
+                raise SpaceError from error
+            said = str(cause).strip().split("\n")[0]
+            raise StoreError(
+                f"The store does not answer: {said}", remedy="Check its address, the disk and your rights."
+            ) from error
 
     def migrate(self) -> None:
         """Bring the schema to this program's version (a new store gets it whole)."""
@@ -165,7 +190,7 @@ class Database:
         if found == wanted:
             # Reading commands need no write lock, and work while another process writes.
             return
-        with _in_words(), self.dialect.writing() as connection:
+        with self._in_words(), self.dialect.writing() as connection:
             self.dialect.order_commits(connection)
             config = _alembic_config()
             config.attributes["connection"] = connection
@@ -173,7 +198,7 @@ class Database:
 
     def schema_versions(self) -> tuple[str | None, str | None]:
         """(the store's schema version, this program's)."""
-        with _in_words(), self.dialect.reading() as connection:
+        with self._in_words(), self.dialect.reading() as connection:
             found = MigrationContext.configure(connection).get_current_revision()
         return found, ScriptDirectory.from_config(_alembic_config()).get_current_head()
 
@@ -205,36 +230,16 @@ class Database:
             return faults(tx)
 
     def size(self) -> dict[str, int]:
-        with _in_words(), self.dialect.reading() as connection:
+        with self._in_words(), self.dialect.reading() as connection:
             return self.dialect.size(connection)
 
     def ping(self) -> None:
         """One round trip to the database."""
-        with _in_words(), self.dialect.reading() as connection:
+        with self._in_words(), self.dialect.reading() as connection:
             connection.execute(text("SELECT 1"))
 
     def close(self) -> None:
         self.dialect.engine.dispose()
-
-
-@contextmanager
-def _in_words() -> Iterator[None]:
-    """What a database refuses, as errors of ours: without its statements, which no user wrote."""
-    try:
-        yield
-    except DataError as error:
-        raise DocumentError(
-            "The database cannot hold or compare a value of this request.", remedy="Look for NUL and for long names."
-        ) from error
-    except IntegrityError as error:
-        raise ConflictError("Another write came in between.", remedy="Repeat the request.") from error
-    except PoolTimeout as error:
-        raise StoreError("All connections to the store are in use.", remedy="Try again soon.") from error
-    except DBAPIError as error:
-        said = str(error.orig).strip().split("\n")[0]
-        raise StoreError(
-            f"The store does not answer: {said}", remedy="Check its address, the disk and your rights."
-        ) from error
 
 
 def _alembic_config() -> Config:

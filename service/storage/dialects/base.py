@@ -45,5 +45,9 @@ class Dialect(ABC):
         """Bytes of the whole store ("total") and of the kept uploads ("uploads")."""
 
     @abstractmethod
+    def is_full(self, error: BaseException | None) -> bool:
+        """Whether the driver's error says that the disk is full."""
+
+    @abstractmethod
     def after_copy(self, connection: Connection) -> None:
         """Let automatic keys go on behind rows that were copied in with theirs."""

@@ -16,6 +16,8 @@ from service.storage.tables import metadata
 COMMIT_LOCK = 0x4D434D4C
 """Key of the advisory lock that orders commits: "MCML" in ASCII."""
 
+DISK_FULL = "53100"
+
 _ORDER = text("SELECT pg_advisory_xact_lock(:key)")
 
 
@@ -56,6 +58,9 @@ class PostgreSQL(Dialect):
         uploads = connection.execute(text("SELECT pg_total_relation_size('upload_block')")).scalar_one()
         return {"total": int(total), "uploads": int(uploads)}
 
+    def is_full(self, error: BaseException | None) -> bool:
+        return getattr(error, "sqlstate", None) == DISK_FULL
+
     def after_copy(self, connection: Connection) -> None:
         for table in metadata.sorted_tables:
             key = next(iter(table.primary_key.columns))
@@ -69,6 +74,6 @@ class PostgreSQL(Dialect):
 
 
 @cache
-def _insertion(table: Table) -> ReturningInsert[tuple[int]]:
+def _insertion(table: Table) -> ReturningInsert[Any]:
     (key,) = table.primary_key.columns
     return insert(table).returning(key)

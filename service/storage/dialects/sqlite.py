@@ -87,6 +87,9 @@ class SQLite(Dialect):
         )
         return {"total": int(pages.scalar_one()), "uploads": int(uploads.scalar_one())}
 
+    def is_full(self, error: BaseException | None) -> bool:
+        return isinstance(error, sqlite3.Error) and getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
+
     def after_copy(self, connection: Connection) -> None:
         """Nothing to do: SQLite numbers on from the greatest key."""
 
