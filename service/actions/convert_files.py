@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 from service.actions.export_motion import convert_clip, targets
 from service.actions.gather_files import gathered
-from service.actions.import_motion import open_clip
 from service.actions.import_options import ImportOptions
+from service.actions.open_clip import open_clip
 from service.errors import FormatError, Notice, UnsupportedError
 from service.formats import FORMATS
 from service.formats.format import SourceFile

@@ -1,7 +1,8 @@
 """Import: files in, whole documents out. Each document is stored completely or not at all.
 
-Reading, checking and compressing happen outside the write lock. A small clip is stored in one transaction; a large one
-in several short ones under the state "importing", which no read sees, and a last one that makes it visible.
+Reading, checking and compressing happen outside the write lock. Small clips of one call are stored several to a
+transaction; a large one in several short ones under the state "importing", which no read sees, and a last one that
+makes it visible.
 """
 
 from __future__ import annotations
@@ -9,25 +10,21 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from service.actions.check_names import check_frame_time, check_head, given_name, name_of_file
+from service.actions.check_names import check_frame_time, given_name, name_of_file
 from service.actions.describe_clip import receipt
-from service.actions.edit_header import checked_axis, checked_property, checked_unit, with_facts
 from service.actions.gather_files import Clip, SkeletonLookup, gathered
 from service.actions.import_options import ImportOptions
 from service.actions.keep_upload import WORKERS, Upload
+from service.actions.open_clip import open_clip
 from service.errors import DocumentError, McmlError, Notice
-from service.formats import FORMATS
-from service.formats.format import Limits, ReadOptions, SourceFile
-from service.mcml import joint_names, motion_names
+from service.formats.format import SourceFile
+from service.mcml import motion_names
 from service.mcml.dtd import validate_by_shapes
-from service.mcml.elements import Element, from_head, to_head
-from service.mcml.joint_names import NamingReport
-from service.mcml.reader import Limits as McmlLimits
-from service.mcml.reader import read_document
+from service.mcml.elements import Element
 from service.motion.clip import ClipHead, ClipStream
 from service.settings import Settings
 from service.storage.database import Database, Transaction
@@ -36,6 +33,9 @@ from service.storage.tracks import Piece
 
 FLUSH_BYTES = 16 << 20
 """Rows of a clip that wait in memory before they are written in a transaction of their own."""
+
+BATCH_BYTES, BATCH_CLIPS = 8 << 20, 16
+"""Of files whose clips are stored in one transaction."""
 
 
 @dataclass(frozen=True)
@@ -77,55 +77,15 @@ def import_files(
     result = ImportResult()
     with gathered(files, settings, lookup) as found, ThreadPoolExecutor(WORKERS) as executor:
         result.problems += found.problems
-        for clip in found.clips:
-            chosen = options if len(found.clips) == 1 else replace(options, name=None)
-            try:
-                importer = _Importer(database, clip, chosen, settings, author, executor, progress)
-                result.documents.append(importer.run())
-            except McmlError as error:
-                result.problems.append((clip.name, error.in_file(clip.name)))
+        batch = _Batch(database, author, result)
+        try:
+            for clip in found.clips:
+                chosen = options if len(found.clips) == 1 else replace(options, name=None)
+                batch.take(_Importer(database, clip, chosen, settings, author, executor, progress))
+        finally:
+            # What was read before the import was stopped is stored.
+            batch.store()
     return result
-
-
-def open_clip(
-    clip: Clip, options: ImportOptions, settings: Settings
-) -> tuple[Element, ClipStream, NamingReport | None]:
-    """The `mcml` element without motion, the stream of frames, and how joints were named, of a clip's files."""
-    if clip.format == "mcml":
-        read = read_document(clip.files["mcml"].stream, _mcml_limits(settings), options.encoding)
-        check_head(read.document, read.clip.head, settings.max_joints)
-        document = with_facts(
-            read.document,
-            description=options.description or None,
-            properties=options.properties or None,
-            unit=options.unit,
-            up=options.up,
-        )
-        return document, read.clip.with_head(to_head(document, read.clip.head.frame_time)), None
-    reader = ReadOptions(encoding=options.encoding, translation=options.translation, limits=_limits(settings))
-    stream = FORMATS[clip.format].read(clip.files, reader)
-    skeleton, report = joint_names.named(stream.head.skeleton)
-    fields = {"filename": clip.name.rsplit("/", 1)[-1]} | stream.head.fields
-    if options.unit:
-        fields["calibration_unit"] = checked_unit(options.unit)
-    if options.up:
-        fields["global_axis_of_gravity"] = checked_axis(options.up)
-    head = replace(
-        stream.head,
-        skeleton=skeleton,
-        fields=fields,
-        description=options.description.strip(),
-        properties=tuple(checked_property(*item) for item in options.properties),
-    )
-    return from_head(head), stream.with_head(head), report
-
-
-def _limits(settings: Settings) -> Limits:
-    return Limits(joints=settings.max_joints, frames=settings.max_frames, values=settings.max_values)
-
-
-def _mcml_limits(settings: Settings) -> McmlLimits:
-    return McmlLimits(max_bytes=settings.max_upload_bytes, max_frames=settings.max_frames)
 
 
 class _StoredMeanwhile(Exception):  # noqa: N818
@@ -136,8 +96,77 @@ class _StoredMeanwhile(Exception):  # noqa: N818
         self.uuid = uuid
 
 
+class _Batch:
+    """Clips that were read and wait to be stored together: a commit takes as long as it takes to read a short clip.
+
+    While the numbers of one are compressed, the next is read.
+    """
+
+    def __init__(self, database: Database, author: str, result: ImportResult) -> None:
+        self._database = database
+        self._author = author
+        self._result = result
+        self._waiting: list[_Importer] = []
+
+    def take(self, importer: _Importer) -> None:
+        """Read a clip; store those that wait once they are enough, or where this one must see them stored."""
+        with self._blaming(importer):
+            importer.begin()
+            if importer.skips_twins and any(importer.digests == other.digests for other in self._waiting):
+                self.store()
+            skipped = importer.read()
+            if skipped is not None:
+                self.store()
+                self._result.documents.append(skipped)
+                return
+            self._waiting.append(importer)
+        if len(self._waiting) >= BATCH_CLIPS or sum(other.size for other in self._waiting) >= BATCH_BYTES:
+            self.store()
+
+    def store(self) -> None:
+        """Store all that wait: in one transaction, or each in its own where that fails or one has begun its own."""
+        waiting, self._waiting = self._waiting, []
+        ready = []
+        for importer in waiting:
+            with self._blaming(importer):
+                importer.finish()
+                ready.append(importer)
+        if len(ready) > 1 and all(importer.key is None for importer in ready):
+            with suppress(Exception):
+                with self._database.write(self._author) as tx:
+                    done = [importer.store(tx) for importer in ready]
+                self._result.documents += done
+                return
+        for importer in ready:
+            with self._blaming(importer):
+                self._result.documents.append(importer.store_alone())
+
+    @contextmanager
+    def _blaming(self, importer: _Importer) -> Iterator[None]:
+        """An error is a problem of this file, noted behind those of the files before it."""
+        try:
+            yield
+        except McmlError as error:
+            self.store()
+            name = importer.clip.name
+            self._result.problems.append((name, error.in_file(name)))
+
+
+@dataclass(frozen=True)
+class _Read:
+    """What was read of a clip, all but its rows. facts: the receipt."""
+
+    document: Element
+    head: ClipHead
+    encoder: ClipEncoder
+    facts: dict[str, Any]
+
+
 class _Importer:
-    """The import of one clip."""
+    """The import of one clip: `begin`, `read`, then `store` it, once or again.
+
+    key: of the document where a transaction that is committed already holds a part of it.
+    """
 
     def __init__(
         self,
@@ -159,70 +188,90 @@ class _Importer:
         self.key: int | None = None
         self.uuid = ""
         self.project = 0
-        self.committed = False
         self.uploads: list[Upload] = []
         self.rows: list[dict[str, Any]] = []
         self.row_bytes = 0
         self.name = options.name or name_of_file(clip.name)
 
-    def run(self) -> Imported:
-        """Store the clip; what was written of one that fails is removed."""
-        try:
-            return self._run()
-        except _StoredMeanwhile as meanwhile:
-            self._discard()
-            return self._stored(meanwhile.uuid)
-        except BaseException:
-            self._discard()
-            raise
+    def begin(self) -> None:
+        """Take the digests of the files, and let them be compressed."""
+        self.uploads = [Upload.begin(part, file, self.executor) for part, file in self.clip.files.items()]
 
-    def _discard(self) -> None:
-        # Where the store itself fails, the rows stay invisible and are swept when their lease has ended.
-        with suppress(Exception):
-            # A key of a transaction that was rolled back may be another document's by now.
-            if self.key is not None and self.committed:
-                with self.database.write(self.author) as tx:
-                    tx.documents.remove_import(self.key)
-                    for upload in self.uploads:
-                        upload.abandon(tx)
+    @property
+    def digests(self) -> dict[str, str]:
+        """Of the files, by part."""
+        return {upload.part: upload.sha256 for upload in self.uploads}
+
+    @property
+    def skips_twins(self) -> bool:
+        return self.options.on_duplicate == "skip"
+
+    @property
+    def size(self) -> int:
+        """Bytes of the files."""
+        return sum(upload.size for upload in self.uploads)
+
+    def read(self) -> Imported | None:
+        """Read, check and encode the clip; answers the stored document where an equal one counts instead."""
+        with self._whole_or_absent():
+            twins = self._twins() if self.skips_twins else []
+            if twins:
+                return self._stored(twins[0])
+            document, stream, report = open_clip(self.clip, self.options, self.settings)
+            encoder = ClipEncoder(self.executor)
+            for block in stream.blocks():
+                self._keep(encoder.add(block))
+                if self.progress is not None:
+                    self.progress(self.clip.name, encoder.frames, stream.frames)
+            encoder.close()
+            head = replace(stream.head, frame_time=self._frame_time(stream))
+            if self.clip.format != "mcml":
+                validate_by_shapes(document, [(shape, 1) for shape in encoder.shapes], head.skeleton.names)
+            self._make_names_canonical(encoder, stream)
+            self._add_labels(encoder)
+            facts = receipt(head, encoder.frames, report, stream.notices)
+            self._found = _Read(document, head, encoder, facts)
+        return None
+
+    def finish(self) -> None:
+        """Wait for what is still being compressed; a large clip begins to be stored."""
+        with self._whole_or_absent():
+            self._keep(self._found.encoder.rest())
+            for upload in self.uploads:
+                self._prepare(upload)
+
+    def store_alone(self) -> Imported:
+        """Store the clip in a transaction of its own; what was written before of one that fails is removed."""
+        try:
+            with self._whole_or_absent(), self.database.write(self.author) as tx:
+                return self.store(tx)
+        except _StoredMeanwhile as meanwhile:
+            return self._stored(meanwhile.uuid)
+
+    @contextmanager
+    def _whole_or_absent(self) -> Iterator[None]:
+        try:
+            yield
+        except BaseException:
+            # Where the store itself fails, the rows stay invisible and are swept when their lease has ended.
+            with suppress(Exception):
+                if self.key is not None:
+                    with self.database.write(self.author) as tx:
+                        tx.documents.remove_import(self.key)
+                        for upload in self.uploads:
+                            upload.abandon(tx)
+            raise
 
     def _stored(self, uuid: str) -> Imported:
         with self.database.read() as tx:
             stored = tx.documents.get(uuid)
             return Imported(stored.uuid, stored.name, json.loads(tx.documents.receipt(stored.key)), skipped=True)
 
-    def _run(self) -> Imported:
-        self.uploads = uploads = [Upload.begin(part, file, self.executor) for part, file in self.clip.files.items()]
-        twins = self._twins(uploads)
-        if twins and self.options.on_duplicate == "skip":
-            return self._stored(twins[0])
-        document, stream, report = open_clip(self.clip, self.options, self.settings)
-        encoder = ClipEncoder(self.executor)
-        for block in stream.blocks():
-            self._keep(encoder.add(block))
-            if self.progress is not None:
-                self.progress(self.clip.name, encoder.frames, stream.frames)
-        encoder.close()
-        frame_time = self._frame_time(stream)
-        head = replace(stream.head, frame_time=frame_time)
-        if self.clip.format != "mcml":
-            validate_by_shapes(document, [(shape, 1) for shape in encoder.shapes], head.skeleton.names)
-        self._make_names_canonical(encoder, stream)
-        self._add_labels(encoder)
-        facts = receipt(head, encoder.frames, report, stream.notices)
-        facts["twins"] = twins
-        self._keep(encoder.rest())
-        return self._store(document, head, encoder, frame_time, facts, uploads)
-
-    def _twins(self, uploads: list[Upload]) -> list[str]:
-        """Documents made from equal files; notes which files are kept already."""
+    def _twins(self) -> list[str]:
+        """Documents made from equal files."""
         with self.database.read() as tx:
-            for upload in uploads:
-                upload.kept = tx.uploads.find(upload.sha256, upload.size) is not None
-            project = tx.projects.find(self.options.project) if all(upload.kept for upload in uploads) else None
-            if project is None:
-                return []
-            return tx.uploads.twins({upload.part: upload.sha256 for upload in uploads}, project)
+            project = tx.projects.find(self.options.project)
+            return [] if project is None else tx.uploads.twins(self.digests, project)
 
     def _frame_time(self, stream: ClipStream) -> str | None:
         stated = self.options.frame_time
@@ -261,80 +310,63 @@ class _Importer:
             self.row_bytes += sum(len(row["data"]) + 200 for row in rows)
             if self.row_bytes >= FLUSH_BYTES:
                 with self.database.write(self.author) as tx:
-                    self._flush(tx)
-                self.committed = True
+                    key = self._flush(tx)
+                self.key = key
+                self.rows, self.row_bytes = [], 0
 
     def _begin(self, tx: Transaction) -> int:
         """The document's key, its lease renewed where an earlier transaction made it."""
-        if self.key is None:
-            self.project = tx.projects.get_or_add(self.options.project)
-            self.key, self.uuid = tx.documents.begin(self.project, self.name, self.clip.format)
-        else:
+        if self.key is not None:
             tx.documents.renew_lease(self.key)
-        return self.key
+            return self.key
+        self.project = tx.projects.get_or_add(self.options.project)
+        key, self.uuid = tx.documents.begin(self.project, self.name, self.clip.format)
+        return key
 
     def _flush(self, tx: Transaction) -> int:
         key = self._begin(tx)
         tx.tracks.write_chunks(key, self.rows, 0)
-        self.rows, self.row_bytes = [], 0
         return key
 
-    def _store(
-        self,
-        document: Element,
-        head: ClipHead,
-        encoder: ClipEncoder,
-        frame_time: str | None,
-        facts: dict[str, Any],
-        uploads: list[Upload],
-    ) -> Imported:
-        for upload in uploads:
-            self._prepare(upload)
-        header, forest = document.children[0], document.children[1:]
-        with self.database.write(self.author) as tx:
-            key = self._flush(tx)
-            tx.tracks.write_shapes(key, encoder.shapes)
-            tx.tracks.write_shape_runs(key, encoder.shape_rows, 0)
-            tx.tracks.write_frame_runs(key, encoder.ids.rows, 0)
-            tx.tracks.write_timeline(key, [Piece(1, 0, encoder.frames)] if encoder.frames else [], 0)
-            tx.spans.write(key, encoder.spans.rows, 0)
-            skeleton = tx.heads.add_skeleton(self.project, forest, len(head.skeleton))
-            tx.heads.write_header(key, header, 0)
-            tx.heads.write_bones(key, list(head.skeleton.names), 0)
-            tx.documents.write_content(
-                key,
-                0,
-                skeleton=skeleton,
-                version=document.attributes["version"],
-                frames=encoder.frames,
-                frame_time=frame_time,
-                intact=frame_time == self._source_frame_time(head, frame_time),
-            )
-            for upload in uploads:
-                upload.attach(tx, key)
-            self._skip_twins(tx)
-            tx.documents.publish(
-                key, next_slot=encoder.frames, receipt=json.dumps(facts, ensure_ascii=False), message=self.clip.name
-            )
-        return Imported(self.uuid, self.name, facts)
-
-    def _skip_twins(self, tx: Transaction) -> None:
-        """An equal import that became visible since this one began counts as stored already, too."""
-        if self.options.on_duplicate == "skip":
+    def store(self, tx: Transaction) -> Imported:
+        """Write what is not written yet and make the document visible. Changes nothing here: it may be repeated."""
+        document, head, encoder = self._found.document, self._found.head, self._found.encoder
+        key = self._flush(tx)
+        tx.tracks.write_shapes(key, encoder.shapes)
+        tx.tracks.write_shape_runs(key, encoder.shape_rows, 0)
+        tx.tracks.write_frame_runs(key, encoder.ids.rows, 0)
+        tx.tracks.write_timeline(key, [Piece(1, 0, encoder.frames)] if encoder.frames else [], 0)
+        tx.spans.write(key, encoder.spans.rows, 0)
+        tx.heads.write_header(key, document.children[0], 0)
+        tx.heads.write_bones(key, list(head.skeleton.names), 0)
+        tx.documents.write_content(
+            key,
+            0,
+            skeleton=tx.heads.add_skeleton(self.project, document.children[1:], len(head.skeleton)),
+            version=document.attributes["version"],
+            frames=encoder.frames,
+            frame_time=head.frame_time,
+            # A stated frame time changes what BVH holds; AMC and HTR files have no place for it.
+            intact=head.frame_time is None or self.options.frame_time is None or head.format != "bvh",
+        )
+        if self.skips_twins:
+            # Whoever stores an equal clip at this moment is waited for.
             tx.dialect.order_commits(tx.connection)
-            digests = {upload.part: upload.sha256 for upload in self.uploads}
-            twins = [uuid for uuid in tx.uploads.twins(digests, self.project) if uuid != self.uuid]
-            if twins:
-                raise _StoredMeanwhile(twins[0])
-
-    def _source_frame_time(self, head: ClipHead, frame_time: str | None) -> str | None:
-        # A stated frame time changes what BVH holds; AMC and HTR files have no place for it.
-        return frame_time if self.options.frame_time is None or head.format != "bvh" else None
+        kept = [upload.attach(tx, key) for upload in self.uploads]
+        twins = tx.uploads.twins(self.digests, self.project) if all(kept) else []
+        if twins and self.skips_twins:
+            raise _StoredMeanwhile(twins[0])
+        facts = self._found.facts | {"twins": twins}
+        packed = json.dumps(facts, ensure_ascii=False)
+        tx.documents.publish(key, next_slot=encoder.frames, receipt=packed, message=self.clip.name)
+        return Imported(self.uuid, self.name, facts)
 
     def _prepare(self, upload: Upload) -> None:
         """Compress what is not stored yet; a large file goes into the store in transactions of its own."""
-        if upload.kept:
-            return
+        if upload.size and not upload.early:
+            with self.database.read() as tx:
+                if tx.uploads.find(upload.sha256, upload.size) is not None:
+                    return
         pending: list[bytes] = []
         pending_bytes = 0
         for block in upload.compressed(self.executor):
@@ -342,9 +374,9 @@ class _Importer:
             pending_bytes += len(block)
             if pending_bytes >= FLUSH_BYTES:
                 with self.database.write(self.author) as tx:
-                    self._begin(tx)
+                    key = self._begin(tx)
                     upload.add(tx, pending)
-                self.committed = True
+                self.key = key
                 pending, pending_bytes = [], 0
         upload.blocks = pending
 

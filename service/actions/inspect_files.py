@@ -6,8 +6,8 @@ from typing import Any
 
 from service.actions.describe_clip import receipt
 from service.actions.gather_files import gathered
-from service.actions.import_motion import open_clip
 from service.actions.import_options import ImportOptions
+from service.actions.open_clip import open_clip
 from service.errors import McmlError
 from service.formats.format import SourceFile
 from service.mcml.dtd import validate_by_shapes

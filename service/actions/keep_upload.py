@@ -24,7 +24,7 @@ WORKERS = 2
 class Upload:
     """A file on its way into the store.
 
-    kept: the store has its bytes already. blocks: compressed, waiting for the last transaction; None if kept.
+    blocks: compressed, waiting for the last transaction; None where the store had its bytes already.
     early: blocks that are compressed while the motion is read, for files whose blocks all fit in memory.
     """
 
@@ -33,7 +33,6 @@ class Upload:
     sha256: str
     size: int
     early: list[Future[bytes]]
-    kept: bool = False
     blocks: list[bytes] | None = None
     key: int | None = None
     written: int = 0
@@ -81,11 +80,13 @@ class Upload:
         tx.uploads.add_blocks(self.key, self.written, blocks)
         self.written += len(blocks)
 
-    def attach(self, tx: Transaction, document_key: int) -> None:
-        found = tx.uploads.find(self.sha256, self.size) if self.blocks is None else None
+    def attach(self, tx: Transaction, document_key: int) -> bool:
+        """Make it a file of the document, whole; answers whether its bytes were stored already."""
+        # An equal file may have been stored since this one was read, by another import or earlier in this transaction.
+        found = tx.uploads.find(self.sha256, self.size) if self.key is None else None
         if found is not None:
             tx.uploads.attach(document_key, self.part, self.file_name, found)
-            return
+            return True
         if self.blocks is None:
             raise NotFoundError(
                 "The equal file that was stored has just been removed.",
@@ -99,6 +100,7 @@ class Upload:
             self.add(tx, self.blocks)
             tx.uploads.complete(key)
         tx.uploads.attach(document_key, self.part, self.file_name, key)
+        return False
 
     def abandon(self, tx: Transaction) -> None:
         """Drop what was written, after a failure."""

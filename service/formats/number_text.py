@@ -17,6 +17,7 @@ from service.motion.skeleton import Array
 
 SHORTEST = "shortest"
 SAMPLE_TOKENS = 300
+_FRACTION = re.compile(rb"\.([0-9]*)(?![0-9eE])")
 _EXPONENT = re.compile(rb"[eE][+-]?[0-9]*")
 _STYLE = re.compile(r"(fixed|general):([0-9]{1,2})")
 _TO_LINES = {
@@ -33,8 +34,7 @@ def detect_style(sample: bytes) -> str:
     values = parse_numbers(text)
     if values is None or not tokens:
         return SHORTEST
-    plain = [token for token in tokens if b"e" not in token and b"E" not in token] if _EXPONENT.search(text) else tokens
-    decimals = [len(token) - token.index(b".") - 1 for token in plain if b"." in token]
+    decimals = list(map(len, _FRACTION.findall(text)))
     fixed = [f"fixed:{max(set(decimals), key=decimals.count)}"] if decimals else []
     mantissas = _EXPONENT.sub(b"", text).translate(None, b"+-.").split(b" ")
     digits = min(17, max(1, *(len(mantissa.lstrip(b"0")) for mantissa in mantissas)))
@@ -56,14 +56,18 @@ def _share(tokens: list[bytes], values: Array, style: str, shortest: list[bytes]
     """How many of the tokens are what `number_tokens` gives; without reading again all that was written."""
     template = _template(style)
     if template is None:
-        return sum(map(operator.eq, tokens, shortest)) / len(tokens)
+        return _equal(tokens, shortest) / len(tokens)
     plain: list[float] = values.tolist()
     written = (" ".join([template] * len(plain)) % tuple(plain)).encode().split(b" ")
     mended = sum(
         token == short != text and float(text) != value
         for token, short, text, value in zip(tokens, shortest, written, plain, strict=True)
     )
-    return (sum(map(operator.eq, tokens, written)) + mended) / len(tokens)
+    return (_equal(tokens, written) + mended) / len(tokens)
+
+
+def _equal(tokens: list[bytes], others: list[bytes]) -> int:
+    return sum(map(operator.eq, tokens, others))
 
 
 def number_tokens(values: Array, style: str = SHORTEST) -> list[bytes]:

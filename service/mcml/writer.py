@@ -75,7 +75,7 @@ def write_document(
     line = b"" if layout is Layout.COMPACT else b"\n"
     inner = b"\n    " if indented else b""
     yield PROLOGUE
-    yield _start_tag(document) + b">" + line
+    yield _start_tag(document).encode() + b">" + line
     for child in document.children:
         if child.tag != "motion":
             yield write_element(child, pretty=indented, depth=1) + line
@@ -90,26 +90,26 @@ def write_document(
 
 def write_element(element: Element, *, pretty: bool = False, depth: int = 0) -> bytes:
     """One element with all it holds. depth: how far a pretty one is indented, two spaces a level."""
-    parts: list[bytes] = []
-    stack: list[tuple[Element | bytes, int]] = [(element, depth)]
+    parts: list[str] = []
+    stack: list[tuple[Element | str, int]] = [(element, depth)]
     while stack:
         current, level = stack.pop()
-        if isinstance(current, bytes):
+        if isinstance(current, str):
             parts.append(current)
             continue
-        indent = b"  " * level if pretty else b""
-        end = b"\n" if pretty and (level > depth) else b""
-        parts.append(indent + _start_tag(current))
+        indent = "  " * level if pretty else ""
+        end = "\n" if pretty and level > depth else ""
+        text = current.text.translate(_TEXT) if current.text else ""
         if current.children:
             # Text beside children is no MCML, but what is invalid must stay so to be refused.
-            parts.append(b">" + text_bytes(current.text) + (b"\n" if pretty else b""))
-            stack.append((indent + b"</" + current.tag.encode() + b">" + end, level))
-            stack.extend((child, level + 1) for child in reversed(current.children))
-        elif current.text:
-            parts.append(b">" + text_bytes(current.text) + b"</" + current.tag.encode() + b">" + end)
+            parts.append(f"{indent}{_start_tag(current)}>{text}" + ("\n" if pretty else ""))
+            stack.append((f"{indent}</{current.tag}>{end}", level))
+            stack.extend([(child, level + 1) for child in reversed(current.children)])
+        elif text:
+            parts.append(f"{indent}{_start_tag(current)}>{text}</{current.tag}>{end}")
         else:
-            parts.append(b"/>" + end)
-    return b"".join(parts)
+            parts.append(f"{indent}{_start_tag(current)}/>{end}")
+    return "".join(parts).encode()
 
 
 def write_frames(
@@ -215,8 +215,6 @@ def _columns_of(shape: Shape, columns: tuple[tuple[int, int], ...]) -> list[int]
     return slice(None) if wanted == list(range(len(columns))) else wanted
 
 
-def _start_tag(element: Element) -> bytes:
-    attributes = b"".join(
-        [b" " + name.encode() + b'="' + attribute_bytes(value) + b'"' for name, value in element.attributes.items()]
-    )
-    return b"<" + element.tag.encode() + attributes
+def _start_tag(element: Element) -> str:
+    attributes = [f' {name}="{value.translate(_ATTRIBUTE)}"' for name, value in element.attributes.items()]
+    return f"<{element.tag}{''.join(attributes)}"

@@ -19,7 +19,7 @@ from tests.builders import bvh, store
 
 IMPORTER = textwrap.dedent(
     """
-    import os, signal, sys
+    import os, pathlib, signal, sys
     sys.path.insert(0, {root!r})
     from sqlalchemy import event
     from service.actions import import_motion, keep_upload
@@ -39,7 +39,9 @@ IMPORTER = textwrap.dedent(
 
     for moment in ("before_cursor_execute", "after_cursor_execute", "commit"):
         event.listen(database.dialect.engine, moment, step)
-    store(database, {{"long.bvh": open(sys.argv[2], "rb").read()}}, labels=())
+    given = pathlib.Path(sys.argv[2])
+    files = sorted(given.iterdir()) if given.is_dir() else [given]
+    store(database, {{path.name: path.read_bytes() for path in files}}, labels=())
     print(seen)
     """
 )
