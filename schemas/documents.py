@@ -13,6 +13,7 @@ from schemas.examples import (
     LABEL,
     LABEL_REQUEST,
     PROBLEM,
+    PROJECT,
     PROPERTY,
     RECEIPT,
     SUMMARY,
@@ -23,7 +24,16 @@ from schemas.problem import Problem
 
 _IMPORTED = {"id": DOCUMENT, "name": "walk", "skipped": False, "receipt": RECEIPT}
 _REFUSED = {"file": "broken.bvh", "problem": PROBLEM}
-_REVISION = {"number": 1, "parent": None, "operation": "import", "message": "walk.bvh", "time": TIME, "author": "local"}
+_REVISION = {
+    "number": 2,
+    "parent": 1,
+    "operation": "change",
+    "message": "changed name",
+    "name": "walk",
+    "project": PROJECT,
+    "time": TIME,
+    "author": "local",
+}
 _FRAME = {"frame": 1, "id": "1", "values": {"Root": {"Tx": 0.1886, "Ty": 92.5, "Tz": -3.25}, "Spine": {"Rz": 1.956}}}
 _CLIP = {
     "files": ["walk.bvh"],
@@ -239,6 +249,8 @@ class Revision(BaseModel):
     parent: int | None = None
     operation: str
     message: str
+    name: str = Field(description="Of the document, as this revision left it")
+    project: str = Field(description="Of the document, as this revision left it")
     time: str
     author: str
 

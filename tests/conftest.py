@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import os
 import shutil
-import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, settings
-from sqlalchemy import create_engine, text
 
 from service.app import create_app
 from service.settings import Settings
@@ -72,18 +70,11 @@ def sqlite_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def postgres_template(postgres_server: str) -> str:
-    _run(postgres_server, "CREATE DATABASE template_store")
+    postgres.run(postgres_server, "CREATE DATABASE template_store")
     database = Database(postgres_server.format("template_store"))
     database.migrate()
     database.close()
     return postgres_server
-
-
-def _run(server: str, statement: str) -> None:
-    engine = create_engine(server.format("postgres"), isolation_level="AUTOCOMMIT")
-    with engine.connect() as connection:
-        connection.execute(text(statement))
-    engine.dispose()
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
@@ -100,11 +91,8 @@ def database_url(kind: str, request: pytest.FixtureRequest, tmp_path: Path) -> I
         shutil.copy(template, tmp_path / "store.db")
         yield f"sqlite:///{tmp_path / 'store.db'}"
         return
-    server = request.getfixturevalue("postgres_template")
-    name = f"store_{uuid.uuid4().hex}"
-    _run(server, f"CREATE DATABASE {name} TEMPLATE template_store")
-    yield server.format(name)
-    _run(server, f"DROP DATABASE {name} WITH (FORCE)")
+    with postgres.new_database(request.getfixturevalue("postgres_template"), "template_store") as url:
+        yield url
 
 
 @pytest.fixture

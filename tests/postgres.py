@@ -12,10 +12,13 @@ import shutil
 import socket
 import subprocess
 import tempfile
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+from sqlalchemy import create_engine, text
 
 _PLACES = ("/usr/lib/postgresql", "/usr/pgsql", "/opt/homebrew/opt/postgresql", "/usr/local/pgsql")
 
@@ -86,3 +89,20 @@ def server() -> Iterator[str]:
         raise RuntimeError(f"PostgreSQL does not start: {said}") from error
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def run(server: str, statement: str) -> None:
+    """One statement in the server's maintenance database."""
+    engine = create_engine(server.format("postgres"), isolation_level="AUTOCOMMIT")
+    with engine.connect() as connection:
+        connection.execute(text(statement))
+    engine.dispose()
+
+
+@contextmanager
+def new_database(server: str, template: str = "template0") -> Iterator[str]:
+    """The address of a new database, which is dropped in the end."""
+    name = f"store_{uuid.uuid4().hex}"
+    run(server, f"CREATE DATABASE {name} TEMPLATE {template}")
+    yield server.format(name)
+    run(server, f"DROP DATABASE {name} WITH (FORCE)")

@@ -112,9 +112,14 @@ def restore_document(tx: Transaction, stored: StoredDocument) -> StoredDocument:
 
 
 def restore_revision(tx: Transaction, stored: StoredDocument, number: int) -> StoredDocument:
-    """Make the content of an earlier revision current again, as a new revision."""
+    """Make the document what it was at an earlier revision, name and project too, as a new revision."""
     tx.documents.undelete(stored.key)
-    reopen_rows(tx, stored, tx.documents.commit_of(stored.key, number))
+    commit = tx.documents.commit_of(stored.key, number)
+    then = tx.at_commit(commit).documents.get(stored.uuid, deleted=True)
+    tx.documents.rename(stored.key, then.name)
+    # With its project comes its skeleton, which only documents of that project share.
+    tx.documents.move(stored.key, then.project_key)
+    reopen_rows(tx, stored, commit)
     tx.documents.add_revision(stored, "restore", f"restored revision {number}")
     return tx.documents.get(stored.uuid)
 

@@ -252,6 +252,8 @@ def list_revisions(id: DocumentId, database: DatabaseDep, page: PageDep) -> Revi
             parent=item.parent,
             operation=item.operation,
             message=item.message,
+            name=item.name,
+            project=item.project,
             time=item.time,
             author=item.author,
         )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import zstandard
-from sqlalchemy import Select, and_, bindparam, delete, func, select, update
+from sqlalchemy import Select, and_, bindparam, delete, func, insert, select, update
 
 from service.errors import NotFoundError
 from service.storage import tables
@@ -25,6 +25,15 @@ KEYS_AT_A_TIME = 10_000
 # Made once: to build a statement takes four times as long as to run it.
 _IMPORTING = update(document).where(document.c.id == bindparam("key"), document.c.state == "importing")
 _RENEW = _IMPORTING.values(lease=bindparam("until"))
+_MADE = ("document", "number", "commit", "parent", "operation", "message")
+_REVISE = insert(revision).from_select(
+    [*_MADE, "name", "project"],
+    select(
+        *(bindparam(f"new_{column}", type_=revision.c[column].type) for column in _MADE),
+        document.c.name,
+        document.c.project,
+    ).where(document.c.id == bindparam("new_document")),
+)
 _PUBLISH = _IMPORTING.values(
     state="ready",
     lease=None,
@@ -76,6 +85,8 @@ class StoredRevision:
     parent: int | None
     operation: str
     message: str
+    name: str
+    project: str
     time: str
     author: str
 
@@ -128,8 +139,7 @@ class Documents:
         values = {"key": key, "commit": number, "slot": next_slot, "packed": _packed(receipt)}
         if self._tx.connection.execute(_PUBLISH, values).rowcount != 1:
             raise _swept()
-        row = {"document": key, "number": 1, "commit": number, "operation": operation, "message": message}
-        self._tx.insert_rows(revision, [row])
+        self._revise(key, 1, None, operation, message)
 
     def write_content(
         self,
@@ -161,16 +171,13 @@ class Documents:
 
     def add_revision(self, stored: StoredDocument, operation: str, message: str = "") -> int:
         """Note that this transaction made a revision; returns its number. The caller checked `stored` is newest."""
-        row = {
-            "document": stored.key,
-            "number": stored.revision + 1,
-            "commit": self._tx.commit,
-            "parent": stored.revision,
-            "operation": operation,
-            "message": message,
-        }
-        self._tx.insert_rows(revision, [row])
+        self._revise(stored.key, stored.revision + 1, stored.revision, operation, message)
         return stored.revision + 1
+
+    def _revise(self, key: int, number: int, parent: int | None, operation: str, message: str) -> None:
+        values = (key, number, self._tx.commit, parent, operation, message)
+        named = {f"new_{column}": value for column, value in zip(_MADE, values, strict=True)}
+        self._tx.connection.execute(_REVISE, named)
 
     def lock(self, key: int) -> None:
         """Let no other transaction change this document until this one ends."""
@@ -216,13 +223,20 @@ class Documents:
             .where(revision.c.document == document.c.id, revision.c.commit <= at)
             .scalar_subquery()
         )
+        about: tuple[Any, Any, Any] = (document, document.c.name, document.c.project)
+        if at < CURRENT - 1:
+            # The past, which only the revision of that time knows.
+            then = revision.alias()
+            known = and_(then.c.document == document.c.id, then.c.number == newest)
+            about = (document.join(then, known), then.c.name, then.c.project)
+        source, name, project_key = about
         query = (
             select(
                 document.c.id.label("key"),
                 document.c.uuid,
                 project.c.name.label("project"),
                 project.c.id.label("project_key"),
-                document.c.name,
+                name.label("name"),
                 document.c.format,
                 content.c.version,
                 content.c.skeleton,
@@ -235,7 +249,8 @@ class Documents:
                 changed.label("modified"),
                 document.c.next_slot,
             )
-            .join(project, project.c.id == document.c.project)
+            .select_from(source)
+            .join(project, project.c.id == project_key)
             .join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
             .where(self.visible())
         )
@@ -300,10 +315,13 @@ class Documents:
                 revision.c.parent,
                 revision.c.operation,
                 revision.c.message,
+                revision.c.name,
+                project.c.name,
                 commit.c.time,
                 commit.c.author,
             )
             .join(commit, commit.c.number == revision.c.commit)
+            .join(project, project.c.id == revision.c.project)
             .where(revision.c.document == key)
             .order_by(revision.c.number.desc())
             .limit(limit)

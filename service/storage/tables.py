@@ -105,7 +105,10 @@ revision = Table(
     Column("parent", Integer),
     Column("operation", String(32), nullable=False),
     Column("message", Text, nullable=False),
+    Column("name", NAME, nullable=False),
+    Column("project", ForeignKey("project.id"), nullable=False),
 )
+"""`name`, `project`: what the revision left in the row of the document, which has the present ones."""
 
 skeleton = Table(
     "skeleton",
