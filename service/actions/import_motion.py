@@ -121,11 +121,13 @@ class _Batch:
                 return
             self._waiting.append(importer)
         if len(self._waiting) >= BATCH_CLIPS or sum(other.size for other in self._waiting) >= BATCH_BYTES:
-            self.store()
+            # The last one is still being compressed: meanwhile the others are stored.
+            self.store(but=1 if len(self._waiting) > 1 else 0)
 
-    def store(self) -> None:
-        """Store all that wait: in one transaction, or each in its own where that fails or one has begun its own."""
-        waiting, self._waiting = self._waiting, []
+    def store(self, but: int = 0) -> None:
+        """Store all that wait but so many: in one transaction, or each in its own where that fails or one has begun."""
+        count = len(self._waiting) - but
+        waiting, self._waiting = self._waiting[:count], self._waiting[count:]
         ready = []
         for importer in waiting:
             with self._blaming(importer):
