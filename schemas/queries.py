@@ -51,6 +51,12 @@ class RunItem(BaseModel):
     frames: int
 
 
+class ValueItem(BaseModel):
+    """One of several values, such as those of distinct-values()."""
+
+    value: str | float | bool
+
+
 class Explain(BaseModel):
     """How the query ran."""
 
@@ -73,9 +79,9 @@ class QueryAnswer(BaseModel):
         )
     )
 
-    type: Literal["nodes", "runs", "number", "string", "boolean"]
+    type: Literal["nodes", "runs", "number", "string", "boolean", "strings"]
     value: str | float | bool | None = None
-    items: list[NodeItem | RunItem | ScalarItem] | None = None
+    items: list[NodeItem | RunItem | ScalarItem | ValueItem] | None = None
     next_cursor: str | None = None
     total: int | None = Field(None, description="All items on all pages, where it is known without more work")
     complete: bool = Field(True, description="False where a limit ended the query early")
@@ -99,3 +105,6 @@ class QueryRequest(BaseModel):
     limit: int = Field(100, ge=1)
     cursor: str | None = None
     explain: bool = False
+    variables: dict[str, str | float | bool] = Field(
+        default_factory=dict, max_length=100, description="Values of $name in the expression"
+    )

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import Select, select
+from sqlalchemy import Select, and_, func, select
 
+from service.motion.skeleton import CHANNELS
 from service.storage.encoding import unpack_shape
 from service.storage.rows import to_elements
 from service.storage.tables import (
     bone,
+    content,
+    document,
     frame_run,
     header,
+    revision,
     shape,
     shape_run,
     skeleton_element,
@@ -30,9 +35,45 @@ KEYS_AT_A_TIME = 10_000
 """In one statement; SQLite takes 32,766 parameters, PostgreSQL 65,535."""
 
 
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A document at one revision: what a query needs to know of every one it is asked of."""
+
+    key: int
+    uuid: str
+    name: str
+    version: str
+    skeleton: int
+    frames: int
+    frame_time: str | None
+    revision: int
+
+
 class Columns:
     def __init__(self, tx: Transaction) -> None:
         self._tx = tx
+
+    def documents(self, keys: Sequence[int] | None = None, project_key: int | None = None) -> list[Listed]:
+        """The documents (all, if no keys are given) by name, then key."""
+        at = self._tx.at
+        newest = (
+            select(func.max(revision.c.number))
+            .where(revision.c.document == document.c.id, revision.c.commit <= at)
+            .scalar_subquery()
+        )
+        about = (document.c.id, document.c.uuid, document.c.name, content.c.version, content.c.skeleton)
+        query = (
+            select(*about, content.c.frames, content.c.frame_time, newest)
+            .join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
+            .where(self._tx.documents.visible(), document.c.deleted_commit > at)
+        )
+        if project_key is not None:
+            query = query.where(document.c.project == project_key)
+        found: Iterable[Any] = self._tx.connection.execute(query) if keys is None else ()
+        if keys is not None:
+            found = self._rows(query, document.c.id, keys)
+        listed = [Listed(*row) for row in found]
+        return sorted(listed, key=lambda one: (one.name, one.key))
 
     def timelines(self, keys: Sequence[int]) -> list[Any]:
         """Rows (document, first, slot, count) in order of document and position."""
@@ -95,36 +136,44 @@ class Columns:
     def tracks(
         self,
         keys: Sequence[int],
-        bones: Sequence[int],
+        bones: Sequence[int] | None,
         chunks: tuple[int, int] | None = None,
-        above: tuple[int, float] | None = None,
-        below: tuple[int, float] | None = None,
+        bounds: Sequence[tuple[str, int, float]] = (),
     ) -> Iterator[Any]:
-        """Rows (document, chunk, bone, channels, codec, data) of the tracks of some bones.
+        """Rows (document, chunk, bone, from_commit, channels) of the tracks of some bones or all.
 
-        chunks: first and last chunk. above, below: (channel, bound): only tracks that hold a greater or equal (less or
-        equal) sample, by their zone maps.
+        chunks: first and last. bounds: ("min" | "max", channel, bound): by their zone maps, only tracks whose least
+        sample is not above the bound, or greatest not below it.
         """
-        columns = track.c
+        query = select(track.c.document, track.c.chunk, track.c.bone, track.c.from_commit, track.c.channels)
+        for end, channel, bound in bounds:
+            zone = track.c[f"{end}_{CHANNELS[channel]}"]
+            query = query.where(zone >= bound if end == "max" else zone <= bound)
+        return self._rows(self._of_bones(query, bones, chunks), track.c.document, keys)
+
+    def track_data(self, keys: Sequence[int], bones: Sequence[int], chunks: tuple[int, int]) -> Iterator[Any]:
+        """Rows (document, chunk, bone, from_commit, channels, codec, data)."""
         query = select(
-            columns.document, columns.chunk, columns.bone, columns.channels, columns.codec, columns.data
-        ).where(self._tx.valid(track), columns.bone.in_(bones))
+            track.c.document,
+            track.c.chunk,
+            track.c.bone,
+            track.c.from_commit,
+            track.c.channels,
+            track.c.codec,
+            track.c.data,
+        )
+        return self._rows(self._of_bones(query, bones, chunks), track.c.document, keys)
+
+    def _of_bones(self, query: Select[Any], bones: Sequence[int] | None, chunks: tuple[int, int] | None) -> Select[Any]:
+        query = query.where(self._tx.valid(track))
+        if bones is not None:
+            query = query.where(track.c.bone == bones[0] if len(bones) == 1 else track.c.bone.in_(bones))
         if chunks is not None:
-            query = query.where(columns.chunk >= chunks[0], columns.chunk <= chunks[1])
-        if above is not None:
-            query = query.where(_zone("max", above[0]) >= above[1])
-        if below is not None:
-            query = query.where(_zone("min", below[0]) <= below[1])
-        return self._rows(query, columns.document, keys)
+            query = query.where(track.c.chunk >= chunks[0], track.c.chunk <= chunks[1])
+        return query
 
     def _rows(self, query: Select[Any], column: Any, keys: Sequence[int]) -> Iterator[Any]:
         for start in range(0, len(keys), KEYS_AT_A_TIME):
             some = list(keys[start : start + KEYS_AT_A_TIME])
             narrowed = query.where(column == some[0] if len(some) == 1 else column.in_(some))
             yield from self._tx.connection.execute(narrowed)
-
-
-def _zone(end: str, channel: int) -> Any:
-    from service.motion.skeleton import CHANNELS
-
-    return track.c[f"{end}_{CHANNELS[channel]}"]

@@ -12,6 +12,7 @@ from service.storage.rows import digest, to_elements, to_rows
 from service.storage.tables import CURRENT, bone, content, document, header, property_, skeleton, skeleton_element
 
 if TYPE_CHECKING:
+    from service.storage.columns import Listed
     from service.storage.database import Transaction
     from service.storage.documents import StoredDocument
 
@@ -47,7 +48,7 @@ class Heads:
         )
         return to_elements(rows)
 
-    def document(self, stored: StoredDocument) -> Element:
+    def document(self, stored: StoredDocument | Listed) -> Element:
         """The `mcml` element without its motion: header, root, skeleton."""
         children = [self.header(stored.key), *self.skeleton(stored.skeleton)]
         return Element("mcml", {"version": stored.version}, "", children)

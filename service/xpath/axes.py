@@ -63,6 +63,11 @@ def step(forest: Forest, nodes: Ints, axis: str, test: str) -> Pairs:
     return (source, reached) if keep.all() else (source[keep], reached[keep])
 
 
+def named_bones(forest: Forest, nodes: Ints, name: str) -> Pairs:
+    """`child::frame_bone[@name='…']`."""
+    return _where(_is_frame(nodes), lambda some: forest.shapes.named(some, name), nodes)
+
+
 def kinds_and_names(forest: Forest, nodes: Ints) -> tuple[NDArray[Any], NDArray[Any]]:
     """Kind and name code of each node."""
     framed = in_frames(nodes)
@@ -126,6 +131,16 @@ def _where(which: Bools, function: Callable[[Ints], Pairs], nodes: Ints) -> Pair
         return _NONE
     source, reached = function(nodes[index])
     return index[source], reached
+
+
+def _named_below(forest: Forest, nodes: Ints, test: str) -> Pairs:
+    """Elements of a name below nodes of the head, found among all of that name."""
+    head = forest.head
+    rows = head.rows(nodes)
+    named = head.named(name_codes().get(test, -1))
+    begin = np.searchsorted(named, rows, side="right")
+    source, within = _bounded(np.searchsorted(named, head.ends[rows], side="right") - begin)
+    return source, head.nodes[named[begin[source] + within]]
 
 
 def _of_rows(forest: Forest, nodes: Ints, *, children: bool) -> Pairs:
@@ -212,7 +227,10 @@ def _descendant(forest: Forest, nodes: Ints, test: str) -> Pairs:
     parts = []
     head = ~in_frames(nodes)
     if head.any():
-        parts.append(_where(head, lambda some: _of_rows(forest, some, children=False), nodes))
+        if test in ("*", "node()", "text()"):
+            parts.append(_where(head, lambda some: _of_rows(forest, some, children=False), nodes))
+        else:
+            parts.append(_where(head, lambda some: _named_below(forest, some, test), nodes))
         if test in (FRAME, MOTION_NAME, FRAME_BONE, "text()", "*", "node()"):
             source, frames = _where(head, lambda some: _frames_below(forest, some, direct=False), nodes)
             parts += [(source, frames)] if test in (FRAME, "*", "node()") else []

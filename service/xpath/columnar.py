@@ -6,20 +6,21 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from service.mcml.vocabulary import FRAME
+from service.mcml.vocabulary import FRAME, FRAME_BONE
+from service.storage.columns import Listed
 from service.storage.database import Transaction
-from service.storage.documents import StoredDocument
 from service.xpath.columns import Columns
 from service.xpath.forest import Forest
 from service.xpath.functions import as_booleans, kind_of
-from service.xpath.heads import Heads
+from service.xpath.nodes import Scope
 from service.xpath.nodesets import NodeSets, ordered
-from service.xpath.numbering import Ints, first_of_documents
+from service.xpath.numbering import Ints, documents_of, first_of_documents
 from service.xpath.projection import DOCUMENT, Projection, needs_head, projection
 from service.xpath.rules import after
+from service.xpath.shared import Shared
+from service.xpath.starts import Frames, Start, start_of
 from service.xpath.texts import Strings
 from service.xpath.tree import Expression, Path, Step
-from service.xpath.values import numbers
 
 BATCH = 1_000_000
 """Nodes of the documents that are looked at together, about."""
@@ -30,28 +31,32 @@ DOWNWARDS = frozenset({"self", "child", "descendant", "descendant-or-self", "att
 
 
 class Columnar:
-    """An expression over documents, evaluated on columns.
+    """An expression over the documents of a scope, evaluated on columns.
 
-    documents: in order of the answer. check: called often; raises when the query must end. Every method may raise
-    TooWideError or TooLongError where an intermediate result is larger than is held at once.
+    check: called often; raises when the query must end. Every method may raise TooWideError or TooLongError where an
+    intermediate result is larger than is held at once.
     """
 
     def __init__(
-        self,
-        tx: Transaction,
-        tree: Expression,
-        documents: Sequence[StoredDocument],
-        heads: Heads,
-        check: Callable[[], None],
+        self, tx: Transaction, tree: Expression, scope: Scope, shared: Shared, check: Callable[[], None]
     ) -> None:
         self.tx = tx
         self.tree = tree
-        self.documents = documents
-        self._heads = heads
+        self.start = start_of(tree)
+        self.frames = Frames(tx, self.start, scope)
+        self._shared = shared
         self._check = check
         self._whole_heads = needs_head(tree)
         frames = {Projection.HEAD: 0, Projection.FRAMES: 1, Projection.WHOLE: NODES_A_FRAME}[projection(tree)]
-        self._weights = [(HEAD_NODES if self._whole_heads else 1) + stored.frames * frames for stored in documents]
+        frames = 1 if self.start is not None and self.start.indexed else frames
+        self._weights = [
+            (HEAD_NODES if self._whole_heads else 1) + listed.frames * frames for listed in self.frames.documents
+        ]
+
+    @property
+    def documents(self) -> Sequence[Listed]:
+        """Those that can hold nodes of the answer, in its order."""
+        return self.frames.documents
 
     def forests(self) -> Iterator[Forest]:
         """The documents in batches. The first are small: often the first page is all that is wanted."""
@@ -61,7 +66,7 @@ class Columnar:
             while stop < len(self.documents) and (stop == start or weight + self._weights[stop] <= allowed):
                 weight += self._weights[stop]
                 stop += 1
-            yield Forest(self.tx, self.documents[start:stop], self._heads, whole_heads=self._whole_heads)
+            yield Forest(self.tx, self.documents[start:stop], self._shared, whole_heads=self._whole_heads)
             start, allowed = stop, min(BATCH, allowed * 4)
 
     def chunks(self) -> Iterator[tuple[Forest, Ints]]:
@@ -72,11 +77,13 @@ class Columnar:
                 if len(nodes):
                     yield forest, nodes
 
-    def total(self, function: str) -> float:
-        """`count` or `sum` of the nodes of all documents together."""
-        if function == "count":
-            return float(sum(len(nodes) for _, nodes in self.chunks()))
-        return float(sum(float(numbers(forest, nodes).sum()) for forest, nodes in self.chunks()))
+    def count(self) -> int:
+        """How many nodes the documents have together."""
+        if self.start is not None and self.start.only_frames and not self._narrowed():
+            return self.frames.count()
+        if self.start is not None and not self.start.indexed and not self.start.predicates and _all_bones(self.start):
+            return sum(forest.shapes.total() for forest in self.forests())
+        return sum(len(nodes) for _, nodes in self.chunks())
 
     def values(self) -> list[float | str | bool]:
         """The value of each document."""
@@ -92,22 +99,36 @@ class Columnar:
                 result += np.asarray(found, np.float64).tolist()
         return result
 
+    def _narrowed(self) -> bool:
+        return self.start is not None and (self.start.position is not None or self.start.id is not None)
+
     def _walk(self, columns: Columns) -> Iterator[Ints]:
         tree = self.tree
-        start = columns.documents()
         if not (isinstance(tree, Path) and tree.absolute):
-            yield columns.nodes(tree, start).flat()[0].nodes
+            yield columns.nodes(tree, columns.documents()).flat()[0].nodes
             return
-        split = frames_at(tree.steps)
-        documents = first_of_documents(np.arange(len(columns.forest)))
-        one = NodeSets(np.zeros(len(documents), np.int64), documents, 1)
-        found = columns.steps(one, tree.steps[:split])
-        if split == len(tree.steps):
-            yield found.nodes
+        if self.start is not None:
+            nodes = self.frames.of(columns.forest)
+            nodes = columns.filtered(documents_of(nodes), nodes, self.start.predicates)
+            rest = self.start.steps
+        else:
+            split = frames_at(tree.steps)
+            documents = first_of_documents(np.arange(len(columns.forest)))
+            one = NodeSets(np.zeros(len(documents), np.int64), documents, 1)
+            nodes, rest = columns.steps(one, tree.steps[:split]).nodes, tree.steps[split:]
+        if not all(step.axis in DOWNWARDS for step in rest):
+            yield columns.steps(ordered(np.zeros(len(nodes), np.int64), nodes, 1), rest).nodes
             return
-        for at in range(0, max(1, len(found.nodes)), SLICE_FRAMES):
-            some = found.nodes[at : at + SLICE_FRAMES]
-            yield columns.steps(ordered(np.zeros(len(some), np.int64), some, 1), tree.steps[split:]).nodes
+        for at in range(0, len(nodes), SLICE_FRAMES) if rest else ():
+            some = nodes[at : at + SLICE_FRAMES]
+            yield columns.steps(ordered(np.zeros(len(some), np.int64), some, 1), rest).nodes
+        if not rest:
+            yield nodes
+
+
+def _all_bones(start: Start) -> bool:
+    """Whether the path goes on to all frame_bones, and ends there."""
+    return [(step.axis, step.name, step.predicates) for step in start.steps] == [("child", FRAME_BONE, ())]
 
 
 def frames_at(steps: Sequence[Step]) -> int:

@@ -14,10 +14,12 @@ from typing import TypeAlias
 
 import numpy as np
 
+from service.mcml.vocabulary import FRAME_BONE
 from service.xpath import functions
-from service.xpath.axes import REVERSE, TooWideError, parents, step
+from service.xpath.axes import REVERSE, TooWideError, named_bones, parents, step
 from service.xpath.comparisons import compare
 from service.xpath.forest import Forest, expand
+from service.xpath.labels import named
 from service.xpath.nodesets import NodeSets, ordered
 from service.xpath.numbering import Bools, Floats, Ints, documents_of, first_of_documents
 from service.xpath.texts import Strings, constant
@@ -139,8 +141,14 @@ class Columns:
         """Steps from node sets that have a group for each context node."""
         for one in steps:
             self.check()
-            source, reached = step(self.forest, sets.nodes, one.axis, one.name)
-            for predicate in one.predicates:
+            predicates = one.predicates
+            name = bone_name(one)
+            if name is not None:
+                source, reached = named_bones(self.forest, sets.nodes, name)
+                predicates = predicates[1:]
+            else:
+                source, reached = step(self.forest, sets.nodes, one.axis, one.name)
+            for predicate in predicates:
                 keep = self._kept(predicate, source, reached, reverse=one.axis in REVERSE)
                 source, reached = source[keep], reached[keep]
             sets = ordered(sets.groups[source], reached, sets.count)
@@ -153,6 +161,13 @@ class Columns:
             keep = self._kept(predicate, groups, nodes, reverse=False)
             groups, nodes = groups[keep], nodes[keep]
         return NodeSets(groups, nodes, sets.count, sets.index)
+
+    def filtered(self, groups: Ints, nodes: Ints, predicates: tuple[Expression, ...]) -> Ints:
+        """The nodes that predicates keep. groups: whose list each is in, ascending."""
+        for predicate in predicates:
+            keep = self._kept(predicate, groups, nodes, reverse=False)
+            groups, nodes = groups[keep], nodes[keep]
+        return nodes
 
     def _kept(self, predicate: Expression, groups: Ints, nodes: Ints, *, reverse: bool) -> Bools:
         """Which candidates a predicate keeps. groups: whose list each candidate is in, ascending."""
@@ -188,9 +203,11 @@ class Columns:
 
     def _once_a_document(self, expression: Expression, context: Context) -> Value | None:
         """The value of what does not depend on the context node but by its document, where that saves anything."""
-        if len(context) <= len(self.forest) or not _by_document(expression):
+        if len(context) < 2 or not _by_document(expression):
             return None
         documents, index = np.unique(documents_of(context.nodes), return_inverse=True)
+        if len(documents) == len(context):
+            return None
         index = index.reshape(-1)
         nodes = first_of_documents(documents)
         found = self.value(expression, Context(nodes, np.ones(len(nodes)), np.ones(len(nodes))))
@@ -253,6 +270,12 @@ class Columns:
             own: Value = NodeSets(np.arange(len(context)), context.nodes, len(context))
             return functions.call(self.forest, name, [own], len(context))
         return functions.call(self.forest, name, [self.value(each, context) for each in arguments], len(context))
+
+
+def bone_name(step: Step) -> str | None:
+    """B of `child::frame_bone[@name='B'][…]…`: such frame_bones are found without looking at the others."""
+    is_bone = step.axis == "child" and step.name == FRAME_BONE and step.predicates
+    return named(step.predicates[0]) if is_bone else None
 
 
 def _chosen(context: Context, which: Ints) -> Context:

@@ -9,9 +9,9 @@ import numpy as np
 
 from service.errors import StoreError
 from service.mcml.lexical import escape
+from service.storage.columns import Listed
 from service.storage.database import Transaction
-from service.storage.documents import StoredDocument
-from service.xpath.heads import Head, Heads
+from service.xpath.heads import Head
 from service.xpath.numbering import (
     BONE_WIDTH,
     BONES,
@@ -31,6 +31,8 @@ from service.xpath.numbering import (
     frames_of,
     slots_of,
 )
+from service.xpath.shared import Shared
+from service.xpath.texts import to_number
 
 
 class Forest:
@@ -40,16 +42,14 @@ class Forest:
     when they are first needed.
     """
 
-    def __init__(
-        self, tx: Transaction, documents: Sequence[StoredDocument], heads: Heads, *, whole_heads: bool
-    ) -> None:
+    def __init__(self, tx: Transaction, documents: Sequence[Listed], shared: Shared, *, whole_heads: bool) -> None:
         if len(documents) > MAX_DOCUMENTS or any(stored.frames > MAX_FRAMES for stored in documents):
             raise StoreError("More documents or frames than nodes can be numbered for.")
         self.tx = tx
         self.documents = documents
         self.keys = [stored.key for stored in documents]
         self.frames: Ints = np.array([stored.frames for stored in documents], np.int64)
-        self._heads = heads
+        self.shared = shared
         self._whole_heads = whole_heads
         self._head: HeadRows | None = None
         self._shapes: ShapeRuns | None = None
@@ -62,7 +62,7 @@ class Forest:
     @property
     def head(self) -> HeadRows:
         if self._head is None:
-            self._head = HeadRows(self._heads.read(self.tx, self.documents, whole=self._whole_heads))
+            self._head = HeadRows(self.shared.heads.read(self.tx, self.documents, whole=self._whole_heads))
         return self._head
 
     @property
@@ -109,6 +109,7 @@ class HeadRows:
         self.parents = _joined([np.maximum(p.parents, 0) + o for p, o in zip(parts, offset, strict=True)], np.int64)
         self.ends = _joined([part.ends + start for part, start in zip(parts, offset, strict=True)], np.int64)
         self._parts = parts
+        self._named: dict[int, Ints] = {}
 
     def rows(self, nodes: Ints) -> Ints:
         documents, slots = documents_of(nodes), slots_of(nodes)
@@ -122,11 +123,11 @@ class HeadRows:
         parts = self._parts
         return [parts[d].texts[row] for d, row in zip(documents.tolist(), within.tolist(), strict=True)]
 
-    def is_motion(self, rows: Ints) -> Bools:
-        return np.isin(rows, self.motions)
-
-    def elements(self, rows: Ints) -> Bools:
-        return np.asarray(self.kinds[rows] == IS_ELEMENT)
+    def named(self, code: int) -> Ints:
+        """The rows of all elements of a name, ascending."""
+        if code not in self._named:
+            self._named[code] = np.flatnonzero((self.names == code) & (self.kinds == IS_ELEMENT))
+        return self._named[code]
 
 
 class ShapeRuns:
@@ -151,6 +152,7 @@ class ShapeRuns:
             [codes[escape(bone_names[document, bone])] for (document, _), shape in found.items() for bone, _ in shape],
             np.int64,
         )
+        self._by_bone: tuple[Ints, Ints] | None = None
         runs: list[tuple[int, int, int, int]] = []
         in_slots: dict[int, list[tuple[int, int, int]]] = {}
         for document, slot, count, shape in tx.columns.shape_runs(keys):
@@ -164,6 +166,10 @@ class ShapeRuns:
         runs.sort()
         table = np.array(runs, np.int64).reshape(-1, 4)
         self._keys, self._slots, self.counts, self.shape = table.T
+
+    def total(self) -> int:
+        """How many frame_bones all frames have."""
+        return int((self.counts * (self.offsets[self.shape + 1] - self.offsets[self.shape])).sum())
 
     def run_of(self, nodes: Ints) -> Ints:
         """The run in which each node's frame lies."""
@@ -201,6 +207,17 @@ class ShapeRuns:
         source, within = expand(end - begin)
         return source, frames[source] + BONES + BONE_WIDTH * number[begin[source] + within]
 
+    def numbered(self, frames: Ints, bones: Ints) -> Ints:
+        """The frame_bone of each frame that belongs to the bone of a number; every frame has it."""
+        if self._by_bone is None:
+            shape = np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
+            keys = (shape << 32) | self.bones
+            order = np.argsort(keys)
+            self._by_bone = keys[order], np.arange(len(keys))[order] - self.offsets[shape[order]]
+        keys, numbers = self._by_bone
+        found = numbers[np.searchsorted(keys, (self.shape_of(frames) << 32) | bones)]
+        return np.asarray(frames + BONES + BONE_WIDTH * found, np.int64)
+
     def attributes(self, bones: Ints) -> tuple[Ints, Ints]:
         """(index into bones, attribute) of all attributes of each frame_bone, in order."""
         bits = self.bits[self.entries(bones)]
@@ -217,12 +234,16 @@ class ShapeRuns:
 
 
 class LabelRuns:
-    """Runs of frames that carry the same motion names; every frame is in one. names: all runs' names, as `texts`."""
+    """Runs of frames that carry the same motion names; every frame is in one.
+
+    names: of all runs one after the other, each its place in `stored`, and in `texts` as XML has it.
+    """
 
     def __init__(self, tx: Transaction, keys: Sequence[int], frames: Ints) -> None:
         spans: dict[int, list[tuple[int, int, str]]] = {}
         for document, first, last, name in tx.columns.spans(keys):
             spans.setdefault(document, []).append((first, last, name))
+        self.stored: list[str] = []
         self.texts: list[str] = []
         codes: dict[str, int] = {}
         starts: list[int] = []
@@ -238,6 +259,7 @@ class LabelRuns:
                 for name in covering:
                     code = codes.setdefault(name, len(codes))
                     if code == len(self.texts):
+                        self.stored.append(name)
                         self.texts.append(escape(name))
                     names.append(code)
         self.starts: Ints = np.array(starts, np.int64)
@@ -251,6 +273,17 @@ class LabelRuns:
     def sizes(self, frames: Ints) -> Ints:
         """How many motion_names each frame has."""
         return np.asarray(self.lengths[self.run_of(frames)], np.int64)
+
+    def of_frames(self, frames: Ints) -> list[tuple[str, ...]] | None:
+        """The motion names of each frame as they are stored, None where none has any."""
+        runs = self.run_of(frames)
+        if not self.lengths[runs].any():
+            return None
+        names = {run: tuple(self.stored[code] for code in self._codes_of(run)) for run in np.unique(runs).tolist()}
+        return [names[run] for run in runs.tolist()]
+
+    def _codes_of(self, run: int) -> list[int]:
+        return self.names[self.offsets[run] : self.offsets[run + 1]].tolist()  # type: ignore[no-any-return]
 
     def codes(self, nodes: Ints) -> Ints:
         """The place in `texts` of the name that each motion_name (or its text) holds."""
@@ -269,12 +302,30 @@ class IdRuns:
     def __init__(self, tx: Transaction, keys: Sequence[int]) -> None:
         place = {key: number for number, key in enumerate(keys)}
         rows = [
-            ((place[document] << (DOCUMENT_SHIFT - FRAME_SHIFT)) | first, first_id or 0, step or 0, texts)
-            for document, first, _, first_id, step, texts in tx.columns.frame_runs(keys)
+            ((place[document] << (DOCUMENT_SHIFT - FRAME_SHIFT)) | first, first_id or 0, step or 0, count, texts)
+            for document, first, count, first_id, step, texts in tx.columns.frame_runs(keys)
         ]
         rows.sort(key=lambda row: row[0])
-        self._texts = {number: json.loads(row[3]) for number, row in enumerate(rows) if row[3] is not None}
-        self._keys, self._first, self._step = np.array([row[:3] for row in rows], np.int64).reshape(-1, 3).T
+        self._texts = {number: json.loads(row[4]) for number, row in enumerate(rows) if row[4] is not None}
+        table = np.array([row[:4] for row in rows], np.int64).reshape(-1, 4)
+        self._keys, self._first, self._step, self._count = table.T
+        self._is_text = np.isin(np.arange(len(rows)), list(self._texts))
+
+    def find(self, wanted: str | float) -> Ints:
+        """The frame elements whose id is a text, or has this number; ascending."""
+        number = wanted if isinstance(wanted, float) else to_number(wanted)
+        found = [np.empty(0, np.int64)]
+        exact = not isinstance(wanted, str) or (number.is_integer() and str(int(number)) == wanted)
+        if number.is_integer() and abs(number) < 2**53 and exact:
+            distance = int(number) - self._first
+            step = np.where(self._step == 0, 1, self._step)
+            within = distance // step
+            hit = (distance % step == 0) & (within >= 0) & (within < self._count) & ~self._is_text
+            found.append(self._keys[hit] + within[hit])
+        for run, texts in self._texts.items():
+            places = [i for i, text in enumerate(texts) if text == wanted or to_number(text) == wanted]
+            found.append(self._keys[run] + np.array(places, np.int64))
+        return np.sort(np.concatenate(found)) << FRAME_SHIFT
 
     def numbers(self, nodes: Ints) -> tuple[Ints, dict[int, str]]:
         """The id of each node's frame as an integer; by index, those that are other texts."""

@@ -16,6 +16,12 @@ from service.xpath.numbering import Bools, Floats, code_names
 from service.xpath.texts import Strings, combine, constant, of_numbers, of_texts
 
 Value: TypeAlias = NodeSets | Floats | Bools | Strings
+
+
+class NotOnColumnsError(Exception):
+    """Columns have no answer to this expression; the document as XML has."""
+
+
 COMPARISONS = ("=", "!=", "<", "<=", ">", ">=")
 OF_CONTEXT = frozenset({"string", "number", "string-length", "normalize-space", "name", "local-name", "namespace-uri"})
 """Functions that without an argument take the context node."""
@@ -81,6 +87,8 @@ def call(forest: Forest, name: str, arguments: Sequence[Value], count: int) -> V
     if name == "id":
         # No attribute of MCML has the type ID.
         return NodeSets(np.empty(0, np.int64), np.empty(0, np.int64), count)
+    if name == "string-join":
+        return _string_join(forest, arguments)
     if name in _OF_NODES:
         sets = arguments[0]
         if not isinstance(sets, NodeSets):
@@ -110,9 +118,11 @@ def _of_strings(forest: Forest, name: str, arguments: Sequence[Value]) -> Value:
             return column.numbers(lambda text: float(len(text)))
         if name == "normalize-space":
             return column.map(_normalized)
+        if name in ("lower-case", "upper-case"):
+            return column.map(str.lower if name == "lower-case" else str.upper)
         raise TypeError(f"{name}() with one argument")
     made = combine(columns, _TEXT_FUNCTIONS[name])
-    if name in ("contains", "starts-with"):
+    if name in ("contains", "starts-with", "ends-with"):
         return np.array(made, bool)
     return of_texts([str(text) for text in made])
 
@@ -135,6 +145,7 @@ _TEXT_FUNCTIONS: dict[str, Callable[..., str | float | bool]] = {
     "concat": lambda *texts: "".join(texts),
     "contains": lambda text, part: part in text,
     "starts-with": lambda text, part: text.startswith(part),
+    "ends-with": lambda text, part: text.endswith(part),
     "substring-before": lambda text, part: text[: text.find(part)] if part in text else "",
     "substring-after": lambda text, part: text[text.find(part) + len(part) :] if part in text else "",
     "translate": _translate,
@@ -170,7 +181,7 @@ def round_half_up(numbers: Floats) -> Floats:
 
 
 _OF_NUMBERS: dict[str, Callable[[Floats], Floats]] = {
-    "floor": np.floor, "ceiling": np.ceil, "round": round_half_up,
+    "abs": np.abs, "floor": np.floor, "ceiling": np.ceil, "round": round_half_up,
 }  # fmt: skip
 
 
@@ -195,9 +206,40 @@ def _sum(forest: Forest, sets: NodeSets) -> Floats:
     return sets.sums(values.numbers(forest, sets.nodes))
 
 
+def _extreme(function: str) -> Callable[[Forest, NodeSets], Value]:
+    """`min`, `max` and `avg` of XPath 2.0, NaN for nothing; a text that is no number is an error there."""
+
+    def found(forest: Forest, sets: NodeSets) -> Floats:
+        all_numbers = values.numbers(forest, sets.nodes)
+        if np.isnan(all_numbers).any():
+            raise NotOnColumnsError
+        if function == "avg":
+            return arithmetic("div", sets.sums(all_numbers), sets.counts())
+        return sets.least(all_numbers) if function == "min" else sets.greatest(all_numbers)
+
+    return found
+
+
+def _string_join(forest: Forest, arguments: Sequence[Value]) -> Strings:
+    sets = arguments[0]
+    if not isinstance(sets, NodeSets):
+        raise TypeError("string-join() of no node set")
+    between = as_strings(forest, arguments[1]).list() if len(arguments) > 1 else [""] * sets.size
+    flat, place = sets.flat()
+    parts: list[list[str]] = [[] for _ in range(flat.count)]
+    for group, text in zip(flat.groups.tolist(), values.strings(forest, sets.nodes)[place].list(), strict=True):
+        parts[group].append(text)
+    return of_texts([between[group].join(part) for group, part in enumerate(parts)])
+
+
 _OF_NODES: dict[str, Callable[[Forest, NodeSets], Value]] = {
     "count": lambda forest, sets: sets.counts(),
     "sum": _sum,
+    "min": _extreme("min"),
+    "max": _extreme("max"),
+    "avg": _extreme("avg"),
+    "exists": lambda forest, sets: sets.exist(),
+    "empty": lambda forest, sets: ~sets.exist(),
     "name": _names,
     "local-name": _names,
     "namespace-uri": lambda forest, sets: constant("", sets.size),

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from service.mcml.elements import Element
 from service.mcml.vocabulary import MCML, MOTION
+from service.storage.columns import Listed
 from service.storage.database import Transaction
-from service.storage.documents import StoredDocument
 from service.xpath.numbering import (
     IS_ATTRIBUTE,
     IS_DOCUMENT,
@@ -151,36 +151,32 @@ class Heads:
     def __init__(self, limit: int = 1 << 20) -> None:
         self._limit = limit
         self._size = 0
-        self._headers: dict[tuple[int, int], Part] = {}
+        self._heads: dict[tuple[int, int], Head] = {}
         self._skeletons: dict[int, Part] = {}
 
-    def read(self, tx: Transaction, documents: Sequence[StoredDocument], *, whole: bool) -> list[Head]:
+    def read(self, tx: Transaction, documents: Sequence[Listed], *, whole: bool) -> list[Head]:
         """The head of each document. whole: with header and skeleton; else only document, `mcml` and motion."""
         if not whole:
             return [_assemble(stored.version, (), stored.frames, stored.frame_time) for stored in documents]
-        headers, skeletons = self._headers, self._skeletons
-        revisions = {stored.key: stored.revision for stored in documents}
-        unread = [key for key, revision in revisions.items() if (key, revision) not in headers]
-        found = {(key, revisions[key]): flatten([element]) for key, element in tx.columns.headers(unread).items()}
-        missing = [key for key in dict.fromkeys(stored.skeleton for stored in documents) if key not in skeletons]
+        known, skeletons = self._heads, self._skeletons
+        unread = {listed.key: listed for listed in documents if (listed.key, listed.revision) not in known}
+        missing = [key for key in dict.fromkeys(listed.skeleton for listed in unread.values()) if key not in skeletons]
         forests = {key: flatten(forest) for key, forest in tx.columns.skeletons(missing).items()}
-        headers, skeletons = {**headers, **found}, {**skeletons, **forests}
-        self._remember(headers, skeletons, sum(map(len, found.values())) + sum(map(len, forests.values())))
-        return [
-            _assemble(
-                stored.version,
-                (headers[stored.key, stored.revision], skeletons[stored.skeleton]),
-                stored.frames,
-                stored.frame_time,
-            )
-            for stored in documents
-        ]
+        skeletons = {**skeletons, **forests} if forests else skeletons
+        found: dict[tuple[int, int], Head] = {}
+        for key, element in tx.columns.headers(list(unread)).items():
+            listed = unread[key]
+            parts = (flatten([element]), skeletons[listed.skeleton])
+            found[key, listed.revision] = _assemble(listed.version, parts, listed.frames, listed.frame_time)
+        if found:
+            known = {**known, **found}
+            self._remember(known, skeletons, sum(len(head.part) for head in found.values()))
+        return [known[listed.key, listed.revision] for listed in documents]
 
-    def _remember(self, headers: dict[tuple[int, int], Part], skeletons: dict[int, Part], added: int) -> None:
-        if not added:
-            return
+    def _remember(self, heads: dict[tuple[int, int], Head], skeletons: dict[int, Part], added: int) -> None:
+        # Threads that read at the same time may lose what the other read; it is read again when it is needed.
         self._size += added
         if self._size > self._limit:
-            self._headers, self._skeletons, self._size = {}, {}, 0
+            self._heads, self._skeletons, self._size = {}, {}, 0
         else:
-            self._headers, self._skeletons = headers, skeletons
+            self._heads, self._skeletons = heads, skeletons

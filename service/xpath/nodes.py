@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from service.storage.documents import StoredDocument
+from service.storage.columns import Listed
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class Node:
     """A node of a result. value: an element as XML, else the text."""
 
     kind: str
-    stored: StoredDocument
+    stored: Listed
     address: str
     value: str
 
@@ -30,6 +30,6 @@ class Node:
 class Run:
     """Frames first to last of a document."""
 
-    stored: StoredDocument
+    stored: Listed
     first: int
     last: int

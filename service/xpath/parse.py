@@ -8,7 +8,8 @@ parses. The text and its nesting are bounded before.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from elementpath import XPath1Parser, XPath2Parser
@@ -22,6 +23,8 @@ from service.xpath.tree import (
     AXES,
     BOOLEAN_FUNCTIONS,
     KIND_TESTS,
+    LATER_FUNCTIONS,
+    NEED_NODES,
     NODES_FUNCTIONS,
     NUMBER_FUNCTIONS,
     STRING_FUNCTIONS,
@@ -33,15 +36,16 @@ from service.xpath.tree import (
     Path,
     Span,
     Step,
-    children,
     type_of,
     walk,
+    with_children,
 )
+from service.xpath.unparse import unparse
 
 MAX_LENGTH = 10_000
 MAX_NESTING = 100
 OPERATORS = ("or", "and", "=", "!=", "<", "<=", ">", ">=", "+", "-", "*", "div", "mod", "|")
-FUNCTIONS = NODES_FUNCTIONS | NUMBER_FUNCTIONS | STRING_FUNCTIONS | BOOLEAN_FUNCTIONS
+FUNCTIONS = NODES_FUNCTIONS | NUMBER_FUNCTIONS | STRING_FUNCTIONS | BOOLEAN_FUNCTIONS | LATER_FUNCTIONS
 CONTEXT_FUNCTIONS = (
     "string", "number", "string-length", "normalize-space", "name", "local-name", "namespace-uri",
 )  # fmt: skip
@@ -58,18 +62,27 @@ ANY_NODE = Step("descendant-or-self", "node()")
 class Query:
     """A parsed expression.
 
-    text: as evaluated: motion names in comparisons are in the form in which they are stored, and paths outside of
-    predicates start at the document, which is the context node: `mcml` is `/mcml`. tree: of that text.
+    tree: motion names in comparisons are in the form in which they are stored, paths outside of predicates start at the
+    document, which is the context node (`mcml` is `/mcml`), and variables are the values they are bound to.
     warnings: what the writer should know, such as a name that was a synonym.
     """
 
-    text: str
     tree: Expression
     warnings: tuple[str, ...] = ()
 
+    @property
+    def text(self) -> str:
+        """The tree as an expression."""
+        return unparse(self.tree)
 
-def parse(text: str) -> Query:
-    """Parses an XPath 1.0 expression.
+    @property
+    def later(self) -> bool:
+        """Whether it needs XPath 2.0."""
+        return any(isinstance(part, Call) and part.function in LATER_FUNCTIONS for part in walk(self.tree))
+
+
+def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) -> Query:
+    """Parses an XPath expression. variables: the values of `$name`.
 
     Raises QueryError with the column and a hint for what is none, LimitError for a text that is too long or nested
     too deeply.
@@ -77,28 +90,22 @@ def parse(text: str) -> Query:
     _bound(text, MAX_LENGTH)
     # elementpath takes the + of `node() + 1` for an occurrence indicator of XPath 2.0; a predicate keeps them apart.
     text = _KIND_TEST_BEFORE_SIGN.sub(lambda match: match.group() + "[true()]" * bool(match.group(1)), text)
-    tree = _parse_tree(text, MAX_LENGTH * 2)
-    changes, warnings = _stored_names(text, tree)
-    changes += [(place, place, "/") for place in _relative_places(text, tree)]
-    if not changes:
-        return Query(text, tree, warnings)
-    changed = text
-    for first, last, replacement in sorted(changes, reverse=True):
-        changed = changed[:first] + replacement + changed[last:]
-    return Query(changed, _parse_tree(changed, MAX_LENGTH * 4), warnings)
+    warnings: list[str] = []
+    try:
+        tree = _bind(_parse_tree(text, MAX_LENGTH * 2), variables or {})
+        _check_types(tree)
+        tree = _from_document(_with_stored_names(tree, warnings, in_name=False))
+    except RecursionError:
+        raise LimitError("the expression is nested too deeply", remedy="Write it flatter.") from None
+    return Query(tree, tuple(dict.fromkeys(warnings)))
 
 
 def _parse_tree(text: str, max_length: int) -> Expression:
     _bound(text, max_length)
     try:
-        try:
-            tree = _expression(Parser.parse(XPath1Parser(), text))
-        except ElementPathError as error:
-            tree = _parse_more(text, error)
-        _check_types(tree)
-    except RecursionError:
-        raise LimitError("the expression is nested too deeply", remedy="Write it flatter.") from None
-    return tree
+        return _expression(Parser.parse(XPath1Parser(), text))
+    except ElementPathError as error:
+        return _parse_more(text, error)
 
 
 def _parse_more(text: str, error: ElementPathError) -> Expression:
@@ -122,8 +129,8 @@ def _check_types(tree: Expression) -> None:
             needed = (part.start,)
         elif isinstance(part, Operation) and part.operator == "|":
             needed = part.operands
-        elif isinstance(part, Call) and part.function in ("count", "sum", "name", "local-name", "namespace-uri"):
-            needed = part.arguments
+        elif isinstance(part, Call) and part.function in NEED_NODES:
+            needed = part.arguments[:1]
         for operand in needed:
             if type_of(operand) != "nodes":
                 raise QueryError(
@@ -213,9 +220,7 @@ def _expression(token: Any) -> Expression:
     if token.label in ("function", "constructor function") or symbol == "id":
         return Call(symbol, tuple(_expression(operand) for operand in operands), span)
     if symbol == "$":
-        raise QueryError(
-            "there are no variables", at=Place(column=span[0] + 1), remedy="Write the value instead of $name."
-        )
+        return Call(f"${token[0].value}", (), span)
     raise QueryError(f"{symbol!r} cannot be used here", at=Place(column=span[0] + 1))
 
 
@@ -324,61 +329,69 @@ def _span(token: Any) -> Span:
     return int(first), int(last)
 
 
-def _relative_places(text: str, tree: Expression) -> list[int]:
-    """Where a path, or a function of the context node, outside of predicates needs a slash to start at the document."""
-    places = []
-    stack = [tree]
-    while stack:
-        current = stack.pop()
-        if isinstance(current, Path):
-            if current.start is not None:
-                stack.append(current.start)
-            elif not current.absolute:
-                places.append(current.steps[0].span[0])
-        elif isinstance(current, Filter):
-            stack.append(current.operand)
-        elif isinstance(current, Call) and not current.arguments and current.function in CONTEXT_FUNCTIONS:
-            places.append(text.index("(", current.span[0]) + 1)
-        else:
-            stack.extend(children(current))
-    return places
+def _bind(expression: Expression, variables: Mapping[str, str | float | bool]) -> Expression:
+    """The expression with the values of its variables in it."""
+    if not isinstance(expression, Call) or not expression.function.startswith("$"):
+        return with_children(expression, lambda child: _bind(child, variables))
+    name = expression.function[1:]
+    if name not in variables:
+        raise QueryError(
+            f"the variable ${name} has no value",
+            at=Place(column=expression.span[0] + 1),
+            remedy="Give it one with the request, or write the value instead.",
+        )
+    value = variables[name]
+    if isinstance(value, bool):
+        return Call("true" if value else "false", (), expression.span)
+    return Literal(value if isinstance(value, str) else float(value), expression.span)
 
 
-def _stored_names(text: str, tree: Expression) -> tuple[list[tuple[int, int, str]], tuple[str, ...]]:
-    """Changes (first, last, new text) that put motion names in comparisons in the form in which they are stored."""
-    changes: list[tuple[int, int, str]] = []
-    warnings: list[str] = []
-    for literal in _compared_names(tree, in_name=False):
-        said = str(literal.value)
-        try:
-            stored = canonical(said) if said.strip() else said
-        except VocabularyError as error:
-            warnings.append(f"no frame has this motion name: {error}")
-            continue
-        if stored != said:
-            first, last = literal.span
-            changes.append((first, last, text[first] + stored + text[last - 1]))
-            warnings.append(f"motion name {said!r} is stored as {stored!r}; that was searched")
-    return list(dict.fromkeys(changes)), tuple(dict.fromkeys(warnings))
-
-
-def _compared_names(expression: Expression, *, in_name: bool) -> list[Literal]:
-    """String literals that are compared with a motion name. in_name: the context node is a motion_name."""
-    found: list[Literal] = []
-    if isinstance(expression, Operation) and expression.operator in ("=", "!=") and len(expression.operands) == 2:
-        for one, other in (expression.operands, expression.operands[::-1]):
-            if isinstance(other, Literal) and isinstance(other.value, str) and _is_motion_name(one, in_name):
-                found.append(other)
+def _from_document(expression: Expression) -> Expression:
+    """Outside of predicates the context node is the document."""
     if isinstance(expression, Path):
         if expression.start is not None:
-            found += _compared_names(expression.start, in_name=in_name)
-        for step in expression.steps:
-            for predicate in step.predicates:
-                found += _compared_names(predicate, in_name=step.name == MOTION_NAME)
-        return found
-    for child in children(expression):
-        found += _compared_names(child, in_name=in_name)
-    return found
+            return replace(expression, start=_from_document(expression.start))
+        return replace(expression, absolute=True)
+    if isinstance(expression, Filter):
+        return replace(expression, operand=_from_document(expression.operand))
+    if isinstance(expression, Call) and not expression.arguments and expression.function in CONTEXT_FUNCTIONS:
+        return replace(expression, arguments=(Path((), absolute=True),))
+    return with_children(expression, _from_document)
+
+
+def _with_stored_names(expression: Expression, warnings: list[str], *, in_name: bool) -> Expression:
+    """Motion names that are compared in the form in which they are stored. in_name: the context is a motion_name."""
+    if isinstance(expression, Operation) and expression.operator in ("=", "!=") and len(expression.operands) == 2:
+        one, other = expression.operands
+        if _is_motion_name(other, in_name):
+            expression = replace(expression, operands=(_stored_name(one, warnings), other))
+        elif _is_motion_name(one, in_name):
+            expression = replace(expression, operands=(one, _stored_name(other, warnings)))
+    if not isinstance(expression, Path):
+        return with_children(expression, lambda child: _with_stored_names(child, warnings, in_name=in_name))
+    start = expression.start
+    steps = []
+    for step in expression.steps:
+        is_name = step.name == MOTION_NAME
+        predicates = tuple(_with_stored_names(each, warnings, in_name=is_name) for each in step.predicates)
+        steps.append(replace(step, predicates=predicates))
+    if start is not None:
+        start = _with_stored_names(start, warnings, in_name=in_name)
+    return replace(expression, start=start, steps=tuple(steps))
+
+
+def _stored_name(expression: Expression, warnings: list[str]) -> Expression:
+    if not isinstance(expression, Literal) or not isinstance(expression.value, str) or not expression.value.strip():
+        return expression
+    said = expression.value
+    try:
+        stored = canonical(said)
+    except VocabularyError as error:
+        warnings.append(f"no frame has this motion name: {error}")
+        return expression
+    if stored != said:
+        warnings.append(f"motion name {said!r} is stored as {stored!r}; that was searched")
+    return replace(expression, value=stored)
 
 
 def _is_motion_name(expression: Expression, in_name: bool) -> bool:

@@ -12,16 +12,19 @@ from service.mcml.vocabulary import FRAME_BONE, MOTION, MOTION_NAME
 from service.mcml.writer import Layout, attribute_bytes, text_bytes, write_document, write_frames
 from service.motion.clip import FrameBlock
 from service.motion.skeleton import CHANNELS
+from service.storage.columns import Listed
 from service.storage.database import Transaction
-from service.storage.documents import StoredDocument
 from service.storage.motion_names import names_of_frames
+from service.storage.tables import CHUNK
 from service.xpath import values
 from service.xpath.axes import kinds_and_names
 from service.xpath.forest import Forest, in_frames
 from service.xpath.numbering import (
     BONE_WIDTH,
     BONES,
+    DOCUMENT_SHIFT,
     FIRST_ATTRIBUTE,
+    FRAME_SHIFT,
     IS_ATTRIBUTE,
     IS_DOCUMENT,
     IS_ELEMENT,
@@ -56,11 +59,16 @@ def node_values(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
 
 
 def _frames(forest: Forest, nodes: Ints) -> list[str]:
-    """Frames that follow each other are read and written together."""
     result: list[str] = []
-    for document, first, last in runs_of(nodes):
-        result += [text.decode() for text in frame_texts(forest, document, first, last)]
+    for document, positions in positions_of(nodes):
+        result += [text.decode() for text in frame_texts(forest, document, positions)]
     return result
+
+
+def positions_of(nodes: Ints) -> Iterator[tuple[int, Ints]]:
+    """The positions of the frames that ascending nodes lie in, document by document."""
+    documents, starts = np.unique(documents_of(nodes), return_index=True)
+    yield from zip(documents.tolist(), np.split(frames_of(nodes), starts[1:]), strict=True)
 
 
 def runs_of(nodes: Ints) -> Iterator[tuple[int, int, int]]:
@@ -76,23 +84,37 @@ def runs_of(nodes: Ints) -> Iterator[tuple[int, int, int]]:
         yield int(documents_of(begin)[0]), int(frames_of(begin)[0]), int(frames_of(end)[0])
 
 
-def frame_texts(forest: Forest, document: int, first: int, last: int) -> Iterator[bytes]:
-    """Each frame as XML."""
-    stored = forest.documents[document]
-    names = bone_names(forest.tx, stored)
-    for block in labelled_blocks(forest.tx, stored, first, last):
-        for text in b"".join(write_frames(block, names)).split(b"</frame>\n")[:-1]:
-            yield text + b"</frame>"
+def frame_texts(forest: Forest, document: int, positions: Ints) -> Iterator[bytes]:
+    """Frames at ascending positions as XML; those that lie near each other are read together."""
+    listed = forest.documents[document]
+    names = bone_names(forest.tx, listed)
+    for near in np.split(positions, np.flatnonzero(np.diff(positions) > CHUNK) + 1):
+        first = int(near[0])
+        for block in forest.tx.tracks.blocks(listed.key, first, int(near[-1])):
+            wanted = near[(near >= first) & (near < first + len(block))]
+            labels = forest.labels.of_frames((document << DOCUMENT_SHIFT) | (wanted << FRAME_SHIFT))
+            kept = replace(_chosen(block, wanted - first), motion_names=labels)
+            for text in b"".join(write_frames(kept, names)).split(b"</frame>\n")[:-1]:
+                yield text[:-1] + b"/>" if text.endswith(b'">') else text + b"</frame>"
+            first += len(block)
 
 
-def bone_names(tx: Transaction, stored: StoredDocument) -> list[str]:
+def _chosen(block: FrameBlock, which: Ints) -> FrameBlock:
+    if len(which) == len(block):
+        return block
+    ids = [block.ids[index] for index in which.tolist()] if isinstance(block.ids, list) else block.ids[which]
+    shape_of = None if block.shape_of is None else block.shape_of[which]
+    return replace(block, values=block.values[which], ids=ids, shape_of=shape_of)
+
+
+def bone_names(tx: Transaction, stored: Listed) -> list[str]:
     """The names of bones by their numbers, as `write_frames` takes them."""
     names = tx.heads.bone_names(stored.key)
     return [names.get(number, "") for number in range(max(names, default=-1) + 1)]
 
 
 def labelled_blocks(
-    tx: Transaction, stored: StoredDocument, first: int, last: int, bones: Sequence[int] | None = None
+    tx: Transaction, stored: Listed, first: int, last: int, bones: Sequence[int] | None = None
 ) -> Iterator[FrameBlock]:
     """Frames first to last in blocks, with their motion names."""
     position = first
@@ -103,7 +125,7 @@ def labelled_blocks(
         position = end + 1
 
 
-def document_xml(tx: Transaction, stored: StoredDocument) -> Iterator[bytes]:
+def document_xml(tx: Transaction, stored: Listed) -> Iterator[bytes]:
     """The whole document without white space between elements."""
     document = tx.heads.document(stored)
     blocks = labelled_blocks(tx, stored, 1, stored.frames)

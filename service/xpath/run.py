@@ -1,47 +1,45 @@
-"""Questions to answers: parse, plan, and run in one read transaction, a page at a time."""
+"""Questions to answers: parse, choose a source for the nodes, and run in one read transaction, a page at a time."""
 
 from __future__ import annotations
 
-import base64
-import binascii
 import math
 import time
-import zlib
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Literal, TypeVar
 
-import orjson
+import numpy as np
 
-from schemas.queries import Explain, NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
+from schemas.queries import Explain, NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem, ValueItem
 from service.errors import LimitError, QueryError
 from service.settings import Settings
+from service.storage.columns import Listed
 from service.storage.database import LATEST, Database, Transaction
-from service.storage.documents import StoredDocument
-from service.xpath import sources
+from service.xpath import aggregates, sources
 from service.xpath.axes import TooWideError
 from service.xpath.columnar import Columnar
-from service.xpath.evaluate import Evaluator, Scalar
-from service.xpath.heads import Heads
-from service.xpath.indexed import Indexed, scope_documents
+from service.xpath.columns import Columns, Context
+from service.xpath.cursors import Cursor, question, read_cursor
+from service.xpath.evaluate import Evaluator
+from service.xpath.explain import steps_of
+from service.xpath.forest import Forest, IdRuns
+from service.xpath.functions import NotOnColumnsError
+from service.xpath.limits import Limits
 from service.xpath.nodes import Node, Run, Scope
 from service.xpath.parse import Query, parse
-from service.xpath.plan import COUNT, Plan, plan
 from service.xpath.projected import Projected
 from service.xpath.rules import normal
+from service.xpath.scan import Scan, plan_scan
+from service.xpath.shared import Shared
 from service.xpath.sources import Nth, Source
-from service.xpath.tree import Call, Expression, Filter, Literal, is_constant, type_of
+from service.xpath.tree import Expression, Filter, is_constant, type_of
+from service.xpath.tree import Literal as Constant
 from service.xpath.values import TooLongError
 
 MAX_RUNS = 100_000
-
-
-@dataclass(frozen=True, slots=True)
-class _Cursor:
-    """commit: the state that is read. offset: items on the pages before. check: of the question it belongs to."""
-
-    commit: int
-    offset: int
-    check: int
+Kind = Literal["nodes", "runs", "number", "string", "boolean", "strings"]
+Item = TypeVar("Item")
 
 
 class Queries:
@@ -51,69 +49,33 @@ class Queries:
         self.database = database
         self.settings = settings
         self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
-        self.heads = Heads()
+        self.shared = Shared()
 
     def close(self) -> None:
         self.evaluator.close()
 
-    def answer(self, request: QueryRequest) -> QueryAnswer:
-        """A page of the answer.
+    def answer(self, request: QueryRequest, limits: Limits | None = None) -> QueryAnswer:
+        """A page of the answer. limits: by the settings, if not given; another thread may cancel through them.
 
         Raises QueryError (with column and hint) for what is no XPath or a cursor of another question, NotFoundError
         for a document or project that does not exist, LimitError for what exceeds the limits.
         """
         start = time.perf_counter()
-        query = parse(request.q)
-        cursor = _read_cursor(request)
-        with self.database.read(LATEST if cursor is None else cursor.commit) as tx:
-            scope = _scope(tx, request)
-            found = plan(query.tree)
-            limit = min(request.limit, self.settings.page_limit)
-            kind = type_of(query.tree)
-            if request.as_ != "json" and kind != "nodes":
-                raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
-            way = "index"
-            if is_constant(query.tree):
-                answer = self._constant(query)
-            elif cursor is None and found is not None and found.aggregate != "nodes":
-                answer = _aggregate(tx, found, scope)
-            else:
-                page = _Page(request, limit, cursor or _Cursor(-1, 0, _check(request)))
-                if found is not None:
-                    answer = page.of(Indexed(tx, found, scope), tx)
-                else:
-                    way, answer = self._evaluated(tx, query, scope, page)
-            answer.warnings += query.warnings
-            if request.explain:
-                answer.explain = _explain(query, found, way, scope, (time.perf_counter() - start) * 1000)
-        return answer
-
-    def _evaluated(self, tx: Transaction, query: Query, scope: Scope, page: _Page) -> tuple[str, QueryAnswer]:
-        """On columns; on the documents as XML where an intermediate result is too large for that."""
-        check = Deadline(self.settings.query_seconds).check
-        tree, nth = without_index(normal(query.tree))
-        documents = scope_documents(tx, scope)
-        try:
-            source = Columnar(tx, tree, documents, self.heads, check)
-            if type_of(tree) == "nodes":
-                nodes = source if nth is None else Nth(source, nth)
-                return "columns", page.of_nodes(nodes, tx, self.settings.query_elements)
-            if isinstance(tree, Call) and tree.function in ("count", "sum"):
-                inner = Columnar(tx, tree.arguments[0], documents, self.heads, check)
-                return "columns", QueryAnswer(type="number", value=_plain(inner.total(tree.function)))
-            return "columns", scalars(type_of(tree), documents, source.values())
-        except (TooWideError, TooLongError):
-            return "projection", page.of(Projected(self, tx, query, scope), tx)
-
-    def _constant(self, query: Query) -> QueryAnswer:
-        """A value that no document can change, such as `1 + 1`: said once."""
-        if isinstance(query.tree, Literal):
-            value: float | str | bool = query.tree.value
-        else:
-            found = self.evaluator.evaluate(query, [b"<mcml/>"])
-            value = found.value if isinstance(found, Scalar) else ""
+        query = parse(request.q, request.variables)
+        cursor = read_cursor(request)
         kind = type_of(query.tree)
-        return QueryAnswer(type=kind, value=_plain(value))
+        if request.as_ != "json" and kind != "nodes":
+            raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
+        limits = limits or Limits(self.settings.query_seconds, self.settings.query_elements)
+        with self.database.read(LATEST if cursor is None else cursor.commit) as tx:
+            asking = _Asking(self, tx, query, _scope(tx, request), limits)
+            page = _Page(request, min(request.limit, self.settings.page_limit), cursor)
+            answer = asking.answer(page)
+        answer.warnings += query.warnings
+        if request.explain:
+            asking.explain.milliseconds = (time.perf_counter() - start) * 1000
+            answer.explain = asking.explain
+        return answer
 
 
 def _scope(tx: Transaction, request: QueryRequest) -> Scope:
@@ -122,130 +84,181 @@ def _scope(tx: Transaction, request: QueryRequest) -> Scope:
     return Scope(keys, project, request.project)
 
 
-def _aggregate(tx: Transaction, found: Plan, scope: Scope) -> QueryAnswer:
-    """A count is one number for all documents; whether there is any node is said for each."""
-    source = Indexed(tx, replace(found, aggregate="nodes"), scope)
-    if found.aggregate == COUNT:
-        return QueryAnswer(type="number", value=float(source.count()))
-    having = {run.stored.key for run in source.runs()}
-    documents = scope_documents(tx, scope)
-    if len(documents) == 1:
-        return QueryAnswer(type="boolean", value=documents[0].key in having)
-    items = [
-        ScalarItem(document=stored.uuid, revision=stored.revision, value=stored.key in having) for stored in documents
-    ]
-    return QueryAnswer(type="boolean", items=list(items))
+class _Asking:
+    """One question in one transaction."""
 
+    def __init__(self, engine: Queries, tx: Transaction, query: Query, scope: Scope, limits: Limits) -> None:
+        self.engine = engine
+        self.tx = tx
+        self.query = query
+        self.scope = scope
+        self.limits = limits
+        self.explain = Explain(way="columns", plan=[], documents=0, milliseconds=0)
 
-class _Page:
-    """One page of a source of nodes, runs or scalars."""
+    def answer(self, page: _Page) -> QueryAnswer:
+        try:
+            return self._on_columns(normal(self.query.tree), page)
+        except (TooWideError, TooLongError, NotOnColumnsError):
+            self.explain.way = "projection"
+            self.explain.plan = ["the documents as XML, without what the expression cannot touch", "by libxml2"]
+            return self._on_xml(page)
 
-    def __init__(self, request: QueryRequest, limit: int, cursor: _Cursor) -> None:
-        self.request = request
-        self.limit = limit
-        self.cursor = cursor
+    def _on_columns(self, tree: Expression, page: _Page) -> QueryAnswer:
+        if is_constant(tree):
+            self.explain.plan = ["a value that no document can change"]
+            return QueryAnswer(type=_kind(tree), value=self._constant(tree))
+        call = aggregates.aggregated(tree)
+        if call is not None:
+            source = self.source(call.arguments[0])
+            self.explain.plan.append(f"{call.function} of them")
+            return self._aggregate(call.function, source, page)
+        if type_of(tree) == "nodes":
+            tree, nth = without_index(tree)
+            source = self.source(tree)
+            return page.of(self.tx, source if nth is None else Nth(source, nth), self.limits.max_elements)
+        found = self._columnar(tree)
+        return scalars(_kind(tree), found.documents, found.values())
 
-    def of(self, source: Indexed | Projected, tx: Transaction) -> QueryAnswer:
-        offset = self.cursor.offset
-        if isinstance(source, Projected) and source.type != "nodes":
-            return self._scalars(source)
-        if self.request.as_ == "runs":
-            return self._runs(source.runs(), tx)
-        return self._nodes(source.nodes(offset, self.limit + 1), tx)
+    def source(self, tree: Expression) -> Scan | Columnar:
+        """Where the nodes of an expression come from."""
+        plan = plan_scan(tree)
+        if plan is None:
+            return self._columnar(tree)
+        documents = self.tx.columns.documents(self.scope.keys, self.scope.project)
+        scan = Scan(self.tx, plan, documents, self.engine.shared, self.limits.check)
+        self._explained("index", scan, len(scan.forest))
+        return scan
 
-    def of_nodes(self, source: Source, tx: Transaction, max_elements: int) -> QueryAnswer:
-        if self.request.as_ == "runs":
-            return self._runs(sources.runs(source), tx)
-        return self._nodes(sources.page(source, self.cursor.offset, self.limit + 1, max_elements), tx)
+    def _columnar(self, tree: Expression) -> Columnar:
+        found = Columnar(self.tx, tree, self.scope, self.engine.shared, self.limits.check)
+        indexed = found.start is not None and found.start.indexed
+        self._explained("index" if indexed else "columns", found, len(found.documents))
+        return found
 
-    def _runs(self, found: Iterator[Run], tx: Transaction) -> QueryAnswer:
-        runs = list(_page_of(found, self.cursor.offset, self.limit + 1))
-        items = [_run_item(tx, run) for run in runs[: self.limit]]
-        return QueryAnswer(type="runs", items=list(items), next_cursor=self._next(tx, len(runs) > self.limit))
+    def _explained(self, way: Literal["index", "columns"], source: Scan | Columnar, documents: int) -> None:
+        self.explain = Explain(way=way, plan=steps_of(source), documents=documents, milliseconds=0)
 
-    def _nodes(self, nodes: list[Node], tx: Transaction) -> QueryAnswer:
-        shown = [_node_item(node) for node in nodes[: self.limit]]
-        return QueryAnswer(type="nodes", items=list(shown), next_cursor=self._next(tx, len(nodes) > self.limit))
+    def _aggregate(self, function: str, source: Scan | Columnar, page: _Page) -> QueryAnswer:
+        if function in aggregates.TRUTH_AGGREGATES:
+            return QueryAnswer(type="boolean", value=aggregates.exists(source) == (function == "exists"))
+        if function == "distinct-values":
+            return page.of_values(self.tx, aggregates.distinct(source))
+        found = aggregates.number(function, source)
+        if function in ("min", "max", "avg") and found is not None and math.isnan(found):
+            raise NotOnColumnsError
+        return QueryAnswer(type="number", value=None if found is None else plain(found))
 
-    def _scalars(self, source: Projected) -> QueryAnswer:
+    def _constant(self, tree: Expression) -> float | str | bool:
+        nowhere = Forest(self.tx, [], self.engine.shared, whole_heads=False)
+        columns = Columns(nowhere, self.limits.check)
+        context = Context(np.zeros(1, np.int64))
+        if type_of(tree) == "string":
+            return columns.strings(tree, context).list()[0]
+        if type_of(tree) == "boolean":
+            return bool(columns.truth(tree, context)[0])
+        return plain(float(columns.numbers(tree, context)[0]))
+
+    def _on_xml(self, page: _Page) -> QueryAnswer:
+        source = Projected(self.engine.evaluator, self.tx, self.query, self.scope, self.limits)
+        if source.type == "nodes":
+            return page.of_projected(self.tx, source)
         kind, value, each = source.scalars()
         if value is not None:
-            return QueryAnswer(type=kind, value=_plain(value))
-        return scalars(kind, [stored for stored, _ in each], [item for _, item in each])
+            return QueryAnswer(type=kind, value=plain(value))
+        return scalars(kind, [listed for listed, _ in each], [item for _, item in each])
+
+
+@dataclass(frozen=True)
+class _Page:
+    """One page of nodes, runs or values."""
+
+    request: QueryRequest
+    limit: int
+    cursor: Cursor | None
+
+    @property
+    def offset(self) -> int:
+        return 0 if self.cursor is None else self.cursor.offset
+
+    def of(self, tx: Transaction, source: Source, max_elements: int) -> QueryAnswer:
+        if self.request.as_ == "runs":
+            return self._runs(tx, sources.runs(source))
+        return self._nodes(tx, sources.page(source, self.offset, self.limit + 1, max_elements))
+
+    def of_projected(self, tx: Transaction, source: Projected) -> QueryAnswer:
+        if self.request.as_ == "runs":
+            return self._runs(tx, source.runs())
+        return self._nodes(tx, source.nodes(self.offset, self.limit + 1))
+
+    def of_values(self, tx: Transaction, values: Sequence[str]) -> QueryAnswer:
+        some = values[self.offset : self.offset + self.limit]
+        more = len(values) > self.offset + self.limit
+        items = [ValueItem(value=value) for value in some]
+        return QueryAnswer(type="strings", items=list(items), next_cursor=self._next(tx, more), total=len(values))
+
+    def _runs(self, tx: Transaction, found: Iterable[Run]) -> QueryAnswer:
+        if self.offset + self.limit > MAX_RUNS:
+            raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
+        runs = list(islice(found, self.offset, self.offset + self.limit + 1))
+        items = run_items(tx, runs[: self.limit])
+        return QueryAnswer(type="runs", items=list(items), next_cursor=self._next(tx, len(runs) > self.limit))
+
+    def _nodes(self, tx: Transaction, nodes: list[Node]) -> QueryAnswer:
+        items = [node_item(node) for node in nodes[: self.limit]]
+        return QueryAnswer(type="nodes", items=list(items), next_cursor=self._next(tx, len(nodes) > self.limit))
 
     def _next(self, tx: Transaction, more: bool) -> str | None:
         if not more:
             return None
-        commit = self.cursor.commit if self.cursor.commit >= 0 else tx.newest_commit()
-        parts = [commit, self.cursor.offset + self.limit, self.cursor.check]
-        return base64.urlsafe_b64encode(orjson.dumps(parts)).decode().rstrip("=")
+        commit = tx.newest_commit() if self.cursor is None else self.cursor.commit
+        return str(Cursor(commit, self.offset + self.limit, question(self.request)))
 
 
-def scalars(kind: str, documents: Sequence[StoredDocument], found: Sequence[float | str | bool]) -> QueryAnswer:
+def scalars(kind: Kind, documents: Sequence[Listed], found: Sequence[float | str | bool]) -> QueryAnswer:
     """One value of one document, or a value of each."""
     if len(documents) == 1:
-        return QueryAnswer(type=kind, value=_plain(found[0]))
+        return QueryAnswer(type=kind, value=plain(found[0]))
     items = [
-        ScalarItem(document=stored.uuid, revision=stored.revision, value=_plain(value))
-        for stored, value in zip(documents, found, strict=True)
+        ScalarItem(document=listed.uuid, revision=listed.revision, value=plain(value))
+        for listed, value in zip(documents, found, strict=True)
     ]
     return QueryAnswer(type=kind, items=list(items))
 
 
 def without_index(tree: Expression) -> tuple[Expression, int | None]:
     """`(…)[n]` around the whole counts over all documents: the expression inside, and n."""
-    if isinstance(tree, Filter) and len(tree.predicates) == 1 and isinstance(tree.predicates[0], Literal):
+    if isinstance(tree, Filter) and len(tree.predicates) == 1 and isinstance(tree.predicates[0], Constant):
         value = tree.predicates[0].value
         if isinstance(value, float) and value >= 1 and value.is_integer():
             return tree.operand, int(value)
     return tree, None
 
 
-class Deadline:
-    """seconds: how long a query may take."""
-
-    def __init__(self, seconds: float) -> None:
-        self._seconds = seconds
-        self._end = time.monotonic() + seconds
-
-    def check(self) -> None:
-        """LimitError once the time is up."""
-        if time.monotonic() > self._end:
-            raise LimitError(
-                f"The query took longer than {self._seconds:g} s.",
-                remedy="Ask fewer documents, or ask for a motion name first.",
-                code="query-timeout",
-            )
-
-
-def _page_of(runs: Iterator[Run], offset: int, limit: int) -> Iterator[Run]:
-    for number, run in enumerate(runs):
-        if number >= offset + limit:
-            return
-        if number >= MAX_RUNS:
-            raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
-        if number >= offset:
-            yield run
+def run_items(tx: Transaction, runs: Sequence[Run]) -> list[RunItem]:
+    """Runs as an answer shows them, their frame ids read together."""
+    keys = list(dict.fromkeys(run.stored.key for run in runs))
+    place = {key: number for number, key in enumerate(keys)}
+    ends = [(place[run.stored.key] << 48) | (end << 24) for run in runs for end in (run.first, run.last)]
+    numbers, others = IdRuns(tx, keys).numbers(np.array(ends, np.int64))
+    ids = [others.get(index, str(number)) for index, number in enumerate(numbers.tolist())]
+    return [
+        RunItem(
+            document=run.stored.uuid,
+            name=run.stored.name,
+            revision=run.stored.revision,
+            first=run.first,
+            last=run.last,
+            first_id=first_id,
+            last_id=last_id,
+            frames=run.last - run.first + 1,
+        )
+        for run, first_id, last_id in zip(runs, ids[::2], ids[1::2], strict=True)
+    ]
 
 
-def _run_item(tx: Transaction, run: Run) -> RunItem:
-    ids = tx.tracks.frame_ids(run.stored.key, run.first, run.first)
-    last_ids = tx.tracks.frame_ids(run.stored.key, run.last, run.last)
-    return RunItem(
-        document=run.stored.uuid,
-        name=run.stored.name,
-        revision=run.stored.revision,
-        first=run.first,
-        last=run.last,
-        first_id=str(ids[0]),
-        last_id=str(last_ids[0]),
-        frames=run.last - run.first + 1,
-    )
-
-
-def _node_item(node: Node) -> NodeItem:
-    return NodeItem(
-        kind=node.kind,
+def node_item(node: Node) -> NodeItem:
+    return NodeItem.model_construct(
+        kind=node.kind,  # type: ignore[arg-type]
         document=node.stored.uuid,
         revision=node.stored.revision,
         address=node.address,
@@ -253,53 +266,12 @@ def _node_item(node: Node) -> NodeItem:
     )
 
 
-def _plain(value: float | str | bool) -> float | str | bool:
+def plain(value: float | str | bool) -> float | str | bool:
     """JSON has no NaN and no infinities: they are the texts that XPath's string() gives."""
     if isinstance(value, float) and not math.isfinite(value):
         return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     return value
 
 
-def _check(request: QueryRequest) -> int:
-    return zlib.crc32(orjson.dumps([request.q, request.document, request.project, request.as_]))
-
-
-def _read_cursor(request: QueryRequest) -> _Cursor | None:
-    if request.cursor is None:
-        return None
-    try:
-        text = request.cursor + "=" * (-len(request.cursor) % 4)
-        commit, offset, check = (int(part) for part in orjson.loads(base64.urlsafe_b64decode(text)))
-    except (binascii.Error, ValueError, TypeError, OverflowError):
-        commit, offset, check = -1, -1, -1
-    if check != _check(request) or not (0 <= commit < LATEST and 0 <= offset < LATEST):
-        raise QueryError("This cursor belongs to another question.", remedy="Begin again without a cursor.")
-    return _Cursor(commit, offset, check)
-
-
-def _explain(query: Query, found: Plan | None, way: str, scope: Scope, milliseconds: float) -> Explain:
-    asked = 0 if scope.keys is None else len(scope.keys)
-    if found is None and way == "columns":
-        return Explain(way="columns", plan=["the expression on columns"], documents=asked, milliseconds=milliseconds)
-    if found is None:
-        steps = ["the documents as XML, without what the expression cannot touch", "libxml2 evaluates the expression"]
-        return Explain(way="projection", plan=steps, documents=asked, milliseconds=milliseconds)
-    steps = []
-    for group in found.motion_names:
-        steps.append(f"spans named {' or '.join(repr(name) for name in group)}, by the index on names")
-    if not found.motion_names:
-        steps.append("all frames, by the timeline")
-    if found.position is not None:
-        steps.append(f"the frame at position {found.position}")
-    if found.nth is not None:
-        steps.append(f"the frame number {found.nth} of these")
-    if found.bones:
-        which = f"named {found.bone!r}" if found.bone else f"number {found.ordinal}" if found.ordinal else "all"
-        steps.append(f"their frame_bones ({which}), by the shapes of the frames")
-    if found.attribute:
-        steps.append(f"their attribute {found.attribute}")
-    if found.aggregate != "nodes":
-        steps.append(f"{found.aggregate}, by arithmetic on ranges: no track is read")
-    else:
-        steps.append("tracks of the frames and bones on the page")
-    return Explain(way="index", plan=steps, documents=asked, milliseconds=milliseconds)
+def _kind(tree: Expression) -> Kind:
+    return type_of(tree)  # type: ignore[return-value]

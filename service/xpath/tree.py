@@ -6,8 +6,8 @@ spellings look alike. Operators that associate hold all their operands: `a or b 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 Span: TypeAlias = tuple[int, int]
@@ -24,7 +24,7 @@ class Literal:
     """A string or a number."""
 
     value: str | float
-    span: Span = (0, 0)
+    span: Span = field(default=(0, 0), compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Step:
     axis: str
     name: str
     predicates: tuple[Expression, ...] = ()
-    span: Span = (0, 0)
+    span: Span = field(default=(0, 0), compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Path:
     steps: tuple[Step, ...]
     absolute: bool = False
     start: Expression | None = None
-    span: Span = (0, 0)
+    span: Span = field(default=(0, 0), compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,16 +53,16 @@ class Filter:
 
     operand: Expression
     predicates: tuple[Expression, ...]
-    span: Span = (0, 0)
+    span: Span = field(default=(0, 0), compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A function call."""
+    """A function call. A variable, until it is bound, is a call of `$name`."""
 
     function: str
     arguments: tuple[Expression, ...] = ()
-    span: Span = (0, 0)
+    span: Span = field(default=(0, 0), compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +71,7 @@ class Operation:
 
     operator: str
     operands: tuple[Expression, ...]
-    span: Span = (0, 0)
+    span: Span = field(default=(0, 0), compare=False)
 
 
 Expression: TypeAlias = Literal | Path | Filter | Call | Operation
@@ -79,6 +79,7 @@ Expression: TypeAlias = Literal | Path | Filter | Call | Operation
 NODES_FUNCTIONS = frozenset({"id"})
 NUMBER_FUNCTIONS = frozenset(
     {"last", "position", "count", "string-length", "number", "sum", "floor", "ceiling", "round"}
+    | {"min", "max", "avg", "abs"}
 )
 STRING_FUNCTIONS = frozenset(
     {
@@ -93,12 +94,27 @@ STRING_FUNCTIONS = frozenset(
         "normalize-space",
         "translate",
     }
+    | {"lower-case", "upper-case", "string-join"}
 )
-BOOLEAN_FUNCTIONS = frozenset({"boolean", "not", "true", "false", "lang", "contains", "starts-with"})
+BOOLEAN_FUNCTIONS = frozenset({"boolean", "not", "true", "false", "lang", "contains", "starts-with"}) | {
+    "ends-with",
+    "exists",
+    "empty",
+}
+LATER_FUNCTIONS = frozenset(
+    {"min", "max", "avg", "abs", "lower-case", "upper-case", "string-join", "ends-with", "exists", "empty"}
+    | {"distinct-values"}
+)
+"""Functions of XPath 2.0 that run on columns."""
+NEED_NODES = frozenset(
+    {"count", "sum", "name", "local-name", "namespace-uri", "min", "max", "avg", "exists", "empty"}
+    | {"distinct-values", "string-join"}
+)
+"""Functions whose first argument is a node set."""
 
 
 def type_of(expression: Expression) -> str:
-    """Type of the value: "nodes", "number", "string" or "boolean". XPath 1.0 knows it from the text."""
+    """Type of the value: "nodes", "number", "string", "boolean" or "strings". The text alone tells it."""
     if isinstance(expression, Literal):
         return "string" if isinstance(expression.value, str) else "number"
     if isinstance(expression, Path | Filter):
@@ -108,6 +124,8 @@ def type_of(expression: Expression) -> str:
             return "nodes"
         if expression.function in NUMBER_FUNCTIONS:
             return "number"
+        if expression.function == "distinct-values":
+            return "strings"
         return "string" if expression.function in STRING_FUNCTIONS else "boolean"
     if expression.operator == "|":
         return "nodes"
@@ -128,6 +146,22 @@ def children(expression: Expression) -> Iterator[Expression]:
         yield from expression.arguments
     elif isinstance(expression, Operation):
         yield from expression.operands
+
+
+def with_children(expression: Expression, function: Callable[[Expression], Expression]) -> Expression:
+    """The expression with every expression directly inside replaced."""
+    if isinstance(expression, Path):
+        steps = tuple(replace(step, predicates=tuple(map(function, step.predicates))) for step in expression.steps)
+        start = None if expression.start is None else function(expression.start)
+        return replace(expression, start=start, steps=steps)
+    if isinstance(expression, Filter):
+        predicates = tuple(map(function, expression.predicates))
+        return replace(expression, operand=function(expression.operand), predicates=predicates)
+    if isinstance(expression, Call):
+        return replace(expression, arguments=tuple(map(function, expression.arguments)))
+    if isinstance(expression, Operation):
+        return replace(expression, operands=tuple(map(function, expression.operands)))
+    return expression
 
 
 def walk(expression: Expression) -> Iterator[Expression]:

@@ -6,7 +6,7 @@ import numpy as np
 import orjson
 
 from service.motion.skeleton import CHANNELS
-from service.storage.encoding import channels_of, decompress
+from service.storage.encoding import channels_of
 from service.storage.tables import CHUNK
 from service.xpath.forest import Forest, expand, in_frames
 from service.xpath.heads import XML_NAMESPACE
@@ -114,15 +114,17 @@ def samples(forest: Forest, nodes: Ints) -> Floats:
     }
     place = {key: number for number, key in enumerate(forest.keys)}
     for asked, kept, chunks in _requests(forest, documents, bones, slot // CHUNK):
-        for row in forest.tx.columns.tracks(asked, kept, chunks):
-            found = wanted.get((place[row.document] << 48) | (row.bone << 32) | row.chunk)
-            if found is None:
-                continue
-            some = order[found[0] : found[1]]
+        rows = [
+            row
+            for row in forest.tx.columns.tracks(asked, kept, chunks)
+            if (place[row.document] << 48) | (row.bone << 32) | row.chunk in wanted
+        ]
+        for row, data in zip(rows, forest.shared.tracks.read(forest.tx, rows), strict=True):
+            start, stop = wanted[(place[row.document] << 48) | (row.bone << 32) | row.chunk]
+            some = order[start:stop]
             held = channels_of(row.channels)
             columns = np.full(len(CHANNELS), -1)
             columns[held] = np.arange(len(held))
-            data = decompress(row.data, len(held), row.codec)
             result[some] = data[columns[channels[some]], slot[some] % CHUNK]
     return result
 

@@ -1,7 +1,8 @@
-"""Readable cases: the expected answer, libxml2's, that of the pool of processes, and that of the plan."""
+"""Readable cases: the expected answer, libxml2's, that of the pool of processes, and that of columns and indexes."""
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,9 +11,15 @@ from typing import Any
 
 import pytest
 
+from schemas.queries import NodeItem, QueryRequest
+from service.actions.import_motion import import_files
+from service.actions.import_options import ImportOptions
+from service.formats.format import SourceFile
+from service.settings import Settings
+from service.storage.database import Database
 from service.xpath.evaluate import Evaluator, Nodes
 from service.xpath.parse import parse
-from service.xpath.plan import COUNT, EXISTS, Plan, plan
+from service.xpath.run import Queries
 from tests.xpath.small import DOCUMENT, answer, tree
 
 
@@ -23,7 +30,7 @@ class Case:
 
     @property
     def expected(self) -> list[str]:
-        return [line for line in self.lines if line not in ("planned", "not planned")]
+        return [line for line in self.lines if line != "indexed"]
 
     def check(self, value: Any) -> None:
         """value: a scalar, or (address, value) of each node."""
@@ -62,6 +69,20 @@ def pool() -> Iterator[Evaluator]:
     evaluator.close()
 
 
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Queries]:
+    database = Database(f"sqlite:///{tmp_path_factory.mktemp('cases') / 'store.db'}")
+    database.migrate()
+    done = import_files(
+        database, [SourceFile("small.mcml", io.BytesIO(DOCUMENT.encode()))], ImportOptions(), Settings()
+    )
+    assert not done.problems
+    queries = Queries(database, Settings())
+    yield queries
+    queries.close()
+    database.close()
+
+
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.expression)
 def test_the_pool_answers_as_expected(case: Case, pool: Evaluator) -> None:
     assert case.expected
@@ -75,42 +96,19 @@ def test_libxml2_agrees(case: Case) -> None:
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.expression)
-def test_plans(case: Case) -> None:
-    found = plan(parse(case.expression).tree)
-    if "planned" in case.lines:
-        assert found is not None
-    if "not planned" in case.lines:
-        assert found is None
-    if found is not None:
-        case.check(run_slowly(found))
-
-
-def run_slowly(found: Plan) -> Any:
-    """What a plan means, the obvious way, on the parsed document."""
-    document = tree()
-    frames = document.xpath("/mcml/motion/frame")
-    if found.position is not None:
-        frames = frames[found.position - 1 : found.position]
-    for group in found.motion_names:
-        frames = [frame for frame in frames if {name.text for name in frame.findall("motion_name")} & set(group)]
-    if found.nth is not None:
-        frames = frames[found.nth - 1 : found.nth]
-    paths = [document.getpath(frame) for frame in frames]
-    if found.bones:
-        bones = [bone for frame in frames for bone in list(frame.findall("frame_bone"))[_one(found.ordinal)]]
-        paths = [document.getpath(bone) for bone in bones if found.bone in (None, bone.get("name"))]
-    if found.attribute is not None:
-        paths = [f"{path}/@{found.attribute}" for path in paths if document.xpath(f"{path}/@{found.attribute}")]
-    paths = paths[_one(found.nth_result)]
-    if found.aggregate == COUNT:
-        return float(len(paths))
-    if found.aggregate == EXISTS:
-        return bool(paths)
-    return [item for path in paths for item in answer(document, path)]
-
-
-def _one(place: int | None) -> slice:
-    return slice(None) if place is None else slice(place - 1, place)
+def test_columns_answer_as_expected(case: Case, engine: Queries) -> None:
+    found = engine.answer(QueryRequest(q=case.expression, limit=1000, explain=True))
+    assert found.explain is not None
+    assert found.explain.way != "projection"
+    if "indexed" in case.lines:
+        assert found.explain.way == "index"
+    if found.type == "nodes":
+        items = [item for item in found.items or [] if isinstance(item, NodeItem)]
+        case.check([(item.address, item.value) for item in items])
+    else:
+        value = found.value
+        special = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
+        case.check(special.get(value, value) if found.type == "number" and isinstance(value, str) else value)
 
 
 def test_pages_and_totals(pool: Evaluator) -> None:

@@ -1,0 +1,45 @@
+"""Cursors: where a page ends, in which state of the store, and of which question."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import zlib
+from dataclasses import dataclass
+
+import orjson
+
+from schemas.queries import QueryRequest
+from service.errors import QueryError
+from service.storage.database import LATEST
+
+
+@dataclass(frozen=True, slots=True)
+class Cursor:
+    """commit: the state that is read. offset: items on the pages before. check: of the question it belongs to."""
+
+    commit: int
+    offset: int
+    check: int
+
+    def __str__(self) -> str:
+        return base64.urlsafe_b64encode(orjson.dumps([self.commit, self.offset, self.check])).decode().rstrip("=")
+
+
+def question(request: QueryRequest) -> int:
+    """A number that tells one question from another."""
+    return zlib.crc32(orjson.dumps([request.q, request.document, request.project, request.as_, request.variables]))
+
+
+def read_cursor(request: QueryRequest) -> Cursor | None:
+    """The request's cursor. QueryError for one that another question made."""
+    if request.cursor is None:
+        return None
+    try:
+        text = request.cursor + "=" * (-len(request.cursor) % 4)
+        commit, offset, check = (int(part) for part in orjson.loads(base64.urlsafe_b64decode(text)))
+    except (binascii.Error, ValueError, TypeError, OverflowError):
+        commit, offset, check = -1, -1, -1
+    if check != question(request) or not (0 <= commit < LATEST and 0 <= offset < LATEST):
+        raise QueryError("This cursor belongs to another question.", remedy="Begin again without a cursor.")
+    return Cursor(commit, offset, check)

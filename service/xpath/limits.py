@@ -1,0 +1,37 @@
+"""When a query must end."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from service.errors import LimitError
+
+
+class Limits:
+    """seconds: how long the query may take. max_elements: how many elements it may look at, or answer, as XML."""
+
+    def __init__(self, seconds: float, max_elements: int) -> None:
+        self.max_elements = max_elements
+        self._seconds = seconds
+        self._end = time.monotonic() + seconds
+        self._cancelled = threading.Event()
+
+    @property
+    def seconds_left(self) -> float:
+        return max(0.0, self._end - time.monotonic())
+
+    def cancel(self) -> None:
+        """Nobody waits for the answer any more."""
+        self._cancelled.set()
+
+    def check(self) -> None:
+        """LimitError once the time is up or the query was cancelled."""
+        if self._cancelled.is_set():
+            raise LimitError("The query was cancelled.", code="query-cancelled")
+        if time.monotonic() > self._end:
+            raise LimitError(
+                f"The query took longer than {self._seconds:g} s.",
+                remedy="Ask fewer documents, or ask for a motion name first.",
+                code="query-timeout",
+            )

@@ -1,0 +1,318 @@
+"""Questions about samples, answered from the tracks of the bones they name: zone maps first, then whole tracks at once.
+
+`//frame[frame_bone[@name='A']/@Rx > frame_bone[@name='B']/@Rx]`, `//frame_bone[@name='A'][@Rx > 45]/@Ry` and their
+like never look at other bones, and skip the tracks whose least and greatest samples rule them out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from service.mcml.lexical import unescape
+from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION
+from service.motion.skeleton import CHANNEL_INDEX
+from service.storage.columns import Listed
+from service.storage.database import Transaction
+from service.storage.encoding import channels_of
+from service.storage.tables import CHUNK
+from service.xpath.axes import step as axis_step
+from service.xpath.forest import Forest
+from service.xpath.labels import motion_name_groups, ranges_of
+from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Bools, Floats, Ints
+from service.xpath.shared import Shared
+from service.xpath.tree import Expression, Path, Step
+from service.xpath.vectors import Condition, Sample, bone_conditions, condition, conjunction
+
+UNITS = 2048
+"""Tracks of the leading bone that are looked at together: half a million samples a channel."""
+
+
+@dataclass(frozen=True)
+class ScanPlan:
+    """What to scan for.
+
+    condition: that a frame, or a frame_bone where `any_bone`, fulfils. lead: name of the bone whose tracks are looked
+    through, None for all bones. names: groups of motion names, one of each of which the frame must carry.
+    target: "frame" or "frame_bone". bone: the name of the frame_bone asked for, None for any that fulfils the condition
+    (or all of the frame, where none is asked for something). attribute: of the target.
+    """
+
+    condition: Condition
+    lead: str | None
+    names: tuple[tuple[str, ...], ...]
+    target: str
+    bone: str | None
+    attribute: str | None
+
+    @property
+    def any_bone(self) -> bool:
+        return self.lead is None
+
+    @property
+    def sample(self) -> Sample | None:
+        """The sample that is asked for, where the target is a channel that every hit has."""
+        channel = CHANNEL_INDEX.get(self.attribute or "")
+        found = None if channel is None or self.target == FRAME else (self.bone, channel)
+        return found if found in self.condition.strict else None
+
+    @property
+    def one_each(self) -> bool:
+        """Whether every frame (or track) that fulfils the condition gives exactly one node."""
+        if self.target == FRAME:
+            return self.attribute in (None, "id")
+        own = any(name == self.bone for name, _ in self.condition.strict)
+        return own and (self.attribute in (None, "name") or self.sample is not None)
+
+
+def plan_scan(tree: Expression) -> ScanPlan | None:
+    """The plan of a node set, in the form of `rules.normal`; None where samples do not decide it."""
+    if not isinstance(tree, Path) or not tree.absolute or len(tree.steps) < 3:
+        return None
+    ways = [(step.axis, step.name) for step in tree.steps[:3]]
+    if ways != [("child", MCML), ("child", MOTION), ("child", FRAME)] or any(s.predicates for s in tree.steps[:2]):
+        return None
+    names: list[tuple[str, ...]] = []
+    conditions: list[Condition] = []
+    for predicate in tree.steps[2].predicates:
+        groups = motion_name_groups(predicate)
+        found = condition(predicate, FRAME) if groups is None else None
+        if groups is None and found is None:
+            return None
+        names += groups or ()
+        conditions += [found] if found is not None else []
+    steps = tree.steps[3:]
+    target, bone = FRAME, None
+    if steps and steps[0].name == FRAME_BONE:
+        compiled = bone_conditions(steps[0])
+        if compiled is None:
+            return None
+        target, (bone, own), steps = FRAME_BONE, compiled, steps[1:]
+        conditions += own
+    attribute = _attribute(steps)
+    if attribute == "":
+        return None
+    if target == FRAME_BONE and attribute in CHANNEL_INDEX:
+        sample = (bone, CHANNEL_INDEX[attribute])
+        present = Condition(lambda block: ~np.isnan(block[sample]), frozenset({sample}), frozenset({sample}))
+        conditions.append(present)
+    if not conditions:
+        return None
+    whole = conjunction(conditions)
+    if not whole.strict:
+        return None
+    lead = None
+    if not any(name is None for name, _ in whole.samples):
+        bounded = [name for (name, _), _, _ in whole.bounds if name is not None and (name, _) in whole.strict]
+        lead = next(iter([*bounded, *sorted(name for name, _ in whole.strict if name is not None)]))
+    elif not any(name is None for name, _ in whole.strict):
+        return None
+    return ScanPlan(whole, lead, tuple(names), target, bone, attribute)
+
+
+def _attribute(steps: Sequence[Step]) -> str | None:
+    """The attribute that a path ends with, None for none, "" for anything else."""
+    if not steps:
+        return None
+    step = steps[0]
+    plain = len(steps) == 1 and step.axis == "attribute" and not step.predicates and step.name not in ("*", "node()")
+    return step.name if plain and not step.name.endswith(")") else ""
+
+
+class Scan:
+    """Runs a plan over documents, given in order of the answer."""
+
+    def __init__(
+        self,
+        tx: Transaction,
+        plan: ScanPlan,
+        documents: Sequence[Listed],
+        shared: Shared,
+        check: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.tx = tx
+        self.plan = plan
+        self._tracks = shared.tracks
+        self._check = check
+        self._numbers = {name: self._bone_numbers(name, documents) for name in self._names()}
+        strict = {name for name, _ in plan.condition.strict if name is not None}
+        kept = [listed for listed in documents if all(listed.key in self._numbers[name] for name in strict)]
+        self._labelled = ranges_of(tx, plan.names, [listed.key for listed in kept]) if plan.names else None
+        if self._labelled is not None:
+            kept = [listed for listed in kept if listed.key in self._labelled]
+        self.forest = Forest(tx, kept, shared, whole_heads=False)
+        self._place = {listed.key: place for place, listed in enumerate(kept)}
+        self._timeline = _Timeline(tx, self.forest.keys)
+        self.rows_read = 0
+
+    def _names(self) -> set[str]:
+        return {name for name, _ in self.plan.condition.samples if name is not None}
+
+    def _bone_numbers(self, name: str, documents: Sequence[Listed]) -> dict[int, int]:
+        return self.tx.columns.bones_named(unescape(name), [listed.key for listed in documents])
+
+    def chunks(self) -> Iterator[tuple[Forest, Ints]]:
+        """The nodes of the answer in order, some at a time."""
+        for hits in self._hits():
+            nodes = self._targets(hits)
+            if len(nodes):
+                yield self.forest, nodes
+
+    def count(self) -> int:
+        """How many nodes the answer has."""
+        if self.plan.one_each:
+            return sum(len(hits.frames) for hits in self._hits())
+        return sum(len(nodes) for _, nodes in self.chunks())
+
+    def samples(self, sample: Sample) -> Iterator[Floats]:
+        """The numbers of the channel that is asked for, of all hits."""
+        for hits in self._hits():
+            yield hits.block[sample][hits.where]
+
+    def _targets(self, hits: _Hits) -> Ints:
+        plan, frames = self.plan, hits.frames
+        nodes = frames
+        if plan.target == FRAME_BONE and plan.any_bone:
+            nodes = np.sort(self.forest.shapes.numbered(frames, hits.bones))
+        elif plan.target == FRAME_BONE:
+            shapes = self.forest.shapes
+            nodes = shapes.children(frames)[1] if plan.bone is None else shapes.named(frames, plan.bone)[1]
+        return nodes if plan.attribute is None else axis_step(self.forest, nodes, "attribute", plan.attribute)[1]
+
+    def _hits(self) -> Iterator[_Hits]:
+        units = self._units()
+        start = 0
+        while start < len(units):
+            stop = min(len(units), start + UNITS)
+            while self.plan.any_bone and stop < len(units) and units[stop][:2] == units[stop - 1][:2]:
+                # The bones of one stretch of frames stay together, or the order of the answer would break.
+                stop += 1
+            self._check()
+            found = self._look(units[start:stop])
+            if len(found.frames):
+                yield found
+            start = stop
+
+    def _units(self) -> list[tuple[int, int, Any]]:
+        """(document's place, chunk, row) of the leading tracks whose zone maps allow a hit, in order."""
+        lead = self.plan.lead
+        if lead is None:
+            rows = list(self.tx.columns.tracks(self.forest.keys, None, None, self._bounds(None)))
+        else:
+            rows = list(self._rows(lead, self.forest.keys, None))
+        self.rows_read += len(rows)
+        units = [(self._place[row[0]], row[1], row) for row in rows]
+        units.sort(key=lambda unit: (unit[0], unit[1], unit[2][2]))
+        return units
+
+    def _rows(self, name: str, keys: Sequence[int], chunks: tuple[int, int] | None) -> Iterator[Any]:
+        by_number: dict[int, list[int]] = {}
+        numbers = self._numbers[name]
+        for key in keys:
+            if key in numbers:
+                by_number.setdefault(numbers[key], []).append(key)
+        for number, some in by_number.items():
+            yield from self.tx.columns.tracks(some, [number], chunks, self._bounds(name))
+
+    def _bounds(self, name: str | None) -> list[tuple[str, int, float]]:
+        """What zone maps must allow for a bone."""
+        result = []
+        for (bone, channel), operator, number in self.plan.condition.bounds:
+            if bone == name:
+                result += [("max", channel, number)] if operator in (">", ">=", "=") else []
+                result += [("min", channel, number)] if operator in ("<", "<=", "=") else []
+        return result
+
+    def _look(self, units: Sequence[tuple[int, int, Any]]) -> _Hits:
+        """The hits in some units."""
+        condition = self.plan.condition
+        columns: dict[Sample, Floats] = {}
+        self._fill(columns, self.plan.lead, list(range(len(units))), [row for _, _, row in units], len(units))
+        others = {name for name, _ in condition.samples} - {self.plan.lead}
+        where: dict[tuple[int, int], list[int]] = {}
+        for index, (place, chunk, _) in enumerate(units):
+            where.setdefault((place, chunk), []).append(index)
+        keys = [self.forest.keys[place] for place in dict.fromkeys(place for place, _, _ in units)]
+        span = (min(unit[1] for unit in units), max(unit[1] for unit in units))
+        for name in others:
+            if name is None:
+                continue
+            rows, indices = [], []
+            for row in self._rows(name, keys, span):
+                for index in where.get((self._place[row[0]], row[1]), ()):
+                    rows.append(row)
+                    indices.append(index)
+            self._fill(columns, name, indices, rows, len(units))
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            holds = condition.holds(columns)
+        places = np.array([place for place, _, _ in units], np.int64)
+        slots = np.array([chunk for _, chunk, _ in units], np.int64)[:, None] * CHUNK + np.arange(CHUNK)
+        positions = self._timeline.positions(places, slots)
+        holds = holds & (positions > 0)
+        if self._labelled is not None:
+            holds &= self._labels(places, positions)
+        hit = np.nonzero(holds)
+        frames = (places[hit[0]] << DOCUMENT_SHIFT) | (positions[hit] << FRAME_SHIFT)
+        bones = np.array([row[2] for _, _, row in units], np.int64)[hit[0]]
+        if not self.plan.any_bone and len(frames) > 1 and (np.diff(frames) < 0).any():
+            # Frames may have been put into another order than that of their slots.
+            order = np.argsort(frames)
+            frames, bones, hit = frames[order], bones[order], (hit[0][order], hit[1][order])
+        return _Hits(frames, bones, columns, hit)
+
+    def _labels(self, places: Ints, positions: Ints) -> Bools:
+        found = np.zeros(positions.shape, bool)
+        for place in np.unique(places).tolist():
+            rows = np.flatnonzero(places == place)
+            for first, last in (self._labelled or {})[self.forest.keys[place]]:
+                found[rows] |= (positions[rows] >= first) & (positions[rows] <= last)
+        return found
+
+    def _fill(
+        self, columns: dict[Sample, Floats], name: str | None, indices: Sequence[int], rows: Sequence[Any], units: int
+    ) -> None:
+        """Set the samples of a bone from its tracks."""
+        wanted = [channel for bone, channel in self.plan.condition.samples if bone == name]
+        for channel in wanted:
+            columns[name, channel] = np.full((units, CHUNK), np.nan)
+        for index, row, values in zip(indices, rows, self._tracks.read(self.tx, rows), strict=True):
+            held = channels_of(row[4])
+            for channel in wanted:
+                if channel in held:
+                    columns[name, channel][index, : values.shape[1]] = values[held.index(channel)]
+
+
+@dataclass(frozen=True)
+class _Hits:
+    """frames: that fulfil the condition. bones: number of the bone of the leading track. where: in the block."""
+
+    frames: Ints
+    bones: Ints
+    block: dict[Sample, Floats]
+    where: tuple[Any, ...]
+
+
+class _Timeline:
+    """Where in their documents the frames of slots are."""
+
+    def __init__(self, tx: Transaction, keys: Sequence[int]) -> None:
+        place = {key: number for number, key in enumerate(keys)}
+        rows = [(place[row[0]] << 32 | row[2], row[1], row[3]) for row in tx.columns.timelines(keys)]
+        rows.sort()
+        self._starts, self._first, self._count = np.array(rows, np.int64).reshape(-1, 3).T
+
+    def positions(self, places: Ints, slots: Ints) -> Ints:
+        """(units, CHUNK) positions of slots, 0 where no frame of the document lies any more."""
+        keys = (places[:, None] << 32) | slots
+        # A chunk usually lies in one piece: its ends tell.
+        piece = np.searchsorted(self._starts, keys[:, [0, -1]], side="right") - 1
+        if (piece[:, 0] == piece[:, 1]).all() and (piece[:, 0] >= 0).all():
+            found = piece[:, :1]
+        else:
+            found = np.searchsorted(self._starts, keys, side="right") - 1
+        within = keys - self._starts[found]
+        here = (found >= 0) & (within < self._count[found]) & (within >= 0)
+        return np.where(here, self._first[found] + within, 0)

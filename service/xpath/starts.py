@@ -1,0 +1,132 @@
+"""Which frames a path has to look at, as far as an index says so: those of motion names, of an id, or at a position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from service.mcml.vocabulary import FRAME, MCML, MOTION
+from service.storage.columns import Listed
+from service.storage.database import Transaction
+from service.xpath.forest import Forest, expand
+from service.xpath.labels import Groups, compared_text, motion_name_groups, ranges_of, without_self
+from service.xpath.nodes import Scope
+from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
+from service.xpath.rules import counts
+from service.xpath.tree import Call, Expression, Literal, Operation, Path, Step
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where `/mcml/motion/frame[…]…` begins.
+
+    groups: motion names that frames must carry. position: only the frame there. id: only frames of this id (a text) or
+    of an id that is this number. predicates: those of the frames that are left to be looked at. steps: the rest of the
+    path.
+    """
+
+    groups: Groups
+    position: int | None
+    id: str | float | None
+    predicates: tuple[Expression, ...]
+    steps: tuple[Step, ...]
+
+    @property
+    def indexed(self) -> bool:
+        """Whether fewer frames than all are looked at."""
+        return bool(self.groups) or self.position is not None or self.id is not None
+
+    @property
+    def only_frames(self) -> bool:
+        return not self.predicates and not self.steps
+
+
+def start_of(tree: Expression) -> Start | None:
+    """The start of a path in the form of `rules.normal`; None for what does not begin with frames."""
+    if not isinstance(tree, Path) or not tree.absolute or len(tree.steps) < 3:
+        return None
+    ways = [(step.axis, step.name) for step in tree.steps[:3]]
+    if ways != [("child", MCML), ("child", MOTION), ("child", FRAME)] or any(s.predicates for s in tree.steps[:2]):
+        return None
+    predicates, steps = tree.steps[2].predicates, tree.steps[3:]
+    if predicates and (position := _position(predicates[0])) is not None:
+        return Start((), position, None, predicates[1:], steps)
+    groups: list[tuple[str, ...]] = []
+    rest: list[Expression] = []
+    wanted: str | float | None = None
+    for number, predicate in enumerate(predicates):
+        if counts(replace(tree.steps[2], predicates=(predicate,))):
+            # Positions count what the predicates before leave over: from here on, order matters.
+            rest += predicates[number:]
+            break
+        found, frame_id = motion_name_groups(predicate), _frame_id(predicate)
+        if found is not None:
+            groups += found
+        elif frame_id is not None and wanted is None:
+            wanted = frame_id
+        else:
+            rest.append(predicate)
+    return Start(tuple(groups), None, wanted, tuple(rest), steps)
+
+
+def _position(predicate: Expression) -> int | None:
+    """N of `N` or `position()=N`, a whole number from 1."""
+    value: Expression = predicate
+    if isinstance(predicate, Operation) and predicate.operator == "=" and len(predicate.operands) == 2:
+        for one, other in (predicate.operands, predicate.operands[::-1]):
+            if isinstance(one, Call) and one.function == "position":
+                value = other
+    if not isinstance(value, Literal) or not isinstance(value.value, float):
+        return None
+    return int(value.value) if value.value >= 1 and value.value.is_integer() else None
+
+
+def _frame_id(predicate: Expression) -> str | float | None:
+    """N of `@id=N` or `@id='N'`."""
+    text = compared_text(predicate)
+    if text is not None:
+        return text[1] if _is_id(text[0]) else None
+    if isinstance(predicate, Operation) and predicate.operator == "=" and len(predicate.operands) == 2:
+        for one, other in (predicate.operands, predicate.operands[::-1]):
+            if isinstance(one, Path) and isinstance(other, Literal) and isinstance(other.value, float):
+                return other.value if _is_id(one) else None
+    return None
+
+
+def _is_id(path: Path) -> bool:
+    return not path.absolute and path.start is None and without_self(path.steps) == (Step("attribute", "id"),)
+
+
+class Frames:
+    """The frames of a start in the documents of a scope."""
+
+    def __init__(self, tx: Transaction, start: Start | None, scope: Scope) -> None:
+        self.start = start
+        self._ranges: dict[int, list[tuple[int, int]]] | None = None
+        keys = scope.keys
+        if start is not None and start.groups:
+            self._ranges = ranges_of(tx, start.groups, keys, scope.project)
+            keys = list(self._ranges)
+        self.documents: list[Listed] = tx.columns.documents(keys, scope.project)
+
+    def count(self) -> int:
+        """How many frames these are, where only motion names or nothing narrows them."""
+        if self._ranges is None:
+            return sum(listed.frames for listed in self.documents)
+        return sum(last - first + 1 for ranges in self._ranges.values() for first, last in ranges)
+
+    def of(self, forest: Forest) -> Ints:
+        """The frame elements of the documents of a batch, ascending."""
+        start = self.start
+        if start is not None and start.position is not None:
+            places = np.flatnonzero(forest.frames >= start.position)
+            return np.asarray((places << DOCUMENT_SHIFT) | (start.position << FRAME_SHIFT), np.int64)
+        found = None if start is None or start.id is None else forest.ids.find(start.id)
+        if self._ranges is None:
+            return forest.all_frames(np.arange(len(forest)))[1] if found is None else found
+        table = [(place, *ends) for place, key in enumerate(forest.keys) for ends in self._ranges[key]]
+        places, first, last = np.array(table, np.int64).reshape(-1, 3).T
+        source, within = expand(last - first + 1)
+        named = (places[source] << DOCUMENT_SHIFT) | ((first[source] + within) << FRAME_SHIFT)
+        return named if found is None else np.intersect1d(named, found)

@@ -1,0 +1,238 @@
+"""Predicates on samples, compiled to arithmetic on whole tracks.
+
+A predicate such as `frame_bone[@name='Hips']/@Ty > 90 and @Rx < @Ry` is the same arithmetic in every frame. Compiled,
+it is a function of a block: for each sample that it names, an array over many frames, NaN where a frame has none.
+Only predicates that some sample decides are compiled, those that no frame without it can fulfil: they alone may be
+answered from the tracks of that sample.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+
+from service.mcml.vocabulary import FRAME_BONE
+from service.motion.skeleton import CHANNEL_INDEX
+from service.xpath.functions import arithmetic, round_half_up
+from service.xpath.labels import named
+from service.xpath.numbering import Bools, Floats
+from service.xpath.tree import Call, Expression, Literal, Operation, Path, Step
+
+Sample: TypeAlias = tuple[str | None, int]
+"""Name of the bone (None: the frame_bone that is asked for) and number of the channel."""
+Block: TypeAlias = Mapping[Sample, Floats]
+
+RELATIONS = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "=": np.equal}
+TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=": "=", "!=": "!="}
+_ROUNDING: dict[str, Callable[[Floats], Floats]] = {
+    "floor": np.floor, "ceiling": np.ceil, "round": round_half_up, "abs": np.abs, "number": np.asarray,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Condition:
+    """holds: which frames of a block fulfil the predicate. samples: all that it reads. strict: samples without which
+    no frame fulfils it. bounds: for zone maps, (sample, operator, number): no frame fulfils it otherwise."""
+
+    holds: Callable[[Block], Bools]
+    samples: frozenset[Sample]
+    strict: frozenset[Sample]
+    bounds: tuple[tuple[Sample, str, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class _Number:
+    """value: of each frame. sample: the one node that it is, if it is a node and no computed number."""
+
+    value: Callable[[Block], Floats]
+    samples: frozenset[Sample] = field(default_factory=frozenset)
+    sample: Sample | None = None
+    constant: float | None = None
+
+
+def condition(predicate: Expression, context: str, own: str | None = None) -> Condition | None:
+    """A predicate compiled, None where it cannot be.
+
+    context: "frame" or "frame_bone", the type of the context node. own: the name of that frame_bone, if it is stated.
+    """
+    if isinstance(predicate, Operation) and predicate.operator in ("and", "or"):
+        return _logic(predicate, context, own)
+    if isinstance(predicate, Operation) and predicate.operator in TURNED and len(predicate.operands) == 2:
+        left, right = (_number(operand, context, own) for operand in predicate.operands)
+        return None if left is None or right is None else _comparison(predicate.operator, left, right)
+    if isinstance(predicate, Call) and predicate.function == "boolean":
+        inner = predicate.arguments[0]
+        return condition(inner, context, own) if isinstance(inner, Path | Operation) else None
+    if isinstance(predicate, Path):
+        return _existence(predicate, context, own)
+    return None
+
+
+def _logic(predicate: Operation, context: str, own: str | None) -> Condition | None:
+    parts = [condition(operand, context, own) for operand in predicate.operands]
+    if any(part is None for part in parts):
+        return None
+    found = [part for part in parts if part is not None]
+    samples = frozenset[Sample]().union(*(part.samples for part in found))
+    if predicate.operator == "and":
+        strict = frozenset[Sample]().union(*(part.strict for part in found))
+        bounds = tuple(bound for part in found for bound in part.bounds)
+        return Condition(lambda block: _all(part.holds(block) for part in found), samples, strict, bounds)
+    strict = frozenset.intersection(*(part.strict for part in found))
+    return Condition(lambda block: ~_all(~part.holds(block) for part in found), samples, strict)
+
+
+def _all(parts: object) -> Bools:
+    return np.logical_and.reduce(list(parts))  # type: ignore[call-overload,no-any-return]
+
+
+def _comparison(operator: str, left: _Number, right: _Number) -> Condition | None:
+    samples = left.samples | right.samples
+    if not samples:
+        return None
+    if operator == "!=":
+        return _unequal(left, right)
+    if operator == "=" and left.sample is not None and right.sample is not None:
+        # Two nodes are equal as strings: 0.0 and -0.0 are not.
+        def same(block: Block) -> Bools:
+            one, other = left.value(block), right.value(block)
+            return np.asarray((one == other) & (np.signbit(one) == np.signbit(other)))
+
+        return Condition(same, samples, samples)
+    bounds = []
+    for one, other, said in ((left, right, operator), (right, left, TURNED[operator])):
+        if one.sample is not None and other.constant is not None and not math.isnan(other.constant):
+            bounds.append((one.sample, said, other.constant))
+    relation = RELATIONS[operator]
+    return Condition(
+        lambda block: np.asarray(relation(left.value(block), right.value(block))), samples, samples, tuple(bounds)
+    )
+
+
+def _unequal(left: _Number, right: _Number) -> Condition | None:
+    """A node that is not there is unequal to nothing, a number that is NaN to everything."""
+    nodes = [side.sample for side in (left, right) if side.sample is not None]
+    if not nodes or (left.sample is not None and right.sample is not None):
+        return None
+
+    def differ(block: Block) -> Bools:
+        there = _all(~np.isnan(block[node]) for node in nodes)
+        return np.asarray(there & (left.value(block) != right.value(block)))
+
+    return Condition(differ, left.samples | right.samples, frozenset(nodes))
+
+
+def _number(expression: Expression, context: str, own: str | None) -> _Number | None:
+    if isinstance(expression, Literal):
+        if isinstance(expression.value, str):
+            return None
+        value = expression.value
+        return _Number(lambda block: np.asarray(value), constant=value)
+    if isinstance(expression, Path):
+        sample = _sample(expression, context, own)
+        return None if sample is None else _Number(lambda block: block[sample], frozenset({sample}), sample)
+    if isinstance(expression, Call) and expression.function in _ROUNDING and len(expression.arguments) == 1:
+        inner = _number(expression.arguments[0], context, own)
+        return None if inner is None else _computed(_ROUNDING[expression.function], inner)
+    if not isinstance(expression, Operation) or expression.operator not in ("+", "-", "*", "div", "mod", "negate"):
+        return None
+    parts = [_number(operand, context, own) for operand in expression.operands]
+    found = [part for part in parts if part is not None]
+    if len(found) < len(parts):
+        return None
+    if expression.operator == "negate":
+        return _computed(np.negative, found[0])
+    result = found[0]
+    for part in found[1:]:
+        result = _joined(expression.operator, result, part)
+    return result
+
+
+def _computed(function: Callable[[Floats], Floats], inner: _Number) -> _Number:
+    if inner.constant is not None:
+        value = float(function(np.asarray(inner.constant)))
+        return _Number(lambda block: np.asarray(value), constant=value)
+    return _Number(lambda block: function(inner.value(block)), inner.samples)
+
+
+def _joined(operator: str, left: _Number, right: _Number) -> _Number:
+    if left.constant is not None and right.constant is not None:
+        value = float(arithmetic(operator, np.asarray(left.constant), np.asarray(right.constant)))
+        return _Number(lambda block: np.asarray(value), constant=value)
+    return _Number(
+        lambda block: arithmetic(operator, left.value(block), right.value(block)), left.samples | right.samples
+    )
+
+
+def _sample(path: Path, context: str, own: str | None) -> Sample | None:
+    """The sample that a path leads to: `@Rx`, `frame_bone[@name='B']/@Rx`, `../frame_bone[@name='B']/@Rx`."""
+    if path.absolute or path.start is not None or not path.steps:
+        return None
+    *steps, last = path.steps
+    if last.axis != "attribute" or last.name not in CHANNEL_INDEX or last.predicates:
+        return None
+    channel = CHANNEL_INDEX[last.name]
+    if context == FRAME_BONE:
+        if not steps:
+            return own, channel
+        if steps[0].axis != "parent" or steps[0].predicates or steps[0].name not in ("node()", "frame", "*"):
+            return None
+        steps = steps[1:]
+    name = bone_named(steps[0]) if len(steps) == 1 else None
+    return None if name is None else (name, channel)
+
+
+def _existence(path: Path, context: str, own: str | None) -> Condition | None:
+    """`@Rx`, or `frame_bone[@name='B'][@Rx > 45]`, as a predicate."""
+    sample = _sample(path, context, own)
+    if sample is not None:
+        return Condition(lambda block: ~np.isnan(block[sample]), frozenset({sample}), frozenset({sample}))
+    if context == FRAME_BONE or path.absolute or path.start is not None or len(path.steps) not in (1, 2):
+        return None
+    bone = bone_conditions(path.steps[0])
+    if bone is None or bone[0] is None:
+        return None
+    parts = list(bone[1])
+    if len(path.steps) == 2:
+        inner = _existence(Path((path.steps[1],)), FRAME_BONE, bone[0])
+        if inner is None:
+            return None
+        parts.append(inner)
+    return conjunction(parts) if parts else None
+
+
+def conjunction(parts: list[Condition]) -> Condition:
+    """All of them."""
+    return Condition(
+        lambda block: _all(part.holds(block) for part in parts),
+        frozenset[Sample]().union(*(part.samples for part in parts)),
+        frozenset[Sample]().union(*(part.strict for part in parts)),
+        tuple(bound for part in parts for bound in part.bounds),
+    )
+
+
+def bone_conditions(step: Step) -> tuple[str | None, list[Condition]] | None:
+    """Of `frame_bone[@name='B'][…]…`, the name and the other predicates compiled."""
+    if step.axis != "child" or step.name != FRAME_BONE:
+        return None
+    names = [named(predicate) for predicate in step.predicates]
+    name = next((found for found in names if found is not None), None)
+    parts = [
+        condition(predicate, FRAME_BONE, name)
+        for predicate, found in zip(step.predicates, names, strict=True)
+        if found is None or found != name
+    ]
+    if any(part is None for part in parts):
+        return None
+    return name, [part for part in parts if part is not None]
+
+
+def bone_named(step: Step) -> str | None:
+    """B of `frame_bone[@name='B']`."""
+    if step.axis == "child" and step.name == FRAME_BONE and len(step.predicates) == 1:
+        return named(step.predicates[0])
+    return None
