@@ -16,7 +16,7 @@ from lxml import etree
 
 from service.errors import DocumentError, Place
 from service.mcml.element import Element
-from service.mcml.lexical import escape
+from service.mcml.lexical import WHITE_SPACE, escape
 from service.mcml.prologue import has_doctype, refused_doctype, utf8_chunks
 from service.mcml.vocabulary import FRAME, FRAME_BONE, FRAMES, FRAMETIME, MOTION, MOTION_NAME, NAME
 from service.mcml.writer import write_element
@@ -86,11 +86,15 @@ def frame_of(shape: Shape, motion_names: int, names: Sequence[str]) -> Element:
 
 
 def _shape_key(frame: Element) -> tuple[object, ...]:
-    """All of a frame that validity can depend on: tags and attribute names, and whether there is text."""
+    """All of a frame that validity can depend on: tags, attribute names, and whether there is no, blank, or other text.
+
+    Blank text may stand between elements, but not in an element that holds nothing.
+    """
     return (
         frame.tag,
         tuple(frame.attributes),
         bool(frame.text),
+        bool(frame.text.strip(WHITE_SPACE)),
         tuple(_shape_key(child) for child in frame.children),
     )
 

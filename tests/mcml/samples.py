@@ -65,7 +65,10 @@ def captures() -> list[bytes]:
 
 
 def generated(count: int) -> list[bytes]:
-    """That many documents with everything that heads and frames can hold, the same ones in every run."""
+    """That many documents with everything that heads and frames can hold, from a fixed seed.
+
+    Hypothesis also draws constants of the modules that are loaded, so another choice of tests has other documents.
+    """
     found: list[bytes] = []
 
     @settings(max_examples=count, derandomize=True, database=None, phases=[Phase.generate])

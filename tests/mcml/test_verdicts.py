@@ -20,6 +20,7 @@ from tests.mcml.broken import (
     with_changed_frames,
     with_changed_head,
 )
+from tests.mcml.samples import EMPTY
 
 
 def readers_agree(seed: int, count: int) -> None:
@@ -64,6 +65,22 @@ def test_the_verdict_is_libxml2_s() -> None:
 
 def test_one_frame_of_each_shape_decides_like_the_whole() -> None:
     shapes_agree(seed=2, count=1000)
+
+
+@pytest.mark.parametrize("texts", [("x", "\n  "), ("\n  ", "x"), ("", "x"), ("x", "")])
+def test_frames_with_text_are_another_shape_than_those_with_white_space(texts: tuple[str, str]) -> None:
+    frames = "".join(f'<frame id="1">{text}</frame>' for text in texts).encode()
+    document = EMPTY.replace(b"</frames>", b"</frames>" + frames)
+    assert dtd.violations(document)
+    assert not shapes_verdict(document, leading=1)
+
+
+@pytest.mark.parametrize("texts", [("", " "), (" ", "")])
+def test_white_space_in_an_empty_element_is_another_shape_than_none(texts: tuple[str, str]) -> None:
+    frames = "".join(f'<frame id="1"><frame_bone name="a">{text}</frame_bone></frame>' for text in texts).encode()
+    document = EMPTY.replace(b"</frames>", b"</frames>" + frames)
+    assert dtd.violations(document)
+    assert not shapes_verdict(document, leading=1)
 
 
 @pytest.mark.fuzz
