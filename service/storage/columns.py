@@ -49,6 +49,9 @@ class Listed:
     revision: int
 
 
+ROWS_AT_A_TIME = 4096
+
+
 class Columns:
     def __init__(self, tx: Transaction) -> None:
         self._tx = tx
@@ -102,9 +105,14 @@ class Columns:
         query = select(bone.c.document, bone.c.bone).where(bone.c.name == name, self._tx.valid(bone))
         return {row[0]: row[1] for row in self._rows(query, bone.c.document, keys)}
 
-    def spans(self, keys: Sequence[int]) -> list[Any]:
-        """Rows (document, first, last, name) in order of document and of the motion_names in a frame."""
+    def spans(self, keys: Sequence[int], frames: tuple[int, int] | None = None) -> list[Any]:
+        """Rows (document, first, last, name) in order of document and of the motion_names in a frame.
+
+        frames: only spans that touch these, first to last.
+        """
         query = select(span.c.document, span.c.first, span.c.last, span.c.name)
+        if frames is not None:
+            query = query.where(span.c.first <= frames[1], span.c.last >= frames[0])
         query = query.where(self._tx.valid(span)).order_by(span.c.document, span.c.rank, span.c.id)
         return list(self._rows(query, span.c.document, keys))
 
@@ -146,10 +154,26 @@ class Columns:
         sample is not above the bound, or greatest not below it.
         """
         query = select(track.c.document, track.c.chunk, track.c.bone, track.c.from_commit, track.c.channels)
-        for end, channel, bound in bounds:
-            zone = track.c[f"{end}_{CHANNELS[channel]}"]
-            query = query.where(zone >= bound if end == "max" else zone <= bound)
-        return self._rows(self._of_bones(query, bones, chunks), track.c.document, keys)
+        return self._rows(self._of_bones(_within(query, bounds), bones, chunks), track.c.document, keys)
+
+    def tracks_named(
+        self,
+        name: str,
+        keys: Sequence[int] | None,
+        chunks: tuple[int, int] | None = None,
+        bounds: Sequence[tuple[str, int, float]] = (),
+    ) -> Iterator[Any]:
+        """As `tracks`, of the bones of a name, whatever their numbers. keys: None for all documents there are."""
+        query: Select[Any] = (
+            select(track.c.document, track.c.chunk, track.c.bone, track.c.from_commit, track.c.channels)
+            .select_from(bone)
+            .join(track, and_(track.c.document == bone.c.document, track.c.bone == bone.c.bone))
+            .where(bone.c.name == name, self._tx.valid(bone))
+        )
+        query = self._of_bones(_within(query, bounds), None, chunks)
+        return (
+            iter(self._tx.connection.execute(query).all()) if keys is None else self._rows(query, bone.c.document, keys)
+        )
 
     def track_data(self, keys: Sequence[int], bones: Sequence[int], chunks: tuple[int, int]) -> Iterator[Any]:
         """Rows (document, chunk, bone, from_commit, channels, codec, data)."""
@@ -176,4 +200,12 @@ class Columns:
         for start in range(0, len(keys), KEYS_AT_A_TIME):
             some = list(keys[start : start + KEYS_AT_A_TIME])
             narrowed = query.where(column == some[0] if len(some) == 1 else column.in_(some))
-            yield from self._tx.connection.execute(narrowed)
+            for part in self._tx.connection.execute(narrowed).partitions(ROWS_AT_A_TIME):
+                yield from part
+
+
+def _within(query: Select[Any], bounds: Sequence[tuple[str, int, float]]) -> Select[Any]:
+    for end, channel, bound in bounds:
+        zone = track.c[f"{end}_{CHANNELS[channel]}"]
+        query = query.where(zone >= bound if end == "max" else zone <= bound)
+    return query

@@ -143,6 +143,13 @@ def _named_below(forest: Forest, nodes: Ints, test: str) -> Pairs:
     return source, head.nodes[named[begin[source] + within]]
 
 
+def _head_children(forest: Forest, nodes: Ints, test: str) -> Pairs:
+    if test in ("*", "node()", "text()"):
+        return _of_rows(forest, nodes, children=True)
+    source, rows = forest.head.children_named(name_codes().get(test, -1), forest.head.rows(nodes))
+    return source, forest.head.nodes[rows]
+
+
 def _of_rows(forest: Forest, nodes: Ints, *, children: bool) -> Pairs:
     """Elements and texts of the head below (or directly below) nodes of the head."""
     head = forest.head
@@ -209,7 +216,7 @@ def _child(forest: Forest, nodes: Ints, test: str) -> Pairs:
     parts = []
     head = ~in_frames(nodes)
     if head.any():
-        parts.append(_where(head, lambda some: _of_rows(forest, some, children=True), nodes))
+        parts.append(_where(head, lambda some: _head_children(forest, some, test), nodes))
         if test in (FRAME, "*", "node()"):
             parts.append(_where(head, lambda some: _frames_below(forest, some, direct=True), nodes))
     if test in (MOTION_NAME, FRAME_BONE, "*", "node()"):

@@ -49,9 +49,7 @@ class Columnar:
         self._whole_heads = needs_head(tree)
         frames = {Projection.HEAD: 0, Projection.FRAMES: 1, Projection.WHOLE: NODES_A_FRAME}[projection(tree)]
         frames = 1 if self.start is not None and self.start.indexed else frames
-        self._weights = [
-            (HEAD_NODES if self._whole_heads else 1) + listed.frames * frames for listed in self.frames.documents
-        ]
+        self._nodes_a_frame = frames
 
     @property
     def documents(self) -> Sequence[Listed]:
@@ -60,11 +58,13 @@ class Columnar:
 
     def forests(self) -> Iterator[Forest]:
         """The documents in batches. The first are small: often the first page is all that is wanted."""
+        head = HEAD_NODES if self._whole_heads else 1
+        weights = [head + listed.frames * self._nodes_a_frame for listed in self.documents]
         start, allowed = 0, BATCH // 16
         while start < len(self.documents):
             stop, weight = start, 0
-            while stop < len(self.documents) and (stop == start or weight + self._weights[stop] <= allowed):
-                weight += self._weights[stop]
+            while stop < len(self.documents) and (stop == start or weight + weights[stop] <= allowed):
+                weight += weights[stop]
                 stop += 1
             yield Forest(self.tx, self.documents[start:stop], self._shared, whole_heads=self._whole_heads)
             start, allowed = stop, min(BATCH, allowed * 4)
@@ -82,6 +82,7 @@ class Columnar:
         if self.start is not None and self.start.only_frames and not self._narrowed():
             return self.frames.count()
         if self.start is not None and not self.start.indexed and not self.start.predicates and _all_bones(self.start):
+            self._nodes_a_frame = 0
             return sum(forest.shapes.total() for forest in self.forests())
         return sum(len(nodes) for _, nodes in self.chunks())
 
@@ -109,6 +110,8 @@ class Columnar:
             return
         if self.start is not None:
             nodes = self.frames.of(columns.forest)
+            if self.start.indexed and all(step.axis in DOWNWARDS for step in self.start.steps):
+                columns.forest.look_only_at(nodes)
             nodes = columns.filtered(documents_of(nodes), nodes, self.start.predicates)
             rest = self.start.steps
         else:

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from service.errors import StoreError
-from service.mcml.lexical import escape
+from service.mcml.lexical import escape, unescape
+from service.motion.clip import Shape
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.heads import Head
@@ -55,6 +56,7 @@ class Forest:
         self._shapes: ShapeRuns | None = None
         self._labels: LabelRuns | None = None
         self._ids: IdRuns | None = None
+        self._only: tuple[int, int] | None = None
 
     def __len__(self) -> int:
         return len(self.documents)
@@ -74,8 +76,18 @@ class Forest:
     @property
     def labels(self) -> LabelRuns:
         if self._labels is None:
-            self._labels = LabelRuns(self.tx, self.keys, self.frames)
+            self._labels = LabelRuns(self.tx, self.keys, self.frames, self._only)
         return self._labels
+
+    def look_only_at(self, frames: Ints) -> None:
+        """Say that of all frames only these are asked for anything, which spares reading the names of others."""
+        positions = frames_of(frames)
+        self._only = (int(positions.min()), int(positions.max())) if len(positions) else (1, 0)
+
+    def shape(self, number: int) -> Shape:
+        """One of the shapes, as the store has it."""
+        start, stop = self.shapes.offsets[number], self.shapes.offsets[number + 1]
+        return tuple(zip(self.shapes.bones[start:stop].tolist(), self.shapes.bits[start:stop].tolist(), strict=True))
 
     @property
     def ids(self) -> IdRuns:
@@ -109,7 +121,9 @@ class HeadRows:
         self.parents = _joined([np.maximum(p.parents, 0) + o for p, o in zip(parts, offset, strict=True)], np.int64)
         self.ends = _joined([part.ends + start for part, start in zip(parts, offset, strict=True)], np.int64)
         self._parts = parts
+        self._heads = heads
         self._named: dict[int, Ints] = {}
+        self._by_parent: dict[int, tuple[Ints, Ints]] = {}
 
     def rows(self, nodes: Ints) -> Ints:
         documents, slots = documents_of(nodes), slots_of(nodes)
@@ -123,6 +137,22 @@ class HeadRows:
         parts = self._parts
         return [parts[d].texts[row] for d, row in zip(documents.tolist(), within.tolist(), strict=True)]
 
+    def children_named(self, code: int, rows: Ints) -> tuple[Ints, Ints]:
+        """(index into rows, row) of the children of a name, in order."""
+        if code not in self._by_parent:
+            named = self.named(code)
+            order = np.argsort(self.parents[named], kind="stable")
+            self._by_parent[code] = self.parents[named][order], named[order]
+        parents, children = self._by_parent[code]
+        begin = np.searchsorted(parents, rows, side="left")
+        source, within = expand(np.searchsorted(parents, rows, side="right") - begin)
+        return source, children[begin[source] + within]
+
+    def address(self, row: int) -> str:
+        """The canonical address of an element, attribute or text."""
+        document = int(np.searchsorted(self.starts, row, side="right")) - 1
+        return self._heads[document].address(row - int(self.starts[document]))
+
     def named(self, code: int) -> Ints:
         """The rows of all elements of a name, ascending."""
         if code not in self._named:
@@ -134,24 +164,20 @@ class ShapeRuns:
     """Runs of frames of equal shape that lie in neighbouring slots, and the frame_bones of each shape.
 
     bones, bits, names: of all shapes one after the other, those of shape s from offsets[s]: number of the bone, its
-    channels, and the number of its name in `texts`.
+    channels, and the number of its name in `texts`. Names are read when they are first asked for.
     """
 
     def __init__(self, tx: Transaction, keys: Sequence[int]) -> None:
         place = {key: number for number, key in enumerate(keys)}
         found = tx.columns.shapes(keys)
         number_of = {shape: number for number, shape in enumerate(found)}
-        bone_names = tx.columns.bone_names(keys)
-        self.texts: list[str] = list(dict.fromkeys(escape(name) for name in bone_names.values()))
-        codes = {text: code for code, text in enumerate(self.texts)}
+        self._tx, self._keys_of = tx, list(keys)
+        self._of_document: Ints = np.array([place[document] for document, _ in found], np.int64)
+        self._names: tuple[list[str], Ints] | None = None
         lengths = [len(shape) for shape in found.values()]
         self.offsets: Ints = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
         self.bones: Ints = np.array([bone for shape in found.values() for bone, _ in shape], np.int64)
         self.bits: Ints = np.array([bits for shape in found.values() for _, bits in shape], np.int64)
-        self.names: Ints = np.array(
-            [codes[escape(bone_names[document, bone])] for (document, _), shape in found.items() for bone, _ in shape],
-            np.int64,
-        )
         self._by_bone: tuple[Ints, Ints] | None = None
         runs: list[tuple[int, int, int, int]] = []
         in_slots: dict[int, list[tuple[int, int, int]]] = {}
@@ -166,6 +192,26 @@ class ShapeRuns:
         runs.sort()
         table = np.array(runs, np.int64).reshape(-1, 4)
         self._keys, self._slots, self.counts, self.shape = table.T
+
+    @property
+    def texts(self) -> list[str]:
+        return self._read_names()[0]
+
+    @property
+    def names(self) -> Ints:
+        return self._read_names()[1]
+
+    def _read_names(self) -> tuple[list[str], Ints]:
+        if self._names is None:
+            bone_names = self._tx.columns.bone_names(self._keys_of)
+            texts = list(dict.fromkeys(escape(name) for name in bone_names.values()))
+            codes = {text: code for code, text in enumerate(texts)}
+            by_bone = {bone: codes[escape(name)] for bone, name in bone_names.items()}
+            documents = np.repeat(self._of_document, np.diff(self.offsets)).tolist()
+            entries = zip(documents, self.bones.tolist(), strict=True)
+            names = [by_bone[self._keys_of[place], bone] for place, bone in entries]
+            self._names = texts, np.array(names, np.int64)
+        return self._names
 
     def total(self) -> int:
         """How many frame_bones all frames have."""
@@ -199,7 +245,9 @@ class ShapeRuns:
 
     def named(self, frames: Ints, text: str) -> tuple[Ints, Ints]:
         """(index into frames, frame_bone) of the frame_bones of a name."""
-        matching = np.flatnonzero(self.names == (self.texts.index(text) if text in self.texts else -1))
+        numbers = self._tx.columns.bones_named(unescape(text), self._keys_of)
+        wanted = np.array([numbers.get(key, -1) for key in self._keys_of], np.int64)
+        matching = np.flatnonzero(self.bones == np.repeat(wanted[self._of_document], np.diff(self.offsets)))
         shape = np.searchsorted(self.offsets, matching, side="right") - 1
         number = matching - self.offsets[shape]
         shapes = self.shape_of(frames)
@@ -239,9 +287,9 @@ class LabelRuns:
     names: of all runs one after the other, each its place in `stored`, and in `texts` as XML has it.
     """
 
-    def __init__(self, tx: Transaction, keys: Sequence[int], frames: Ints) -> None:
+    def __init__(self, tx: Transaction, keys: Sequence[int], frames: Ints, only: tuple[int, int] | None = None) -> None:
         spans: dict[int, list[tuple[int, int, str]]] = {}
-        for document, first, last, name in tx.columns.spans(keys):
+        for document, first, last, name in tx.columns.spans(keys, only):
             spans.setdefault(document, []).append((first, last, name))
         self.stored: list[str] = []
         self.texts: list[str] = []

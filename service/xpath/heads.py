@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -19,6 +20,7 @@ from service.xpath.numbering import (
     IS_ELEMENT,
     IS_NAMESPACE,
     IS_TEXT,
+    code_names,
     name_codes,
 )
 
@@ -49,6 +51,33 @@ class Head:
 
     part: Part
     motion: int
+    _addresses: dict[int, str] = field(default_factory=dict)
+
+    def address(self, row: int) -> str:
+        """The canonical address of the node in a row, an XPath that finds it. A namespace node has none.
+
+        An element that has siblings of its name is numbered among them.
+        """
+        part = self.part
+        kind = int(part.kinds[row])
+        if kind in (IS_DOCUMENT, IS_NAMESPACE):
+            return "/" if kind == IS_DOCUMENT else ""
+        if row in self._addresses:
+            return self._addresses[row]
+        parent = int(part.parents[row])
+        above = self.address(parent).rstrip("/")
+        name = code_names()[part.names[row]]
+        if kind in (IS_ATTRIBUTE, IS_TEXT):
+            return f"{above}/@{name}" if kind == IS_ATTRIBUTE else f"{above}/text()"
+        inside = np.arange(parent + 1, part.ends[parent] + 1)
+        siblings = inside[(part.parents[inside] == parent) & (part.kinds[inside] == IS_ELEMENT)]
+        codes = part.names[siblings].tolist()
+        total, seen = Counter(codes), Counter[int]()
+        for sibling, code in zip(siblings.tolist(), codes, strict=True):
+            seen[code] += 1
+            numbered = f"[{seen[code]}]" if total[code] > 1 else ""
+            self._addresses[sibling] = f"{above}/{code_names()[code]}{numbered}"
+        return self._addresses[row]
 
 
 def flatten(forest: Sequence[Element]) -> Part:

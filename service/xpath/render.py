@@ -14,6 +14,7 @@ from service.motion.clip import FrameBlock
 from service.motion.skeleton import CHANNELS
 from service.storage.columns import Listed
 from service.storage.database import Transaction
+from service.storage.encoding import channels_of
 from service.storage.motion_names import names_of_frames
 from service.storage.tables import CHUNK
 from service.xpath import values
@@ -35,6 +36,9 @@ from service.xpath.numbering import (
     frames_of,
     slots_of,
 )
+
+BLOCK_FRAMES = 1024
+"""Frames written together."""
 
 
 def node_values(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
@@ -85,26 +89,55 @@ def runs_of(nodes: Ints) -> Iterator[tuple[int, int, int]]:
 
 
 def frame_texts(forest: Forest, document: int, positions: Ints) -> Iterator[bytes]:
-    """Frames at ascending positions as XML; those that lie near each other are read together."""
-    listed = forest.documents[document]
-    names = bone_names(forest.tx, listed)
-    for near in np.split(positions, np.flatnonzero(np.diff(positions) > CHUNK) + 1):
-        first = int(near[0])
-        for block in forest.tx.tracks.blocks(listed.key, first, int(near[-1])):
-            wanted = near[(near >= first) & (near < first + len(block))]
-            labels = forest.labels.of_frames((document << DOCUMENT_SHIFT) | (wanted << FRAME_SHIFT))
-            kept = replace(_chosen(block, wanted - first), motion_names=labels)
-            for text in b"".join(write_frames(kept, names)).split(b"</frame>\n")[:-1]:
-                yield text[:-1] + b"/>" if text.endswith(b'">') else text + b"</frame>"
-            first += len(block)
+    """Frames at ascending positions as XML."""
+    names = bone_names(forest.tx, forest.documents[document])
+    for start in range(0, len(positions), BLOCK_FRAMES):
+        block = read_frames(forest, document, positions[start : start + BLOCK_FRAMES])
+        for text in b"".join(write_frames(block, names)).split(b"</frame>\n")[:-1]:
+            yield text[:-1] + b"/>" if text.endswith(b'">') else text + b"</frame>"
 
 
-def _chosen(block: FrameBlock, which: Ints) -> FrameBlock:
-    if len(which) == len(block):
-        return block
-    ids = [block.ids[index] for index in which.tolist()] if isinstance(block.ids, list) else block.ids[which]
-    shape_of = None if block.shape_of is None else block.shape_of[which]
-    return replace(block, values=block.values[which], ids=ids, shape_of=shape_of)
+def read_frames(forest: Forest, document: int, positions: Ints) -> FrameBlock:
+    """Frames at ascending positions, which need not follow each other."""
+    nodes = (document << DOCUMENT_SHIFT) | (positions << FRAME_SHIFT)
+    slots = forest.shapes.slot_of(nodes)
+    chunks = slots // CHUNK
+    wanted = {chunk: np.flatnonzero(chunks == chunk) for chunk in np.unique(chunks).tolist()}
+    key = forest.keys[document]
+    rows = [
+        row for first, last in _stretches(list(wanted)) for row in forest.tx.columns.tracks([key], None, (first, last))
+    ]
+    place: dict[tuple[int, int], int] = {}
+    for row in rows:
+        for channel in channels_of(row.channels):
+            place.setdefault((row.bone, channel), len(place))
+    values = np.full((len(place), len(nodes)), np.nan)
+    for row, data in zip(rows, forest.shared.tracks.read(forest.tx, rows), strict=True):
+        some = wanted[row.chunk]
+        held = [place[row.bone, channel] for channel in channels_of(row.channels)]
+        values[np.array(held)[:, None], some] = data[:, slots[some] % CHUNK]
+    numbers, shape_of = np.unique(forest.shapes.shape_of(nodes), return_inverse=True)
+    ids, others = forest.ids.numbers(nodes)
+    texts = [others.get(index, str(number)) for index, number in enumerate(ids.tolist())] if others else None
+    return FrameBlock(
+        np.ascontiguousarray(values.T),
+        tuple(place),
+        tuple(forest.shape(number) for number in numbers.tolist()),
+        ids if texts is None else texts,
+        shape_of.reshape(-1).astype(np.intp),
+        forest.labels.of_frames(nodes),
+    )
+
+
+def _stretches(chunks: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """Ascending chunks as (first, last) of those that follow each other."""
+    first = last = chunks[0]
+    for chunk in chunks[1:]:
+        if chunk != last + 1:
+            yield first, last
+            first = chunk
+        last = chunk
+    yield first, last
 
 
 def bone_names(tx: Transaction, stored: Listed) -> list[str]:

@@ -68,7 +68,7 @@ class Queries:
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         limits = limits or Limits(self.settings.query_seconds, self.settings.query_elements)
         with self.database.read(LATEST if cursor is None else cursor.commit) as tx:
-            asking = _Asking(self, tx, query, _scope(tx, request), limits)
+            asking = _Asking(self, tx, query, _scope(tx, request), limits, wants_explain=request.explain)
             page = _Page(request, min(request.limit, self.settings.page_limit), cursor)
             answer = asking.answer(page)
         answer.warnings += query.warnings
@@ -87,7 +87,10 @@ def _scope(tx: Transaction, request: QueryRequest) -> Scope:
 class _Asking:
     """One question in one transaction."""
 
-    def __init__(self, engine: Queries, tx: Transaction, query: Query, scope: Scope, limits: Limits) -> None:
+    def __init__(
+        self, engine: Queries, tx: Transaction, query: Query, scope: Scope, limits: Limits, *, wants_explain: bool
+    ) -> None:
+        self.wants_explain = wants_explain
         self.engine = engine
         self.tx = tx
         self.query = query
@@ -125,18 +128,20 @@ class _Asking:
         if plan is None:
             return self._columnar(tree)
         documents = self.tx.columns.documents(self.scope.keys, self.scope.project)
-        scan = Scan(self.tx, plan, documents, self.engine.shared, self.limits.check)
-        self._explained("index", scan, len(scan.forest))
+        whole = self.scope.keys is None and self.scope.project is None
+        scan = Scan(self.tx, plan, documents, self.engine.shared, self.limits.check, whole_store=whole)
+        self._explained("index", scan)
         return scan
 
     def _columnar(self, tree: Expression) -> Columnar:
         found = Columnar(self.tx, tree, self.scope, self.engine.shared, self.limits.check)
         indexed = found.start is not None and found.start.indexed
-        self._explained("index" if indexed else "columns", found, len(found.documents))
+        self._explained("index" if indexed else "columns", found)
         return found
 
-    def _explained(self, way: Literal["index", "columns"], source: Scan | Columnar, documents: int) -> None:
-        self.explain = Explain(way=way, plan=steps_of(source), documents=documents, milliseconds=0)
+    def _explained(self, way: Literal["index", "columns"], source: Scan | Columnar) -> None:
+        if self.wants_explain:
+            self.explain = Explain(way=way, plan=steps_of(source), documents=len(source.documents), milliseconds=0)
 
     def _aggregate(self, function: str, source: Scan | Columnar, page: _Page) -> QueryAnswer:
         if function in aggregates.TRUTH_AGGREGATES:

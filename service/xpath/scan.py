@@ -123,7 +123,7 @@ def _attribute(steps: Sequence[Step]) -> str | None:
 
 
 class Scan:
-    """Runs a plan over documents, given in order of the answer."""
+    """Runs a plan over documents, given in order of the answer. whole_store: these are all there are."""
 
     def __init__(
         self,
@@ -132,14 +132,15 @@ class Scan:
         documents: Sequence[Listed],
         shared: Shared,
         check: Callable[[], None] = lambda: None,
+        *,
+        whole_store: bool = False,
     ) -> None:
         self.tx = tx
         self.plan = plan
         self._tracks = shared.tracks
         self._check = check
-        self._numbers = {name: self._bone_numbers(name, documents) for name in self._names()}
-        strict = {name for name, _ in plan.condition.strict if name is not None}
-        kept = [listed for listed in documents if all(listed.key in self._numbers[name] for name in strict)]
+        self._whole_store = whole_store and not plan.names
+        kept = list(documents)
         self._labelled = ranges_of(tx, plan.names, [listed.key for listed in kept]) if plan.names else None
         if self._labelled is not None:
             kept = [listed for listed in kept if listed.key in self._labelled]
@@ -148,11 +149,10 @@ class Scan:
         self._timeline = _Timeline(tx, self.forest.keys)
         self.rows_read = 0
 
-    def _names(self) -> set[str]:
-        return {name for name, _ in self.plan.condition.samples if name is not None}
-
-    def _bone_numbers(self, name: str, documents: Sequence[Listed]) -> dict[int, int]:
-        return self.tx.columns.bones_named(unescape(name), [listed.key for listed in documents])
+    @property
+    def documents(self) -> Sequence[Listed]:
+        """Those that are looked at."""
+        return self.forest.documents
 
     def chunks(self) -> Iterator[tuple[Forest, Ints]]:
         """The nodes of the answer in order, some at a time."""
@@ -164,19 +164,20 @@ class Scan:
     def count(self) -> int:
         """How many nodes the answer has."""
         if self.plan.one_each:
-            return sum(len(hits.frames) for hits in self._hits())
+            return sum(hits.count for hits in self._hits())
         return sum(len(nodes) for _, nodes in self.chunks())
 
     def samples(self, sample: Sample) -> Iterator[Floats]:
         """The numbers of the channel that is asked for, of all hits."""
         for hits in self._hits():
-            yield hits.block[sample][hits.where]
+            yield hits.block[sample][hits.holds]
 
     def _targets(self, hits: _Hits) -> Ints:
-        plan, frames = self.plan, hits.frames
+        plan = self.plan
+        frames, bones = hits.frames(self._timeline)
         nodes = frames
         if plan.target == FRAME_BONE and plan.any_bone:
-            nodes = np.sort(self.forest.shapes.numbered(frames, hits.bones))
+            nodes = np.sort(self.forest.shapes.numbered(frames, bones))
         elif plan.target == FRAME_BONE:
             shapes = self.forest.shapes
             nodes = shapes.children(frames)[1] if plan.bone is None else shapes.named(frames, plan.bone)[1]
@@ -192,7 +193,7 @@ class Scan:
                 stop += 1
             self._check()
             found = self._look(units[start:stop])
-            if len(found.frames):
+            if found.count:
                 yield found
             start = stop
 
@@ -202,20 +203,15 @@ class Scan:
         if lead is None:
             rows = list(self.tx.columns.tracks(self.forest.keys, None, None, self._bounds(None)))
         else:
-            rows = list(self._rows(lead, self.forest.keys, None))
+            rows = list(self._rows(lead, None if self._whole_store else self.forest.keys, None))
+            rows = [row for row in rows if row[0] in self._place]
         self.rows_read += len(rows)
         units = [(self._place[row[0]], row[1], row) for row in rows]
         units.sort(key=lambda unit: (unit[0], unit[1], unit[2][2]))
         return units
 
-    def _rows(self, name: str, keys: Sequence[int], chunks: tuple[int, int] | None) -> Iterator[Any]:
-        by_number: dict[int, list[int]] = {}
-        numbers = self._numbers[name]
-        for key in keys:
-            if key in numbers:
-                by_number.setdefault(numbers[key], []).append(key)
-        for number, some in by_number.items():
-            yield from self.tx.columns.tracks(some, [number], chunks, self._bounds(name))
+    def _rows(self, name: str, keys: Sequence[int] | None, chunks: tuple[int, int] | None) -> Iterator[Any]:
+        return self.tx.columns.tracks_named(unescape(name), keys, chunks, self._bounds(name))
 
     def _bounds(self, name: str | None) -> list[tuple[str, int, float]]:
         """What zone maps must allow for a bone."""
@@ -249,22 +245,16 @@ class Scan:
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             holds = condition.holds(columns)
         places = np.array([place for place, _, _ in units], np.int64)
-        slots = np.array([chunk for _, chunk, _ in units], np.int64)[:, None] * CHUNK + np.arange(CHUNK)
-        positions = self._timeline.positions(places, slots)
-        holds = holds & (positions > 0)
+        chunks = np.array([chunk for _, chunk, _ in units], np.int64)
+        holds = holds & self._timeline.here(places, chunks)
         if self._labelled is not None:
-            holds &= self._labels(places, positions)
-        hit = np.nonzero(holds)
-        frames = (places[hit[0]] << DOCUMENT_SHIFT) | (positions[hit] << FRAME_SHIFT)
-        bones = np.array([row[2] for _, _, row in units], np.int64)[hit[0]]
-        if not self.plan.any_bone and len(frames) > 1 and (np.diff(frames) < 0).any():
-            # Frames may have been put into another order than that of their slots.
-            order = np.argsort(frames)
-            frames, bones, hit = frames[order], bones[order], (hit[0][order], hit[1][order])
-        return _Hits(frames, bones, columns, hit)
+            holds &= self._labels(places, chunks)
+        return _Hits(holds, places, chunks, np.array([row[2] for _, _, row in units], np.int64), columns)
 
-    def _labels(self, places: Ints, positions: Ints) -> Bools:
-        found = np.zeros(positions.shape, bool)
+    def _labels(self, places: Ints, chunks: Ints) -> Bools:
+        """Which frames carry the motion names that are asked for."""
+        found = np.zeros((len(places), CHUNK), bool)
+        positions = self._timeline.positions(places[:, None], slots_of_chunks(chunks))
         for place in np.unique(places).tolist():
             rows = np.flatnonzero(places == place)
             for first, last in (self._labelled or {})[self.forest.keys[place]]:
@@ -287,12 +277,35 @@ class Scan:
 
 @dataclass(frozen=True)
 class _Hits:
-    """frames: that fulfil the condition. bones: number of the bone of the leading track. where: in the block."""
+    """holds: (units, CHUNK), where the condition is fulfilled. places, chunks: where a unit lies. bones: number of the
+    bone of each leading track. block: the samples."""
 
-    frames: Ints
+    holds: Bools
+    places: Ints
+    chunks: Ints
     bones: Ints
     block: dict[Sample, Floats]
-    where: tuple[Any, ...]
+
+    @property
+    def count(self) -> int:
+        return int(np.count_nonzero(self.holds))
+
+    def frames(self, timeline: _Timeline) -> tuple[Ints, Ints]:
+        """The frames, and for each the bone."""
+        unit, offset = np.nonzero(self.holds)
+        positions = timeline.positions(self.places[unit], self.chunks[unit] * CHUNK + offset)
+        frames = (self.places[unit] << DOCUMENT_SHIFT) | (positions << FRAME_SHIFT)
+        bones = self.bones[unit]
+        if len(frames) > 1 and (np.diff(frames) < 0).any():
+            # Frames may have been put into another order than that of their slots.
+            order = np.argsort(frames, kind="stable")
+            return frames[order], bones[order]
+        return frames, bones
+
+
+def slots_of_chunks(chunks: Ints) -> Ints:
+    """(n, CHUNK): the slots of each chunk."""
+    return np.asarray(chunks[:, None] * CHUNK + np.arange(CHUNK), np.int64)
 
 
 class _Timeline:
@@ -305,14 +318,19 @@ class _Timeline:
         self._starts, self._first, self._count = np.array(rows, np.int64).reshape(-1, 3).T
 
     def positions(self, places: Ints, slots: Ints) -> Ints:
-        """(units, CHUNK) positions of slots, 0 where no frame of the document lies any more."""
-        keys = (places[:, None] << 32) | slots
-        # A chunk usually lies in one piece: its ends tell.
-        piece = np.searchsorted(self._starts, keys[:, [0, -1]], side="right") - 1
-        if (piece[:, 0] == piece[:, 1]).all() and (piece[:, 0] >= 0).all():
-            found = piece[:, :1]
-        else:
-            found = np.searchsorted(self._starts, keys, side="right") - 1
-        within = keys - self._starts[found]
-        here = (found >= 0) & (within < self._count[found]) & (within >= 0)
-        return np.where(here, self._first[found] + within, 0)
+        """The position of the frame in each slot, 0 where no frame of the document lies any more."""
+        keys = (places << 32) | slots
+        piece = np.searchsorted(self._starts, keys, side="right") - 1
+        within = keys - self._starts[piece]
+        return np.where((piece >= 0) & (within < self._count[piece]), self._first[piece] + within, 0)
+
+    def here(self, places: Ints, chunks: Ints) -> Bools:
+        """(units, CHUNK): in which slots frames lie."""
+        first = (places << 32) | (chunks * CHUNK)
+        piece = np.searchsorted(self._starts, first, side="right") - 1
+        within = first - self._starts[piece]
+        whole = (piece >= 0) & (within + CHUNK <= self._count[piece])
+        found = np.ones((len(places), CHUNK), bool)
+        part = np.flatnonzero(~whole)
+        found[part] = self.positions(places[part, None], slots_of_chunks(chunks[part])) > 0
+        return found

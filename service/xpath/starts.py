@@ -103,12 +103,20 @@ class Frames:
 
     def __init__(self, tx: Transaction, start: Start | None, scope: Scope) -> None:
         self.start = start
+        self._tx = tx
+        self._scope = scope
+        self._documents: list[Listed] | None = None
         self._ranges: dict[int, list[tuple[int, int]]] | None = None
-        keys = scope.keys
         if start is not None and start.groups:
-            self._ranges = ranges_of(tx, start.groups, keys, scope.project)
-            keys = list(self._ranges)
-        self.documents: list[Listed] = tx.columns.documents(keys, scope.project)
+            self._ranges = ranges_of(tx, start.groups, scope.keys, scope.project)
+
+    @property
+    def documents(self) -> list[Listed]:
+        """The documents that have such frames, as far as the index on names says, in order of the answer."""
+        if self._documents is None:
+            keys = self._scope.keys if self._ranges is None else list(self._ranges)
+            self._documents = self._tx.columns.documents(keys, self._scope.project)
+        return self._documents
 
     def count(self) -> int:
         """How many frames these are, where only motion names or nothing narrows them."""
