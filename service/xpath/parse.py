@@ -9,20 +9,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 from elementpath import XPath1Parser, XPath2Parser
 from elementpath.exceptions import ElementPathError
 from elementpath.tdop import Parser
 
-from service.errors import LimitError, Place, QueryError, VocabularyError
-from service.mcml.motion_names import canonical
-from service.mcml.vocabulary import MOTION_NAME
+from service.errors import LimitError, Place, QueryError
+from service.xpath.meaning import bind, from_document, with_stored_names
+from service.xpath.tokens import expression
 from service.xpath.tree import (
-    AXES,
     BOOLEAN_FUNCTIONS,
-    KIND_TESTS,
     LATER_FUNCTIONS,
     NEED_NODES,
     NODES_FUNCTIONS,
@@ -31,31 +28,21 @@ from service.xpath.tree import (
     Call,
     Expression,
     Filter,
-    Literal,
     Operation,
     Path,
-    Span,
-    Step,
     type_of,
     walk,
-    with_children,
 )
 from service.xpath.unparse import unparse
 
 MAX_LENGTH = 10_000
 MAX_NESTING = 100
-OPERATORS = ("or", "and", "=", "!=", "<", "<=", ">", ">=", "+", "-", "*", "div", "mod", "|")
 FUNCTIONS = NODES_FUNCTIONS | NUMBER_FUNCTIONS | STRING_FUNCTIONS | BOOLEAN_FUNCTIONS | LATER_FUNCTIONS
-CONTEXT_FUNCTIONS = (
-    "string", "number", "string-length", "normalize-space", "name", "local-name", "namespace-uri",
-)  # fmt: skip
-"""Functions that without an argument take the context node."""
-
 _KIND_TEST_BEFORE_SIGN = re.compile(
     r"""'[^']*'|"[^"]*"|\b((?:node|text|comment|processing-instruction)\(\s*\))(?=\s*[+*?])"""
 )
+_ATTRIBUTE_KIND_TEST = re.compile(r"""'[^']*'|"[^"]*"|(@)(?=\s*(?:node|text|comment|processing-instruction)\s*\()""")
 _LONG_NUMBER = re.compile(r"""'[^']*'|"[^"]*"|([0-9]{301})""")
-ANY_NODE = Step("descendant-or-self", "node()")
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,11 +77,13 @@ def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) 
     _bound(text, MAX_LENGTH)
     # elementpath takes the + of `node() + 1` for an occurrence indicator of XPath 2.0; a predicate keeps them apart.
     text = _KIND_TEST_BEFORE_SIGN.sub(lambda match: match.group() + "[true()]" * bool(match.group(1)), text)
+    # elementpath knows `attribute::node()`, but not its abbreviation.
+    text = _ATTRIBUTE_KIND_TEST.sub(lambda match: "attribute::" if match.group(1) else match.group(), text)
     warnings: list[str] = []
     try:
-        tree = _bind(_parse_tree(text, MAX_LENGTH * 2), variables or {})
+        tree = bind(_parse_tree(text, MAX_LENGTH * 2), variables or {})
         _check_types(tree)
-        tree = _from_document(_with_stored_names(tree, warnings, in_name=False))
+        tree = from_document(with_stored_names(tree, warnings, in_name=False))
     except RecursionError:
         raise LimitError("the expression is nested too deeply", remedy="Write it flatter.") from None
     return Query(tree, tuple(dict.fromkeys(warnings)))
@@ -103,7 +92,7 @@ def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) 
 def _parse_tree(text: str, max_length: int) -> Expression:
     _bound(text, max_length)
     try:
-        return _expression(Parser.parse(XPath1Parser(), text))
+        return expression(Parser.parse(XPath1Parser(), text))
     except ElementPathError as error:
         return _parse_more(text, error)
 
@@ -111,7 +100,7 @@ def _parse_tree(text: str, max_length: int) -> Expression:
 def _parse_more(text: str, error: ElementPathError) -> Expression:
     """What elementpath's parser of XPath 1.0 refuses though it is XPath 1.0: a path that starts with a function."""
     try:
-        tree = _expression(Parser.parse(XPath2Parser(), text))
+        tree = expression(Parser.parse(XPath2Parser(), text))
     except (ElementPathError, QueryError):
         raise _query_error(text, str(error)) from None
     if any(isinstance(part, Call) and part.function not in FUNCTIONS for part in walk(tree)):
@@ -194,210 +183,3 @@ def _hint(text: str, what: str) -> str:
         return "This is XPath 2.0; only XPath 1.0 can be asked here."
     except (ElementPathError, RecursionError):
         return "Write XPath 1.0, such as //frame[motion_name='walk']."
-
-
-def _expression(token: Any) -> Expression:
-    symbol, operands = token.symbol, list(token)
-    span = _span(token)
-    if symbol in ("/", "//"):
-        return _path(token)
-    if symbol == "[":
-        return _filter(token)
-    if symbol == "(" and len(operands) == 1:
-        return _expression(operands[0])
-    if _is_step(token):
-        return Path((_step(token),), span=span)
-    if symbol == "(string)":
-        return Literal(str(token.value), span)
-    if symbol in ("(integer)", "(decimal)", "(float)"):
-        return Literal(float(token.value), span)
-    if symbol in ("-", "+") and len(operands) == 1:
-        if symbol == "+":
-            raise QueryError("XPath has no unary plus", at=Place(column=span[0] + 1), remedy="Leave it out.")
-        return Operation("negate", (_expression(operands[0]),), span)
-    if symbol in OPERATORS and len(operands) == 2:
-        return _operation(token)
-    if token.label in ("function", "constructor function") or symbol == "id":
-        return Call(symbol, tuple(_expression(operand) for operand in operands), span)
-    if symbol == "$":
-        return Call(f"${token[0].value}", (), span)
-    raise QueryError(f"{symbol!r} cannot be used here", at=Place(column=span[0] + 1))
-
-
-def _operation(token: Any) -> Operation:
-    """An operator with all operands it joins from the left: `1 + 2 + 3` is one node, without recursion."""
-    symbol = token.symbol
-    operands = []
-    current = token
-    while current.symbol == symbol and len(current) == 2:
-        operands.append(_expression(current[1]))
-        current = current[0]
-    operands.append(_expression(current))
-    first = operands[-1]
-    if symbol == "|" and isinstance(first, Operation) and first.operator == "negate" and current.symbol == "-":
-        # XPath 1.0 binds | more tightly than a minus sign, later versions do not.
-        union = Operation("|", (*first.operands, *reversed(operands[:-1])), _span(token))
-        return Operation("negate", (union,), _span(token))
-    return Operation(symbol, tuple(reversed(operands)), _span(token))
-
-
-def _path(token: Any) -> Path:
-    """Steps from right to left, without recursion."""
-    span = _span(token)
-    steps: list[Step] = []
-    current = token
-    while current.symbol in ("/", "//"):
-        operands = list(current)
-        if operands:
-            steps.extend(reversed(_steps(operands[-1])))
-        if current.symbol == "//":
-            steps.append(ANY_NODE)
-        if len(operands) < 2:
-            return Path(tuple(reversed(steps)), absolute=True, span=span)
-        current = operands[0]
-    start = _expression(current)
-    if isinstance(start, Path) and start.start is None:
-        return Path((*start.steps, *reversed(steps)), start.absolute, span=span)
-    return Path(tuple(reversed(steps)), start=start, span=span)
-
-
-def _steps(token: Any) -> list[Step]:
-    """The right side of a slash."""
-    predicates: list[Expression] = []
-    current = token
-    while current.symbol == "[":
-        predicates.append(_expression(current[1]))
-        current = current[0]
-    if not _is_step(current):
-        raise QueryError(
-            f"{current.symbol!r} cannot follow a slash",
-            at=Place(column=_span(current)[0] + 1),
-            remedy="A path goes on with steps such as frame or @Rx.",
-        )
-    step = _step(current)
-    return [Step(step.axis, step.name, tuple(reversed(predicates)), _span(token))]
-
-
-def _filter(token: Any) -> Expression:
-    predicates: list[Expression] = []
-    current = token
-    while current.symbol == "[":
-        predicates.append(_expression(current[1]))
-        current = current[0]
-    if _is_step(current):
-        return Path(tuple(_steps(token)), span=_span(token))
-    return Filter(_expression(current), tuple(reversed(predicates)), _span(token))
-
-
-def _is_step(token: Any) -> bool:
-    symbol = token.symbol
-    is_name = symbol == "(name)" or (symbol == "*" and not len(token))
-    return is_name or symbol in (".", "..", "@", *KIND_TESTS) or (symbol in AXES and len(token) == 1)
-
-
-def _step(token: Any) -> Step:
-    span = _span(token)
-    symbol = token.symbol
-    if symbol == ".":
-        return Step("self", "node()", span=span)
-    if symbol == "..":
-        return Step("parent", "node()", span=span)
-    if symbol == "@":
-        return Step("attribute", _test(token[0]), span=span)
-    if symbol in AXES and len(token) == 1:
-        return Step(symbol, _test(token[0]), span=span)
-    return Step("child", _test(token), span=span)
-
-
-def _test(token: Any) -> str:
-    if token.symbol == "(name)":
-        return str(token.value)
-    if token.symbol in KIND_TESTS:
-        inner = f"'{token[0].value}'" if len(token) else ""
-        return f"{token.symbol}({inner})"
-    if token.symbol == "*" and not len(token):
-        return "*"
-    raise QueryError(f"{token.symbol!r} is no node test", at=Place(column=_span(token)[0] + 1))
-
-
-def _span(token: Any) -> Span:
-    """From the first character of the whole expression to the last of the token that joins it."""
-    first, last = token.span
-    while len(token):
-        token = token[0]
-        first = min(first, token.span[0])
-    return int(first), int(last)
-
-
-def _bind(expression: Expression, variables: Mapping[str, str | float | bool]) -> Expression:
-    """The expression with the values of its variables in it."""
-    if not isinstance(expression, Call) or not expression.function.startswith("$"):
-        return with_children(expression, lambda child: _bind(child, variables))
-    name = expression.function[1:]
-    if name not in variables:
-        raise QueryError(
-            f"the variable ${name} has no value",
-            at=Place(column=expression.span[0] + 1),
-            remedy="Give it one with the request, or write the value instead.",
-        )
-    value = variables[name]
-    if isinstance(value, bool):
-        return Call("true" if value else "false", (), expression.span)
-    return Literal(value if isinstance(value, str) else float(value), expression.span)
-
-
-def _from_document(expression: Expression) -> Expression:
-    """Outside of predicates the context node is the document."""
-    if isinstance(expression, Path):
-        if expression.start is not None:
-            return replace(expression, start=_from_document(expression.start))
-        return replace(expression, absolute=True)
-    if isinstance(expression, Filter):
-        return replace(expression, operand=_from_document(expression.operand))
-    if isinstance(expression, Call) and not expression.arguments and expression.function in CONTEXT_FUNCTIONS:
-        return replace(expression, arguments=(Path((), absolute=True),))
-    return with_children(expression, _from_document)
-
-
-def _with_stored_names(expression: Expression, warnings: list[str], *, in_name: bool) -> Expression:
-    """Motion names that are compared in the form in which they are stored. in_name: the context is a motion_name."""
-    if isinstance(expression, Operation) and expression.operator in ("=", "!=") and len(expression.operands) == 2:
-        one, other = expression.operands
-        if _is_motion_name(other, in_name):
-            expression = replace(expression, operands=(_stored_name(one, warnings), other))
-        elif _is_motion_name(one, in_name):
-            expression = replace(expression, operands=(one, _stored_name(other, warnings)))
-    if not isinstance(expression, Path):
-        return with_children(expression, lambda child: _with_stored_names(child, warnings, in_name=in_name))
-    start = expression.start
-    steps = []
-    for step in expression.steps:
-        is_name = step.name == MOTION_NAME
-        predicates = tuple(_with_stored_names(each, warnings, in_name=is_name) for each in step.predicates)
-        steps.append(replace(step, predicates=predicates))
-    if start is not None:
-        start = _with_stored_names(start, warnings, in_name=in_name)
-    return replace(expression, start=start, steps=tuple(steps))
-
-
-def _stored_name(expression: Expression, warnings: list[str]) -> Expression:
-    if not isinstance(expression, Literal) or not isinstance(expression.value, str) or not expression.value.strip():
-        return expression
-    said = expression.value
-    try:
-        stored = canonical(said)
-    except VocabularyError as error:
-        warnings.append(f"no frame has this motion name: {error}")
-        return expression
-    if stored != said:
-        warnings.append(f"motion name {said!r} is stored as {stored!r}; that was searched")
-    return replace(expression, value=stored)
-
-
-def _is_motion_name(expression: Expression, in_name: bool) -> bool:
-    if not isinstance(expression, Path) or not expression.steps:
-        return False
-    names = [step.name for step in expression.steps if (step.axis, step.name) != ("self", "node()")]
-    if names and names[-1] == "text()":
-        names.pop()
-    return names[-1:] == [MOTION_NAME] or (not names and in_name and expression.start is None)
