@@ -101,8 +101,8 @@ class QueryRequest(BaseModel):
     q: str = Field(min_length=1, max_length=10_000)
     document: list[str] = Field(default_factory=list, max_length=1000, description="Documents to ask; none: all")
     project: str | None = None
-    as_: Literal["json", "xml", "runs"] = Field("json", alias="as")
-    limit: int = Field(100, ge=1)
+    as_: Literal["json", "xml", "ndjson", "csv", "runs"] = Field("json", alias="as")
+    limit: int | None = Field(None, ge=1, description="Most items; pages have 100, streams (xml, ndjson, csv) all")
     cursor: str | None = None
     explain: bool = False
     variables: dict[str, str | float | bool] = Field(

@@ -2,36 +2,67 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+import asyncio
+import csv
+import io
+from collections.abc import Callable, Iterator
+from typing import Annotated, Any, Literal, TypeVar
 
-from fastapi import APIRouter, Query, Response
+import orjson
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import StreamingResponse
+from starlette.concurrency import run_in_threadpool
 
 from schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest
 from service.api.dependencies import ProjectQuery, QueriesDep
 from service.mcml.writer import attribute_bytes, text_bytes
-from service.xpath.run import Queries
+from service.xpath.limits import Limits
+from service.xpath.nodes import Node
+from service.xpath.run import Queries, node_item
+from service.xpath.streams import Answer, Shown
 
 router = APIRouter(tags=["xpath"])
+Form = Literal["json", "xml", "ndjson", "csv", "runs"]
+Result = TypeVar("Result")
 
+LOOK_SECONDS = 0.25
+"""How often a running query looks whether its client is still there."""
 
-_XML: dict[int | str, dict[str, Any]] = {200: {"content": {"application/xml": {"example": RESULTS}}}}
+_FIELDS = ("document", "revision", "kind", "address", "value")
+_SHOWN = dict(zip(_FIELDS, (DOCUMENT, 1, "attribute", "/mcml/@version", "1.0"), strict=True))
+_OTHERS: dict[int | str, dict[str, Any]] = {
+    200: {
+        "content": {
+            "application/xml": {"example": RESULTS},
+            "application/x-ndjson": {"example": orjson.dumps(_SHOWN).decode() + "\n"},
+            "text/csv": {"example": ",".join(_FIELDS) + "\r\n" + ",".join(map(str, _SHOWN.values())) + "\r\n"},
+        }
+    }
+}
 
 
 @router.get(
-    "/xpath", operation_id="query", response_model=QueryAnswer, response_model_exclude_none=True, responses=_XML
+    "/xpath", operation_id="query", response_model=QueryAnswer, response_model_exclude_none=True, responses=_OTHERS
 )
-def query(
+async def query(
+    http: Request,
     queries: QueriesDep,
-    q: Annotated[str, Query(min_length=1, max_length=10_000, description="An XPath 1.0 expression", examples=[QUERY])],
+    q: Annotated[str, Query(min_length=1, max_length=10_000, description="An XPath expression", examples=[QUERY])],
     document: Annotated[
         list[str] | None, Query(description="Documents to ask; default all", examples=[[DOCUMENT]])
     ] = None,
     project: ProjectQuery = None,
     as_: Annotated[
-        Literal["json", "xml", "runs"], Query(alias="as", description="Nodes, nodes as XML, or runs of frames")
+        Form,
+        Query(
+            alias="as",
+            description="Pages of nodes (json) or runs of frames (runs); or all nodes as a stream (xml, ndjson, csv)",
+        ),
     ] = "json",
-    limit: Annotated[int, Query(ge=1, description="Most items on the page", examples=[20])] = 100,
+    limit: Annotated[
+        int | None, Query(ge=1, description="Most items; a page has 100 if it is not said, a stream all", examples=[20])
+    ] = None,
     cursor: Annotated[
         str | None, Query(max_length=4096, description="`next_cursor` of the page before", examples=[CURSOR])
     ] = None,
@@ -39,36 +70,90 @@ def query(
 ) -> Any:
     """Ask one document or all an XPath question, such as `//frame[motion_name='left-arm-abduction']`.
 
-    A node set comes in pages of nodes with canonical addresses, or as runs: maximal ranges of frames. A scalar comes as
-    `value`, or one a document. Pages are stable: a cursor reads the state in which the first page was read.
+    A node set comes in pages of nodes with canonical addresses, as runs (maximal ranges of frames), or whole as a
+    stream. A scalar comes as `value`, or one a document. Pages are stable: a cursor reads the state in which the first
+    page was read. A query ends when its time is up, or when its client leaves.
     """
     request = QueryRequest(
         q=q, document=document or [], project=project, limit=limit, cursor=cursor, explain=explain, **{"as": as_}
     )
-    return _answer(queries, request)
+    return await _answer(http, queries, request)
 
 
 @router.post(
-    "/xpath", operation_id="post_query", response_model=QueryAnswer, response_model_exclude_none=True, responses=_XML
+    "/xpath", operation_id="post_query", response_model=QueryAnswer, response_model_exclude_none=True, responses=_OTHERS
 )
-def post_query(queries: QueriesDep, request: QueryRequest) -> Any:
-    """As GET, for long expressions."""
-    return _answer(queries, request)
+async def post_query(http: Request, queries: QueriesDep, request: QueryRequest) -> Any:
+    """As GET, for long expressions and for such with variables."""
+    return await _answer(http, queries, request)
 
 
-def _answer(queries: Queries, request: QueryRequest) -> Any:
-    answer = queries.answer(request)
-    return Response(_xml(answer), media_type="application/xml") if request.as_ == "xml" else answer
+async def _answer(http: Request, queries: Queries, request: QueryRequest) -> Any:
+    limits = queries.limits()
+    paged = request.cursor is not None or (request.as_ == "xml" and request.limit is not None)
+    if request.as_ in ("json", "runs") or paged:
+        answer = await _while_connected(http, limits, lambda: queries.answer(request, limits))
+        return Response(_xml_page(answer), media_type="application/xml") if request.as_ == "xml" else answer
+    found = await _while_connected(http, limits, lambda: queries.stream(request, limits))
+    write, media_type = _STREAMS[request.as_]
+    headers = {"x-total-count": str(found.total)}
+    return StreamingResponse(write(found), media_type=media_type, headers=headers)
 
 
-def _xml(answer: QueryAnswer) -> bytes:
-    """Nodes as one XML document: `results`, in it a `result` for each node with its place and the node itself."""
+async def _while_connected(http: Request, limits: Limits, ask: Callable[[], Result]) -> Result:
+    """Runs a query in a thread; cancels it when its client leaves."""
+    running = asyncio.ensure_future(run_in_threadpool(ask))
+    while not (await asyncio.wait({running}, timeout=LOOK_SECONDS))[0]:
+        if await http.is_disconnected():
+            limits.cancel()
+    return await running
+
+
+def _xml_page(answer: QueryAnswer) -> bytes:
     more = f' next_cursor="{answer.next_cursor}"' if answer.next_cursor else ""
-    parts = [f'<?xml version="1.0" encoding="UTF-8"?>\n<results{more}>\n'.encode()]
-    for item in answer.items or []:
-        if isinstance(item, NodeItem):
-            value = item.value.encode() if item.kind in ("element", "document") else text_bytes(item.value)
-            place = f'<result document="{item.document}" revision="{item.revision}" address="'.encode()
-            parts += [place, attribute_bytes(item.address), b'">', value, b"</result>\n"]
-    parts.append(b"</results>\n")
-    return b"".join(parts)
+    items = [_xml_item(item) for item in answer.items or [] if isinstance(item, NodeItem)]
+    return b"".join([f'<?xml version="1.0" encoding="UTF-8"?>\n<results{more}>\n'.encode(), *items, b"</results>\n"])
+
+
+def _xml_item(item: NodeItem) -> bytes:
+    """A `result` with the place of a node and the node itself."""
+    value = item.value.encode() if item.kind in ("element", "document") else text_bytes(item.value)
+    place = f'<result document="{item.document}" revision="{item.revision}" address="'.encode()
+    return b"".join([place, attribute_bytes(item.address), b'">', value, b"</result>\n"])
+
+
+def _xml(found: Answer | Shown) -> Iterator[bytes]:
+    yield b'<?xml version="1.0" encoding="UTF-8"?>\n<results>\n'
+    for nodes in found.nodes():
+        yield b"".join([_xml_item(node_item(node)) for node in nodes])
+    yield b"</results>\n"
+
+
+def _ndjson(found: Answer | Shown) -> Iterator[bytes]:
+    """A JSON object a line, as the items of a page."""
+    for nodes in found.nodes():
+        yield b"".join([_line(node) for node in nodes])
+
+
+def _line(node: Node) -> bytes:
+    return orjson.dumps(dict(zip(_FIELDS, _values(node), strict=True)), option=orjson.OPT_APPEND_NEWLINE)
+
+
+def _csv(found: Answer | Shown) -> Iterator[bytes]:
+    """A row a node, RFC 4180."""
+    yield (",".join(_FIELDS) + "\r\n").encode()
+    for nodes in found.nodes():
+        text = io.StringIO()
+        csv.writer(text).writerows(_values(node) for node in nodes)
+        yield text.getvalue().encode()
+
+
+def _values(node: Node) -> tuple[str | int, ...]:
+    return node.stored.uuid, node.stored.revision, node.kind, node.address, node.value
+
+
+_STREAMS: dict[str, tuple[Callable[[Answer | Shown], Iterator[bytes]], str]] = {
+    "xml": (_xml, "application/xml"),
+    "ndjson": (_ndjson, "application/x-ndjson"),
+    "csv": (_csv, "text/csv"),
+}

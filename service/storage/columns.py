@@ -12,6 +12,7 @@ from service.motion.skeleton import CHANNELS
 from service.storage.encoding import unpack_shape
 from service.storage.rows import to_elements
 from service.storage.tables import (
+    CURRENT,
     bone,
     content,
     document,
@@ -64,14 +65,21 @@ class Columns:
             .where(revision.c.document == document.c.id, revision.c.commit <= at)
             .scalar_subquery()
         )
-        about = (document.c.id, document.c.uuid, document.c.name, content.c.version, content.c.skeleton)
+        source: Any = document
+        held: Any = document
+        if at < CURRENT - 1:
+            # The past, which only the revision of that time knows.
+            held = revision.alias()
+            source = document.join(held, and_(held.c.document == document.c.id, held.c.number == newest))
+        about = (document.c.id, document.c.uuid, held.c.name, content.c.version, content.c.skeleton)
         query = (
             select(*about, content.c.frames, content.c.frame_time, newest)
+            .select_from(source)
             .join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
             .where(self._tx.documents.visible(), document.c.deleted_commit > at)
         )
         if project_key is not None:
-            query = query.where(document.c.project == project_key)
+            query = query.where(held.c.project == project_key)
         found: Iterable[Any] = self._tx.connection.execute(query) if keys is None else ()
         if keys is not None:
             found = self._rows(query, document.c.id, keys)

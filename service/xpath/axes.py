@@ -7,15 +7,14 @@ document order. Attributes have their element as parent and stand between it and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from service.mcml.vocabulary import FRAME, FRAME_BONE, MOTION_NAME, NAME
 from service.motion.skeleton import CHANNEL_INDEX
-from service.xpath.forest import Forest, expand, in_frames
+from service.xpath.forest import Forest
+from service.xpath.node_tests import kinds_and_names, passes
 from service.xpath.numbering import (
     BONE_WIDTH,
     BONES,
@@ -36,28 +35,20 @@ from service.xpath.numbering import (
     Ints,
     documents_of,
     frame_elements,
-    frame_kinds,
     frames_of,
+    in_frames,
     name_codes,
     slots_of,
 )
+from service.xpath.pairs import NONE, Pairs, bounded, merge, where
 
 REVERSE = frozenset({"parent", "ancestor", "ancestor-or-self", "preceding", "preceding-sibling"})
-MAX_PAIRS = 2_000_000
-"""Pairs that a step may make at once; who asks for more is told to ask for fewer contexts (TooWideError)."""
-
-Pairs = tuple[Ints, Ints]
-_NONE: Pairs = (np.empty(0, np.int64), np.empty(0, np.int64))
-
-
-class TooWideError(Exception):
-    """A step from these contexts reaches more nodes than are held at once."""
 
 
 def step(forest: Forest, nodes: Ints, axis: str, test: str) -> Pairs:
     """The nodes that an axis reaches and a node test lets pass."""
     if not len(nodes):
-        return _NONE
+        return NONE
     source, reached = _AXES[axis](forest, nodes, test)
     keep = passes(forest, reached, axis, test)
     return (source, reached) if keep.all() else (source[keep], reached[keep])
@@ -65,72 +56,7 @@ def step(forest: Forest, nodes: Ints, axis: str, test: str) -> Pairs:
 
 def named_bones(forest: Forest, nodes: Ints, name: str) -> Pairs:
     """`child::frame_bone[@name='…']`."""
-    return _where(_is_frame(nodes), lambda some: forest.shapes.named(some, name), nodes)
-
-
-def kinds_and_names(forest: Forest, nodes: Ints) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Kind and name code of each node."""
-    framed = in_frames(nodes)
-    if framed.all():
-        return frame_kinds(slots_of(nodes))
-    kinds, names = np.empty(len(nodes), np.int8), np.empty(len(nodes), np.int16)
-    if framed.any():
-        kinds[framed], names[framed] = frame_kinds(slots_of(nodes[framed]))
-    rows = forest.head.rows(nodes[~framed])
-    kinds[~framed], names[~framed] = forest.head.kinds[rows], forest.head.names[rows]
-    return kinds, names
-
-
-def passes(forest: Forest, nodes: Ints, axis: str, test: str) -> Bools:
-    """Which nodes pass a node test on an axis."""
-    if test == "node()":
-        return np.ones(len(nodes), bool)
-    if test.endswith(")") and test != "text()":
-        return np.zeros(len(nodes), bool)
-    kinds, names = kinds_and_names(forest, nodes)
-    if test == "text()":
-        return np.asarray(kinds == IS_TEXT)
-    wanted = {"attribute": IS_ATTRIBUTE, "namespace": IS_NAMESPACE}.get(axis, IS_ELEMENT)
-    if test == "*":
-        return np.asarray(kinds == wanted)
-    return np.asarray((kinds == wanted) & (names == name_codes().get(test, -1)))
-
-
-# -- parts that the axes are made of -----------------------------------------------------------------------------------
-
-
-def _bounded(counts: Ints) -> Pairs:
-    total = int(counts.sum())
-    if total > MAX_PAIRS:
-        raise TooWideError(total)
-    return expand(counts)
-
-
-def _merge(parts: Sequence[Pairs]) -> Pairs:
-    """Pairs of several sources, by context and in document order."""
-    parts = [part for part in parts if len(part[0])]
-    if not parts:
-        return _NONE
-    if len(parts) == 1:
-        source, nodes = parts[0]
-    else:
-        source, nodes = np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
-    if len(source) > MAX_PAIRS:
-        raise TooWideError(len(source))
-    later = (source[1:] > source[:-1]) | ((source[1:] == source[:-1]) & (nodes[1:] > nodes[:-1]))
-    if later.all():
-        return source, nodes
-    order = np.lexsort((nodes, source))
-    return source[order], nodes[order]
-
-
-def _where(which: Bools, function: Callable[[Ints], Pairs], nodes: Ints) -> Pairs:
-    """The pairs that a function makes of some contexts."""
-    index = np.flatnonzero(which)
-    if not len(index):
-        return _NONE
-    source, reached = function(nodes[index])
-    return index[source], reached
+    return where(_is_frame(nodes), lambda some: forest.shapes.named(some, name), nodes)
 
 
 def _named_below(forest: Forest, nodes: Ints, test: str) -> Pairs:
@@ -139,7 +65,7 @@ def _named_below(forest: Forest, nodes: Ints, test: str) -> Pairs:
     rows = head.rows(nodes)
     named = head.named(name_codes().get(test, -1))
     begin = np.searchsorted(named, rows, side="right")
-    source, within = _bounded(np.searchsorted(named, head.ends[rows], side="right") - begin)
+    source, within = bounded(np.searchsorted(named, head.ends[rows], side="right") - begin)
     return source, head.nodes[named[begin[source] + within]]
 
 
@@ -154,7 +80,7 @@ def _of_rows(forest: Forest, nodes: Ints, *, children: bool) -> Pairs:
     """Elements and texts of the head below (or directly below) nodes of the head."""
     head = forest.head
     rows = head.rows(nodes)
-    source, within = _bounded(head.ends[rows] - rows)
+    source, within = bounded(head.ends[rows] - rows)
     reached = rows[source] + 1 + within
     kinds = head.kinds[reached]
     keep = (kinds == IS_ELEMENT) | (kinds == IS_TEXT)
@@ -172,7 +98,7 @@ def _frames_below(forest: Forest, nodes: Ints, *, direct: bool) -> Pairs:
     holds &= (head.kinds[rows] == IS_ELEMENT) | (head.kinds[rows] == IS_DOCUMENT)
     index = np.flatnonzero(holds)
     documents = documents_of(nodes[index])
-    source, position = _bounded(forest.frames[documents])
+    source, position = bounded(forest.frames[documents])
     return index[source], (documents[source] << DOCUMENT_SHIFT) | ((position + 1) << FRAME_SHIFT)
 
 
@@ -180,12 +106,12 @@ def _below_frames(forest: Forest, frames: Ints, test: str) -> list[Pairs]:
     """Everything in frames: motion_names, their texts, frame_bones; what the test cannot want is left out."""
     parts = []
     if test in (MOTION_NAME, "text()", "*", "node()"):
-        _bounded(forest.labels.sizes(frames))
+        bounded(forest.labels.sizes(frames))
         source, names = forest.labels.children(frames)
         parts += [(source, names)] if test != "text()" else []
         parts += [(source, names + NAME_TEXT)] if test in ("text()", "node()") else []
     if test in (FRAME_BONE, "*", "node()"):
-        _bounded(forest.shapes.sizes(frames))
+        bounded(forest.shapes.sizes(frames))
         parts.append(forest.shapes.children(frames))
     return parts
 
@@ -216,9 +142,9 @@ def _child(forest: Forest, nodes: Ints, test: str) -> Pairs:
     parts = []
     head = ~in_frames(nodes)
     if head.any():
-        parts.append(_where(head, lambda some: _head_children(forest, some, test), nodes))
+        parts.append(where(head, lambda some: _head_children(forest, some, test), nodes))
         if test in (FRAME, "*", "node()"):
-            parts.append(_where(head, lambda some: _frames_below(forest, some, direct=True), nodes))
+            parts.append(where(head, lambda some: _frames_below(forest, some, direct=True), nodes))
     if test in (MOTION_NAME, FRAME_BONE, "*", "node()"):
         frames = _is_frame(nodes)
         if frames.any():
@@ -226,8 +152,8 @@ def _child(forest: Forest, nodes: Ints, test: str) -> Pairs:
             kept = "*" if test == "node()" else test
             parts += [(index[source], reached) for source, reached in _below_frames(forest, nodes[index], kept)]
     if test in ("text()", "node()"):
-        parts.append(_where(_is_motion_name(nodes), lambda some: (np.arange(len(some)), some + NAME_TEXT), nodes))
-    return _merge(parts)
+        parts.append(where(_is_motion_name(nodes), lambda some: (np.arange(len(some)), some + NAME_TEXT), nodes))
+    return merge(parts)
 
 
 def _descendant(forest: Forest, nodes: Ints, test: str) -> Pairs:
@@ -235,11 +161,11 @@ def _descendant(forest: Forest, nodes: Ints, test: str) -> Pairs:
     head = ~in_frames(nodes)
     if head.any():
         if test in ("*", "node()", "text()"):
-            parts.append(_where(head, lambda some: _of_rows(forest, some, children=False), nodes))
+            parts.append(where(head, lambda some: _of_rows(forest, some, children=False), nodes))
         else:
-            parts.append(_where(head, lambda some: _named_below(forest, some, test), nodes))
+            parts.append(where(head, lambda some: _named_below(forest, some, test), nodes))
         if test in (FRAME, MOTION_NAME, FRAME_BONE, "text()", "*", "node()"):
-            source, frames = _where(head, lambda some: _frames_below(forest, some, direct=False), nodes)
+            source, frames = where(head, lambda some: _frames_below(forest, some, direct=False), nodes)
             parts += [(source, frames)] if test in (FRAME, "*", "node()") else []
             parts += [(source[inner], reached) for inner, reached in _below_frames(forest, frames, test)]
     framed = _is_frame(nodes)
@@ -247,38 +173,38 @@ def _descendant(forest: Forest, nodes: Ints, test: str) -> Pairs:
         index = np.flatnonzero(framed)
         parts += [(index[source], reached) for source, reached in _below_frames(forest, nodes[index], test)]
     if test in ("text()", "node()"):
-        parts.append(_where(_is_motion_name(nodes), lambda some: (np.arange(len(some)), some + NAME_TEXT), nodes))
-    return _merge(parts)
+        parts.append(where(_is_motion_name(nodes), lambda some: (np.arange(len(some)), some + NAME_TEXT), nodes))
+    return merge(parts)
 
 
 def _descendant_or_self(forest: Forest, nodes: Ints, test: str) -> Pairs:
-    return _merge([_self(forest, nodes, test), _descendant(forest, nodes, test)])
+    return merge([_self(forest, nodes, test), _descendant(forest, nodes, test)])
 
 
 def _attribute(forest: Forest, nodes: Ints, test: str) -> Pairs:
     parts = []
     framed = in_frames(nodes)
     if not framed.all():
-        parts.append(_where(~framed, lambda some: _head_kind(forest, some, IS_ATTRIBUTE), nodes))
+        parts.append(where(~framed, lambda some: _head_kind(forest, some, IS_ATTRIBUTE), nodes))
     if test in ("id", "*", "node()"):
-        parts.append(_where(_is_frame(nodes), lambda some: (np.arange(len(some)), some + FIRST_ATTRIBUTE), nodes))
+        parts.append(where(_is_frame(nodes), lambda some: (np.arange(len(some)), some + FIRST_ATTRIBUTE), nodes))
     bones = _is_frame_bone(nodes)
     if not bones.any():
-        return _merge(parts)
+        return merge(parts)
     if test == NAME:
-        parts.append(_where(bones, lambda some: (np.arange(len(some)), some + FIRST_ATTRIBUTE), nodes))
+        parts.append(where(bones, lambda some: (np.arange(len(some)), some + FIRST_ATTRIBUTE), nodes))
     elif test in CHANNEL_INDEX:
-        parts.append(_where(bones, lambda some: forest.shapes.channel(some, CHANNEL_INDEX[test]), nodes))
+        parts.append(where(bones, lambda some: forest.shapes.channel(some, CHANNEL_INDEX[test]), nodes))
     elif test in ("*", "node()"):
-        parts.append(_where(bones, forest.shapes.attributes, nodes))
-    return _merge(parts)
+        parts.append(where(bones, forest.shapes.attributes, nodes))
+    return merge(parts)
 
 
 def _head_kind(forest: Forest, nodes: Ints, kind: int) -> Pairs:
     """Attributes or namespace nodes of elements of the head: they follow their element."""
     head = forest.head
     rows = head.rows(nodes)
-    source, within = _bounded(np.where(head.kinds[rows] == IS_ELEMENT, np.minimum(head.ends[rows] - rows, 16), 0))
+    source, within = bounded(np.where(head.kinds[rows] == IS_ELEMENT, np.minimum(head.ends[rows] - rows, 16), 0))
     reached = rows[source] + 1 + within
     keep = (head.parents[reached] == rows[source]) & (head.kinds[reached] == kind)
     return source[keep], head.nodes[reached[keep]]
@@ -286,9 +212,9 @@ def _head_kind(forest: Forest, nodes: Ints, kind: int) -> Pairs:
 
 def _namespace(forest: Forest, nodes: Ints, test: str) -> Pairs:
     if test not in ("xml", "*", "node()"):
-        return _NONE
+        return NONE
     kinds, _ = kinds_and_names(forest, nodes)
-    return _where(kinds == IS_ELEMENT, lambda some: (np.arange(len(some)), some + NAMESPACE_SLOT), nodes)
+    return where(kinds == IS_ELEMENT, lambda some: (np.arange(len(some)), some + NAMESPACE_SLOT), nodes)
 
 
 # -- upwards -----------------------------------------------------------------------------------------------------------
@@ -332,11 +258,11 @@ def _ancestor(forest: Forest, nodes: Ints, test: str) -> Pairs:
         kept = above >= 0
         index, current = index[kept], above[kept]
         parts.append((index, current))
-    return _merge(parts)
+    return merge(parts)
 
 
 def _ancestor_or_self(forest: Forest, nodes: Ints, test: str) -> Pairs:
-    return _merge([_self(forest, nodes, test), _ancestor(forest, nodes, test)])
+    return merge([_self(forest, nodes, test), _ancestor(forest, nodes, test)])
 
 
 # -- sidewards ---------------------------------------------------------------------------------------------------------
@@ -347,18 +273,18 @@ def _siblings(forest: Forest, nodes: Ints, test: str, *, after: bool) -> Pairs:
     frames = _is_frame(nodes)
     parts = []
     if frames.any() and test in (FRAME, "*", "node()"):
-        parts.append(_where(frames, lambda some: _frame_siblings(forest, some, after=after), nodes))
+        parts.append(where(frames, lambda some: _frame_siblings(forest, some, after=after), nodes))
     if frames.any() and not after and test != FRAME:
         # All that motion holds beside frames stands before them.
-        parts.append(_where(frames, lambda some: _of_rows(forest, parents(forest, some), children=True), nodes))
+        parts.append(where(frames, lambda some: _of_rows(forest, parents(forest, some), children=True), nodes))
     others = ((kinds == IS_ELEMENT) | (kinds == IS_TEXT)) & ~frames
-    parts.append(_where(others, lambda some: _cut_children(forest, some, test, after=after), nodes))
-    return _merge(parts)
+    parts.append(where(others, lambda some: _cut_children(forest, some, test, after=after), nodes))
+    return merge(parts)
 
 
 def _frame_siblings(forest: Forest, frames: Ints, *, after: bool) -> Pairs:
     position = frames_of(frames)
-    source, within = _bounded(forest.frames[documents_of(frames)] - position if after else position - 1)
+    source, within = bounded(forest.frames[documents_of(frames)] - position if after else position - 1)
     first = position + 1 if after else np.ones_like(position)
     return source, (documents_of(frames)[source] << DOCUMENT_SHIFT) | ((first[source] + within) << FRAME_SHIFT)
 
@@ -368,7 +294,7 @@ def _cut_children(forest: Forest, nodes: Ints, test: str, *, after: bool) -> Pai
     unique, inverse = np.unique(parents(forest, nodes), return_inverse=True)
     source, children = _child(forest, unique, test)
     begin, end = np.searchsorted(source, inverse, "left"), np.searchsorted(source, inverse, "right")
-    pairs, within = _bounded(end - begin)
+    pairs, within = bounded(end - begin)
     reached = children[begin[pairs] + within]
     keep = reached > nodes[pairs] if after else reached < nodes[pairs]
     return pairs[keep], reached[keep]
@@ -391,7 +317,7 @@ def _beyond(forest: Forest, nodes: Ints, test: str, *, after: bool) -> Pairs:
     inner, siblings = _siblings(forest, lines, "node()", after=after)
     source = source[inner]
     below, reached = _descendant_or_self(forest, siblings, test)
-    return _merge([(source[below], reached)])
+    return merge([(source[below], reached)])
 
 
 def _following(forest: Forest, nodes: Ints, test: str) -> Pairs:

@@ -16,12 +16,13 @@ import numpy as np
 
 from service.mcml.vocabulary import FRAME_BONE
 from service.xpath import functions
-from service.xpath.axes import REVERSE, TooWideError, named_bones, parents, step
+from service.xpath.axes import REVERSE, named_bones, parents, step
 from service.xpath.comparisons import compare
-from service.xpath.forest import Forest, expand
+from service.xpath.forest import Forest
 from service.xpath.labels import named
 from service.xpath.nodesets import NodeSets, ordered
 from service.xpath.numbering import Bools, Floats, Ints, documents_of, first_of_documents
+from service.xpath.pairs import TooWideError, expand
 from service.xpath.texts import Strings, constant
 from service.xpath.tree import (
     Call,

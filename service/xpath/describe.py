@@ -8,8 +8,8 @@ import numpy as np
 
 from service.mcml.vocabulary import FRAME_BONE, MOTION_NAME
 from service.motion.skeleton import CHANNELS
-from service.xpath.axes import kinds_and_names
 from service.xpath.forest import Forest
+from service.xpath.node_tests import kinds_and_names
 from service.xpath.numbering import (
     BONE_WIDTH,
     BONES,

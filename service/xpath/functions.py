@@ -9,8 +9,8 @@ from typing import TypeAlias
 import numpy as np
 
 from service.xpath import values
-from service.xpath.axes import kinds_and_names
 from service.xpath.forest import Forest
+from service.xpath.node_tests import kinds_and_names
 from service.xpath.nodesets import NodeSets
 from service.xpath.numbering import Bools, Floats, code_names
 from service.xpath.texts import Strings, combine, constant, of_numbers, of_texts

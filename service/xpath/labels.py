@@ -75,14 +75,12 @@ def _is_motion_name(steps: Sequence[Step]) -> bool:
     return len(steps) == 1 and steps[0].axis in ("child", "descendant") and steps[0].name == MOTION_NAME
 
 
-def ranges_of(
-    tx: Transaction, groups: Groups, keys: Sequence[int] | None, project_key: int | None = None
-) -> dict[int, list[tuple[int, int]]]:
+def ranges_of(tx: Transaction, groups: Groups, keys: Sequence[int] | None) -> dict[int, list[tuple[int, int]]]:
     """Ranges (first, last) of frames that carry a name of every group, by document key; only documents with any."""
     documents = None if keys is None else list(keys)
     found: dict[int, list[tuple[int, int]]] | None = None
     for group in groups:
-        named = tx.spans.named([unescape(name) for name in group], documents, project_key)
+        named = tx.spans.named([unescape(name) for name in group], documents)
         if found is None:
             found = named
             continue

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.xpath.axes import MAX_PAIRS, TooWideError
-from service.xpath.forest import expand
 from service.xpath.numbering import Bools, Floats, Ints
+from service.xpath.pairs import MAX_PAIRS, TooWideError, expand
 
 
 @dataclass(frozen=True, slots=True)

@@ -73,6 +73,10 @@ def slots_of(nodes: Ints) -> Ints:
     return nodes & SLOT_MASK
 
 
+def in_frames(nodes: Ints) -> Bools:
+    return np.asarray(frames_of(nodes) > 0)
+
+
 def frame_elements(nodes: Ints) -> Ints:
     """The frame element of each node in a frame."""
     return nodes & ~SLOT_MASK

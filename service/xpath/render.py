@@ -18,8 +18,8 @@ from service.storage.encoding import channels_of
 from service.storage.motion_names import names_of_frames
 from service.storage.tables import CHUNK
 from service.xpath import values
-from service.xpath.axes import kinds_and_names
-from service.xpath.forest import Forest, in_frames
+from service.xpath.forest import Forest
+from service.xpath.node_tests import kinds_and_names
 from service.xpath.numbering import (
     BONE_WIDTH,
     BONES,
@@ -34,6 +34,7 @@ from service.xpath.numbering import (
     code_names,
     documents_of,
     frames_of,
+    in_frames,
     slots_of,
 )
 
@@ -194,18 +195,23 @@ def _of_head(forest: Forest, node: int, max_elements: int) -> str:
     if not row <= motion <= head.ends[row]:
         return _subtree(forest, row)
     stored = forest.documents[document]
-    elements = stored.frames * (1 + len(forest.tx.heads.bone_names(stored.key)))
-    if elements > max_elements:
-        raise LimitError(
-            f"The answer holds all of {stored.name!r}, about {elements:,} elements; the limit is {max_elements:,}.",
-            remedy="Export the document instead, or ask for some of its frames.",
-            code="query-too-large",
-        )
+    check_size(forest.tx, stored, max_elements)
     whole = b"".join(document_xml(forest.tx, stored)).decode()
     # Behind the prolog; a motion that stands in a text is written &lt;motion&gt;.
     start = whole.index(f"<{MOTION}>") if row == motion else whole.index("<mcml")
     stop = whole.rindex("</mcml>") if row == motion else len(whole)
     return whole[start:stop]
+
+
+def check_size(tx: Transaction, listed: Listed, max_elements: int) -> None:
+    """LimitError for a document that is too large to be in an answer whole."""
+    elements = listed.frames * (1 + len(tx.heads.bone_names(listed.key)))
+    if elements > max_elements:
+        raise LimitError(
+            f"The answer holds all of {listed.name!r}, about {elements:,} elements; the limit is {max_elements:,}.",
+            remedy="Export the document instead, or ask for some of its frames.",
+            code="query-too-large",
+        )
 
 
 def _subtree(forest: Forest, row: int) -> str:

@@ -17,27 +17,31 @@ from service.settings import Settings
 from service.storage.columns import Listed
 from service.storage.database import LATEST, Database, Transaction
 from service.xpath import aggregates, sources
-from service.xpath.axes import TooWideError
 from service.xpath.columnar import Columnar
 from service.xpath.columns import Columns, Context
 from service.xpath.cursors import Cursor, question, read_cursor
 from service.xpath.evaluate import Evaluator
 from service.xpath.explain import steps_of
-from service.xpath.forest import Forest, IdRuns
+from service.xpath.forest import Forest
+from service.xpath.frame_runs import IdRuns
 from service.xpath.functions import NotOnColumnsError
 from service.xpath.limits import Limits
 from service.xpath.nodes import Node, Run, Scope
+from service.xpath.pairs import TooWideError
 from service.xpath.parse import Query, parse
 from service.xpath.projected import Projected
 from service.xpath.rules import normal
 from service.xpath.scan import Scan, plan_scan
 from service.xpath.shared import Shared
 from service.xpath.sources import Nth, Source
+from service.xpath.streams import Answer, Shown, collect
 from service.xpath.tree import Expression, Filter, is_constant, type_of
 from service.xpath.tree import Literal as Constant
 from service.xpath.values import TooLongError
 
 MAX_RUNS = 100_000
+DEFAULT_LIMIT = 100
+MAX_ON_XML = 100_000
 Kind = Literal["nodes", "runs", "number", "string", "boolean", "strings"]
 Item = TypeVar("Item")
 
@@ -66,16 +70,36 @@ class Queries:
         kind = type_of(query.tree)
         if request.as_ != "json" and kind != "nodes":
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
-        limits = limits or Limits(self.settings.query_seconds, self.settings.query_elements)
+        limits = limits or self.limits()
         with self.database.read(LATEST if cursor is None else cursor.commit) as tx:
             asking = _Asking(self, tx, query, _scope(tx, request), limits, wants_explain=request.explain)
-            page = _Page(request, min(request.limit, self.settings.page_limit), cursor)
+            page = _Page(request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
             answer = asking.answer(page)
         answer.warnings += query.warnings
         if request.explain:
             asking.explain.milliseconds = (time.perf_counter() - start) * 1000
             answer.explain = asking.explain
         return answer
+
+    def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
+        """All nodes of an answer (or the first `limit`), to be shown bit by bit. Raises as `answer` does."""
+        query = parse(request.q, request.variables)
+        kind = type_of(query.tree)
+        if kind != "nodes":
+            raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
+        limits = limits or self.limits()
+        with self.database.read() as tx:
+            asking = _Asking(self, tx, query, _scope(tx, request), limits, wants_explain=False)
+            commit = tx.newest_commit()
+            try:
+                parts = collect(tx, asking.nodes(), request.limit, limits.max_elements)
+            except (TooWideError, TooLongError, NotOnColumnsError):
+                return Shown(asking.on_xml(request.limit))
+        return Answer(self.database, self.shared, commit, parts, limits.max_elements)
+
+    def limits(self) -> Limits:
+        """The limits of one query."""
+        return Limits(self.settings.query_seconds, self.settings.query_elements)
 
 
 def _scope(tx: Transaction, request: QueryRequest) -> Scope:
@@ -116,11 +140,15 @@ class _Asking:
             self.explain.plan.append(f"{call.function} of them")
             return self._aggregate(call.function, source, page)
         if type_of(tree) == "nodes":
-            tree, nth = without_index(tree)
-            source = self.source(tree)
-            return page.of(self.tx, source if nth is None else Nth(source, nth), self.limits.max_elements)
+            return page.of(self.tx, self.nodes(), self.limits.max_elements)
         found = self._columnar(tree)
         return scalars(_kind(tree), found.documents, found.values())
+
+    def nodes(self) -> Source:
+        """The nodes of the whole expression."""
+        tree, nth = without_index(normal(self.query.tree))
+        source = self.source(tree)
+        return source if nth is None else Nth(source, nth)
 
     def source(self, tree: Expression) -> Scan | Columnar:
         """Where the nodes of an expression come from."""
@@ -162,6 +190,14 @@ class _Asking:
         if type_of(tree) == "boolean":
             return bool(columns.truth(tree, context)[0])
         return plain(float(columns.numbers(tree, context)[0]))
+
+    def on_xml(self, limit: int | None) -> list[Node]:
+        """The nodes of the whole expression, evaluated on documents as XML. LimitError for too many."""
+        source = Projected(self.engine.evaluator, self.tx, self.query, self.scope, self.limits)
+        found = source.nodes(0, MAX_ON_XML + 1 if limit is None else min(limit, MAX_ON_XML))
+        if len(found) > MAX_ON_XML:
+            raise LimitError(f"The answer has more than {MAX_ON_XML:,} nodes.", remedy="Narrow the question.")
+        return found
 
     def _on_xml(self, page: _Page) -> QueryAnswer:
         source = Projected(self.engine.evaluator, self.tx, self.query, self.scope, self.limits)

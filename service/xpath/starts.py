@@ -9,10 +9,11 @@ import numpy as np
 from service.mcml.vocabulary import FRAME, MCML, MOTION
 from service.storage.columns import Listed
 from service.storage.database import Transaction
-from service.xpath.forest import Forest, expand
+from service.xpath.forest import Forest
 from service.xpath.labels import Groups, compared_text, motion_name_groups, ranges_of, without_self
 from service.xpath.nodes import Scope
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
+from service.xpath.pairs import expand
 from service.xpath.rules import counts
 from service.xpath.tree import Call, Expression, Literal, Operation, Path, Step
 
@@ -108,7 +109,10 @@ class Frames:
         self._documents: list[Listed] | None = None
         self._ranges: dict[int, list[tuple[int, int]]] | None = None
         if start is not None and start.groups:
-            self._ranges = ranges_of(tx, start.groups, scope.keys, scope.project)
+            keys = scope.keys
+            if scope.project is not None:
+                keys = [listed.key for listed in tx.columns.documents(keys, scope.project)]
+            self._ranges = ranges_of(tx, start.groups, keys)
 
     @property
     def documents(self) -> list[Listed]:

@@ -8,7 +8,7 @@ import orjson
 from service.motion.skeleton import CHANNELS
 from service.storage.encoding import channels_of
 from service.storage.tables import CHUNK
-from service.xpath.forest import Forest, expand, in_frames
+from service.xpath.forest import Forest
 from service.xpath.heads import XML_NAMESPACE
 from service.xpath.numbering import (
     BONE_WIDTH,
@@ -25,8 +25,10 @@ from service.xpath.numbering import (
     Floats,
     Ints,
     documents_of,
+    in_frames,
     slots_of,
 )
+from service.xpath.pairs import expand
 from service.xpath.texts import Strings, constant, joined, of_texts
 
 MAX_TEXT = 32 << 20

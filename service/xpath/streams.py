@@ -1,0 +1,104 @@
+"""Whole answers, shown while they are read.
+
+The question is answered first, in one short transaction, as numbers of nodes; that takes eight bytes a node. The nodes
+are read and written out afterwards, some at a time, each time in a transaction of its own at the same commit. So a
+client that reads slowly holds up no writer, and every limit is met before the first byte is sent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from service.errors import LimitError
+from service.storage.columns import Listed
+from service.storage.database import Database, Transaction
+from service.xpath.forest import Forest
+from service.xpath.nodes import Node
+from service.xpath.numbering import DOCUMENT_SHIFT, MOTION, Bools, Ints, documents_of, frames_of, slots_of
+from service.xpath.render import check_size
+from service.xpath.shared import Shared
+from service.xpath.sources import Source, described
+
+MAX_NODES = 10_000_000
+AT_A_TIME = 1000
+"""Nodes that are read and written together."""
+_INSIDE = (1 << DOCUMENT_SHIFT) - 1
+
+
+@dataclass(frozen=True)
+class Part:
+    """Nodes of one batch of documents."""
+
+    documents: list[Listed]
+    nodes: Ints
+    whole_heads: bool
+
+
+class Answer:
+    """The nodes of an answer. total: how many."""
+
+    def __init__(self, database: Database, shared: Shared, commit: int, parts: list[Part], max_elements: int) -> None:
+        self.total = sum(len(part.nodes) for part in parts)
+        self._database = database
+        self._shared = shared
+        self._commit = commit
+        self._parts = parts
+        self._max_elements = max_elements
+
+    def nodes(self) -> Iterator[list[Node]]:
+        """The nodes in order, some at a time."""
+        for part in self._parts:
+            for some in _slices(part.nodes):
+                places, renumbered = np.unique(documents_of(some), return_inverse=True)
+                documents = [part.documents[place] for place in places.tolist()]
+                nodes = (renumbered.reshape(-1).astype(np.int64) << DOCUMENT_SHIFT) | (some & _INSIDE)
+                with self._database.read(self._commit) as tx:
+                    forest = Forest(tx, documents, self._shared, whole_heads=part.whole_heads)
+                    yield described(forest, nodes, self._max_elements)
+
+
+class Shown:
+    """Nodes that are written out already, as an evaluation on XML gives them."""
+
+    def __init__(self, found: list[Node]) -> None:
+        self.total = len(found)
+        self._found = found
+
+    def nodes(self) -> Iterator[list[Node]]:
+        yield self._found
+
+
+def collect(tx: Transaction, source: Source, limit: int | None, max_elements: int) -> list[Part]:
+    """The nodes of a source, at most `limit`. LimitError for more than can be held, or documents that are too large."""
+    parts: list[Part] = []
+    left = MAX_NODES + 1 if limit is None else limit
+    for forest, nodes in source.chunks():
+        some = nodes[:left]
+        for node in some[_holds_frames(some)].tolist():
+            check_size(tx, forest.documents[node >> DOCUMENT_SHIFT], max_elements)
+        left -= len(some)
+        parts.append(Part(list(forest.documents), some, forest.whole_heads))
+        if left <= 0:
+            break
+    if limit is None and left <= 0:
+        raise LimitError(f"The answer has more than {MAX_NODES:,} nodes.", remedy="Narrow the question.")
+    return parts
+
+
+def _holds_frames(nodes: Ints) -> Bools:
+    """Which nodes are documents, `mcml` or motions: written out, they are the whole document."""
+    slots = slots_of(nodes)
+    return np.asarray((frames_of(nodes) == 0) & ((slots < 2) | (slots == MOTION)))
+
+
+def _slices(nodes: Ints) -> Iterator[Ints]:
+    """Nodes in slices that fit into memory when they are written out; a whole document comes alone."""
+    alone = np.flatnonzero(_holds_frames(nodes))
+    edges = sorted({0, len(nodes), *alone.tolist(), *(alone + 1).tolist()})
+    for start, stop in pairwise(edges):
+        for at in range(start, stop, AT_A_TIME):
+            yield nodes[at : min(stop, at + AT_A_TIME)]
