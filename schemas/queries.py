@@ -64,7 +64,9 @@ class Explain(BaseModel):
         description="Answered from indexes, on columns, or on documents as XML"
     )
     plan: list[str]
-    documents: int
+    documents: int = Field(description="Documents that were looked at")
+    tracks_read: int | None = Field(None, description="Tracks (a bone over 256 frames) whose samples were compared")
+    tracks_skipped: int | None = Field(None, description="Tracks that their zone maps ruled out")
     milliseconds: float
 
 
@@ -108,3 +110,22 @@ class QueryRequest(BaseModel):
     variables: dict[str, str | float | bool] = Field(
         default_factory=dict, max_length=100, description="Values of $name in the expression"
     )
+
+
+class CompletionItem(BaseModel):
+    """What may stand at the cursor. text: in place of the characters from `first` on."""
+
+    text: str
+    kind: Literal["element", "attribute", "axis", "function", "motion name", "bone name"]
+    detail: str = ""
+
+
+class Completions(BaseModel):
+    """first: the place of the first character that a completion replaces."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown({"first": 2, "items": [{"text": "frame", "kind": "element", "detail": ""}]})
+    )
+
+    first: int
+    items: list[CompletionItem]

@@ -14,7 +14,7 @@ from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
-from schemas.queries import NodeItem, QueryAnswer, QueryRequest
+from schemas.queries import CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
 from service.api.dependencies import ProjectQuery, QueriesDep
 from service.mcml.writer import attribute_bytes, text_bytes
 from service.xpath.limits import Limits
@@ -86,6 +86,24 @@ async def query(
 async def post_query(http: Request, queries: QueriesDep, request: QueryRequest) -> Any:
     """As GET, for long expressions and for such with variables."""
     return await _answer(http, queries, request)
+
+
+@router.get("/xpath/complete", operation_id="complete_query")
+def complete_query(
+    queries: QueriesDep,
+    q: Annotated[str, Query(max_length=10_000, description="What is typed so far", examples=["//fr"])],
+    at: Annotated[
+        int | None, Query(ge=0, description="Characters before the cursor; default all", examples=[4])
+    ] = None,
+    document: Annotated[
+        list[str] | None, Query(description="Documents to take names from; default all", examples=[[DOCUMENT]])
+    ] = None,
+    project: ProjectQuery = None,
+) -> Completions:
+    """What may come next in an expression: elements, attributes, axes, functions, and names that occur."""
+    first, found = queries.completions(q, len(q) if at is None else min(at, len(q)), document or [], project)
+    items = [CompletionItem(text=item.text, kind=item.kind, detail=item.detail) for item in found]
+    return Completions(first=first, items=items)
 
 
 async def _answer(http: Request, queries: Queries, request: QueryRequest) -> Any:

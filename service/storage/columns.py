@@ -108,6 +108,16 @@ class Columns:
         query = select(bone.c.document, bone.c.bone, bone.c.name).where(self._tx.valid(bone))
         return {(row[0], row[1]): row[2] for row in self._rows(query, bone.c.document, keys)}
 
+    def used_bone_names(self, keys: Sequence[int]) -> list[str]:
+        """The names of all bones of the documents."""
+        query = select(bone.c.name).where(self._tx.valid(bone)).distinct()
+        return sorted({row[0] for row in self._rows(query, bone.c.document, keys)})
+
+    def used_motion_names(self, keys: Sequence[int]) -> list[str]:
+        """The names of all spans of the documents."""
+        query = select(span.c.name).where(self._tx.valid(span)).distinct()
+        return sorted({row[0] for row in self._rows(query, span.c.document, keys)})
+
     def bones_named(self, name: str, keys: Sequence[int]) -> dict[int, int]:
         """The number of the bone of this name in each of the documents that has one."""
         query = select(bone.c.document, bone.c.bone).where(bone.c.name == name, self._tx.valid(bone))

@@ -10,6 +10,7 @@ can reach (`projection.reach`). Rules, in the order in which they are tried:
 5. `descendant::x` where all x are children of frames is `descendant-or-self::frame/child::x`.
 6. All frames are children of the one motion: from the document they are `/child::mcml/child::motion/child::frame`,
    positions and all.
+7. `x[p and q]` is `x[p][q]` where p and q neither are numbers nor count positions.
 """
 
 from __future__ import annotations
@@ -73,9 +74,19 @@ def _steps(steps: Sequence[Step], types: Types) -> tuple[Step, ...]:
             waiting.extend(reversed(rewritten))
             continue
         reached = after(types, step)
-        result.append(replace(step, predicates=tuple(normal(each, reached) for each in step.predicates)))
+        predicates = tuple(normal(each, reached) for predicate in step.predicates for each in _parts(predicate))
+        result.append(replace(step, predicates=predicates))
         types = reached
     return tuple(result)
+
+
+def _parts(predicate: Expression) -> tuple[Expression, ...]:
+    """Rule 7: the operands of an `and`."""
+    if not isinstance(predicate, Operation) or predicate.operator != "and":
+        return (predicate,)
+    if any(type_of(each) == "number" or depends_on_position(each) for each in predicate.operands):
+        return (predicate,)
+    return tuple(part for operand in predicate.operands for part in _parts(operand))
 
 
 def _any_depth(step: Step, following: Step | None) -> list[Step] | None:

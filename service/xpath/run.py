@@ -19,12 +19,14 @@ from service.storage.database import LATEST, Database, Transaction
 from service.xpath import aggregates, sources
 from service.xpath.columnar import Columnar
 from service.xpath.columns import Columns, Context
+from service.xpath.complete import Completion, complete
 from service.xpath.cursors import Cursor, question, read_cursor
 from service.xpath.evaluate import Evaluator
 from service.xpath.explain import steps_of
 from service.xpath.forest import Forest
 from service.xpath.frame_runs import IdRuns
 from service.xpath.functions import NotOnColumnsError
+from service.xpath.hints import unknown_names
 from service.xpath.limits import Limits
 from service.xpath.nodes import Node, Run, Scope
 from service.xpath.pairs import TooWideError
@@ -75,10 +77,9 @@ class Queries:
             asking = _Asking(self, tx, query, _scope(tx, request), limits, wants_explain=request.explain)
             page = _Page(request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
             answer = asking.answer(page)
-        answer.warnings += query.warnings
-        if request.explain:
-            asking.explain.milliseconds = (time.perf_counter() - start) * 1000
-            answer.explain = asking.explain
+            if request.explain:
+                answer.explain = asking.explained((time.perf_counter() - start) * 1000)
+        answer.warnings += [*query.warnings, *unknown_names(query.tree)]
         return answer
 
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
@@ -97,15 +98,28 @@ class Queries:
                 return Shown(asking.on_xml(request.limit))
         return Answer(self.database, self.shared, commit, parts, limits.max_elements)
 
+    def completions(
+        self, text: str, at: int, documents: Sequence[str], project: str | None
+    ) -> tuple[int, list[Completion]]:
+        """(first character that is replaced, completions) at a place in an expression, over a scope."""
+        with self.database.read() as tx:
+            scope = _scope_of(tx, documents, project)
+            keys = [listed.key for listed in tx.columns.documents(scope.keys, scope.project)]
+            columns = tx.columns
+            return complete(text, at, lambda: columns.used_motion_names(keys), lambda: columns.used_bone_names(keys))
+
     def limits(self) -> Limits:
         """The limits of one query."""
         return Limits(self.settings.query_seconds, self.settings.query_elements)
 
 
 def _scope(tx: Transaction, request: QueryRequest) -> Scope:
-    keys = [tx.documents.get(uuid).key for uuid in dict.fromkeys(request.document)] if request.document else None
-    project = tx.projects.get(request.project) if request.project else None
-    return Scope(keys, project, request.project)
+    return _scope_of(tx, request.document, request.project)
+
+
+def _scope_of(tx: Transaction, documents: Sequence[str], project: str | None) -> Scope:
+    keys = [tx.documents.get(uuid).key for uuid in dict.fromkeys(documents)] if documents else None
+    return Scope(keys, tx.projects.get(project) if project else None, project)
 
 
 class _Asking:
@@ -121,6 +135,7 @@ class _Asking:
         self.scope = scope
         self.limits = limits
         self.explain = Explain(way="columns", plan=[], documents=0, milliseconds=0)
+        self._scan: Scan | None = None
 
     def answer(self, page: _Page) -> QueryAnswer:
         try:
@@ -143,6 +158,14 @@ class _Asking:
             return page.of(self.tx, self.nodes(), self.limits.max_elements)
         found = self._columnar(tree)
         return scalars(_kind(tree), found.documents, found.values())
+
+    def explained(self, milliseconds: float) -> Explain:
+        """How the answer came about."""
+        self.explain.milliseconds = milliseconds
+        if self._scan is not None:
+            self.explain.tracks_read = self._scan.rows_read
+            self.explain.tracks_skipped = self._scan.all_tracks() - self._scan.rows_read
+        return self.explain
 
     def nodes(self) -> Source:
         """The nodes of the whole expression."""
@@ -169,6 +192,7 @@ class _Asking:
 
     def _explained(self, way: Literal["index", "columns"], source: Scan | Columnar) -> None:
         if self.wants_explain:
+            self._scan = source if isinstance(source, Scan) else None
             self.explain = Explain(way=way, plan=steps_of(source), documents=len(source.documents), milliseconds=0)
 
     def _aggregate(self, function: str, source: Scan | Columnar, page: _Page) -> QueryAnswer:

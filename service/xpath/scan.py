@@ -167,6 +167,13 @@ class Scan:
             return sum(hits.count for hits in self._hits())
         return sum(len(nodes) for _, nodes in self.chunks())
 
+    def all_tracks(self) -> int:
+        """How many tracks the leading bone has, those that zone maps rule out too."""
+        lead = self.plan.lead
+        if lead is None:
+            return sum(1 for _ in self.tx.columns.tracks(self.forest.keys, None))
+        return sum(1 for _ in self.tx.columns.tracks_named(unescape(lead), self.forest.keys))
+
     def samples(self, sample: Sample) -> Iterator[Floats]:
         """The numbers of the channel that is asked for, of all hits."""
         for hits in self._hits():

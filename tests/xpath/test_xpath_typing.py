@@ -1,0 +1,70 @@
+"""What helps while an expression is typed: completions, and hints about names that reach nothing."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from service.errors import LimitError, QueryError
+from service.xpath.complete import complete
+from service.xpath.hints import unknown_names
+from service.xpath.parse import parse
+
+
+def items(text: str, at: int | None = None) -> tuple[int, list[str]]:
+    first, found = complete(
+        text, len(text) if at is None else at, lambda: ["walk", "left-arm-abduction"], lambda: ["Hips", "left_up_arm"]
+    )
+    return first, [item.text for item in found]
+
+
+def test_elements_follow_the_content_models() -> None:
+    assert items("/mcml/m") == (6, ["motion"])
+    assert items("//fr")[1][:2] == ["frame", "frame_bone"]
+    assert items("//frame/")[1][:2] == ["frame_bone", "motion_name"]
+    assert items("(//frame)[1]/mo") == (13, ["motion_name"])
+    assert items("//bone[na")[1] == ["name", "name(", "namespace-uri(", "namespace::", "local-name("]
+
+
+def test_attributes_are_those_of_the_element() -> None:
+    assert items("//frame/@") == (9, ["id"])
+    assert items("//frame_bone[@Rx > 45]/@R")[1] == ["Rx", "Ry", "Rz", "residual"]
+    assert items("//frame[frame_bone/@T")[1] == ["Tx", "Ty", "Tz"]
+
+
+def test_names_that_occur_are_offered_where_they_are_compared() -> None:
+    assert items("//frame[motion_name='w") == (21, ["walk"])
+    assert items('//frame_bone[@name = "l')[1] == ["left_up_arm"]
+    assert items("//bone[name='")[1] == ["Hips", "left_up_arm"]
+    assert items("//frame[@id='") == (13, [])
+
+
+def test_a_cursor_in_the_middle() -> None:
+    assert items("//fra[motion_name='walk']", 5)[1][:4] == ["frame", "frame_bone", "frames", "frametime"]
+    assert "ancestor::" in items("//frame/anc")[1]
+    assert "count(" in items("//frame[cou")[1]
+
+
+@given(st.text(alphabet="/@[]()|*.:='\"$-+<>!,ab1 framotion_", max_size=40), st.integers(0, 40))
+def test_whatever_is_typed_is_completed(text: str, at: int) -> None:
+    first, found = items(text, min(at, len(text)))
+    assert 0 <= first <= len(text)
+    assert len(found) == len(set(found)) or not found
+    with suppress(QueryError, LimitError):
+        unknown_names(parse(text).tree)
+
+
+def test_names_that_reach_nothing_get_the_nearest() -> None:
+    def hint(text: str) -> str:
+        (found,) = unknown_names(parse(text).tree)
+        return found
+
+    assert hint("//fram") == "MCML has no element fram; did you mean frame?"
+    assert hint("//frame_bone/@rx") == "MCML has no attribute @rx; did you mean @Rx?"
+    assert hint("//frame/@Rx") == "frame has no attribute @Rx; it is one of frame_bone"
+    assert hint("/mcml/frame") == "mcml holds no frame; it stands in motion"
+    assert hint("count(//frame[motionname='walk'])") == "MCML has no element motionname; did you mean motion_name?"
+    assert unknown_names(parse("//frame[motion_name='walk']/frame_bone/@Rx").tree) == []
+    assert unknown_names(parse("//frame/text()").tree) == []
