@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import csv
-import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Annotated, Any, Literal, TypeVar
 
 import orjson
@@ -16,11 +14,9 @@ from starlette.concurrency import run_in_threadpool
 from schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
 from schemas.queries import CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
 from service.api.dependencies import ProjectQuery, QueriesDep
-from service.mcml.writer import attribute_bytes, text_bytes
 from service.xpath.limits import Limits
-from service.xpath.nodes import Node
-from service.xpath.run import Queries, node_item
-from service.xpath.streams import Answer, Shown
+from service.xpath.run import Queries
+from service.xpath.writing import FIELDS, STREAMS, xml_item
 
 router = APIRouter(tags=["xpath"])
 Form = Literal["json", "xml", "ndjson", "csv", "runs"]
@@ -29,14 +25,13 @@ Result = TypeVar("Result")
 LOOK_SECONDS = 0.25
 """How often a running query looks whether its client is still there."""
 
-_FIELDS = ("document", "revision", "kind", "address", "value")
-_SHOWN = dict(zip(_FIELDS, (DOCUMENT, 1, "attribute", "/mcml/@version", "1.0"), strict=True))
+_SHOWN = dict(zip(FIELDS, (DOCUMENT, 1, "attribute", "/mcml/@version", "1.0"), strict=True))
 _OTHERS: dict[int | str, dict[str, Any]] = {
     200: {
         "content": {
             "application/xml": {"example": RESULTS},
             "application/x-ndjson": {"example": orjson.dumps(_SHOWN).decode() + "\n"},
-            "text/csv": {"example": ",".join(_FIELDS) + "\r\n" + ",".join(map(str, _SHOWN.values())) + "\r\n"},
+            "text/csv": {"example": ",".join(FIELDS) + "\r\n" + ",".join(map(str, _SHOWN.values())) + "\r\n"},
         }
     }
 }
@@ -113,7 +108,7 @@ async def _answer(http: Request, queries: Queries, request: QueryRequest) -> Any
         answer = await _while_connected(http, limits, lambda: queries.answer(request, limits))
         return Response(_xml_page(answer), media_type="application/xml") if request.as_ == "xml" else answer
     found = await _while_connected(http, limits, lambda: queries.stream(request, limits))
-    write, media_type = _STREAMS[request.as_]
+    write, media_type = STREAMS[request.as_]
     headers = {"x-total-count": str(found.total)}
     return StreamingResponse(write(found), media_type=media_type, headers=headers)
 
@@ -129,49 +124,5 @@ async def _while_connected(http: Request, limits: Limits, ask: Callable[[], Resu
 
 def _xml_page(answer: QueryAnswer) -> bytes:
     more = f' next_cursor="{answer.next_cursor}"' if answer.next_cursor else ""
-    items = [_xml_item(item) for item in answer.items or [] if isinstance(item, NodeItem)]
+    items = [xml_item(item) for item in answer.items or [] if isinstance(item, NodeItem)]
     return b"".join([f'<?xml version="1.0" encoding="UTF-8"?>\n<results{more}>\n'.encode(), *items, b"</results>\n"])
-
-
-def _xml_item(item: NodeItem) -> bytes:
-    """A `result` with the place of a node and the node itself."""
-    value = item.value.encode() if item.kind in ("element", "document") else text_bytes(item.value)
-    place = f'<result document="{item.document}" revision="{item.revision}" address="'.encode()
-    return b"".join([place, attribute_bytes(item.address), b'">', value, b"</result>\n"])
-
-
-def _xml(found: Answer | Shown) -> Iterator[bytes]:
-    yield b'<?xml version="1.0" encoding="UTF-8"?>\n<results>\n'
-    for nodes in found.nodes():
-        yield b"".join([_xml_item(node_item(node)) for node in nodes])
-    yield b"</results>\n"
-
-
-def _ndjson(found: Answer | Shown) -> Iterator[bytes]:
-    """A JSON object a line, as the items of a page."""
-    for nodes in found.nodes():
-        yield b"".join([_line(node) for node in nodes])
-
-
-def _line(node: Node) -> bytes:
-    return orjson.dumps(dict(zip(_FIELDS, _values(node), strict=True)), option=orjson.OPT_APPEND_NEWLINE)
-
-
-def _csv(found: Answer | Shown) -> Iterator[bytes]:
-    """A row a node, RFC 4180."""
-    yield (",".join(_FIELDS) + "\r\n").encode()
-    for nodes in found.nodes():
-        text = io.StringIO()
-        csv.writer(text).writerows(_values(node) for node in nodes)
-        yield text.getvalue().encode()
-
-
-def _values(node: Node) -> tuple[str | int, ...]:
-    return node.stored.uuid, node.stored.revision, node.kind, node.address, node.value
-
-
-_STREAMS: dict[str, tuple[Callable[[Answer | Shown], Iterator[bytes]], str]] = {
-    "xml": (_xml, "application/xml"),
-    "ndjson": (_ndjson, "application/x-ndjson"),
-    "csv": (_csv, "text/csv"),
-}

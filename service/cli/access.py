@@ -37,6 +37,7 @@ from service.settings import Settings
 from service.storage.database import Database
 from service.storage.documents import DocumentFilter
 from service.xpath.run import Queries
+from service.xpath.writing import STREAMS
 
 
 def name_of(path: Path) -> str:
@@ -66,6 +67,10 @@ class Library(ABC):
 
     @abstractmethod
     def query(self, request: QueryRequest) -> QueryAnswer: ...
+
+    @abstractmethod
+    def query_stream(self, request: QueryRequest) -> Iterator[bytes]:
+        """The whole answer in the form `request.as_`: xml, ndjson or csv."""
 
     @abstractmethod
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage: ...
@@ -113,6 +118,14 @@ class LocalLibrary(Library):
         queries = Queries(self.database, self.settings)
         try:
             return queries.answer(request)
+        finally:
+            queries.close()
+
+    def query_stream(self, request: QueryRequest) -> Iterator[bytes]:
+        queries = Queries(self.database, self.settings)
+        try:
+            write, _ = STREAMS[request.as_]
+            yield from write(queries.stream(request))
         finally:
             queries.close()
 
@@ -186,7 +199,7 @@ class RemoteLibrary(Library):
             "original": options.original,
         }
         given = {key: value for key, value in parameters.items() if value is not None}
-        with self._stream(f"/documents/{uuid}/export", given) as answer:
+        with self._stream(f"/documents/{uuid}/export", params=given) as answer:
             disposition = answer.headers.get("content-disposition", "")
             # Only a name: whatever the server says, nothing is written outside the folder that was asked for.
             name = file_name(unquote(disposition.rpartition("UTF-8''")[2]) or f"{uuid}.{options.format}")
@@ -195,6 +208,10 @@ class RemoteLibrary(Library):
 
     def query(self, request: QueryRequest) -> QueryAnswer:
         return QueryAnswer(**self._send("POST", "/xpath", json=request.model_dump(by_alias=True)).json())
+
+    def query_stream(self, request: QueryRequest) -> Iterator[bytes]:
+        with self._stream("/xpath", method="POST", json=request.model_dump(by_alias=True)) as answer:
+            yield from answer.iter_bytes(1 << 20)
 
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage:
         body = [{"name": name, "first": first, "last": last} for name, first, last in labels]
@@ -205,9 +222,9 @@ class RemoteLibrary(Library):
         )
 
     @contextmanager
-    def _stream(self, path: str, parameters: dict[str, Any]) -> Iterator[httpx.Response]:
+    def _stream(self, path: str, method: str = "GET", **request: Any) -> Iterator[httpx.Response]:
         try:
-            with self.http.stream("GET", path, params=parameters) as answer:
+            with self.http.stream(method, path, **request) as answer:
                 if answer.status_code != 200:
                     answer.read()
                     raise _error(answer)

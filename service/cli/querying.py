@@ -3,40 +3,64 @@
 from __future__ import annotations
 
 import sys
-from typing import Annotated
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
-from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem
+from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
 from service.xpath.parse import parse
 from service.xpath.tree import type_of
+from service.xpath.writing import STREAMS
 
 
 def add_to(app: typer.Typer) -> None:
     app.command()(xpath)
 
 
+FORMS = ("runs", "json", "xml", "ndjson", "csv", "count")
+
+
 def xpath(
     query: Annotated[str, typer.Argument(help="An XPath expression, such as //frame[motion_name='walk']")],
     document: Annotated[list[str] | None, typer.Option(help="Document to ask; may be repeated; default all")] = None,
     project: Annotated[str | None, typer.Option(help="Only this project")] = None,
-    as_: Annotated[str, typer.Option("--as", help="runs, json, xml or count")] = "runs",
-    limit: Annotated[int, typer.Option(help="Most items")] = 1000,
+    as_: Annotated[
+        str, typer.Option("--as", help="runs, json, count; or the whole answer as xml, ndjson or csv")
+    ] = "runs",
+    limit: Annotated[int | None, typer.Option(help="Most items; default 1000, for xml, ndjson and csv all")] = None,
+    variable: Annotated[
+        list[str] | None, typer.Option("--var", help="name=value, for $name in the expression; may be repeated")
+    ] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Write xml, ndjson or csv to this file")] = None,
     explain: Annotated[bool, typer.Option(help="Say how the query ran")] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Ask the library an XPath question."""
-    if as_ not in ("runs", "json", "xml", "count"):
-        raise typer.BadParameter("--as is runs, json, xml or count")
+    if as_ not in FORMS:
+        raise typer.BadParameter(f"--as is one of {', '.join(FORMS)}")
+    if output is not None and as_ not in STREAMS:
+        raise typer.BadParameter(f"--output needs --as {', '.join(STREAMS)}")
+    variables = dict(_variable(text) for text in variable or ())
     library = open_library(database, server)
     text = f"count({query})" if as_ == "count" else query
-    form = "json" if as_ == "count" or type_of(parse(text).tree) != "nodes" else as_
-    request = QueryRequest(
-        q=text, document=document or [], project=project, limit=limit, explain=explain, **{"as": form}
-    )
+    form = "json" if as_ == "count" or type_of(parse(text, variables).tree) != "nodes" else as_
+    asked: dict[str, Any] = {
+        "q": text,
+        "document": document or [],
+        "project": project,
+        "explain": explain,
+        "variables": variables,
+    }
+    if form in STREAMS:
+        _write(library.query_stream(QueryRequest(**asked, limit=limit, **{"as": form})), output)
+        return
+    limit = limit or 1000
+    request = QueryRequest(**asked, limit=limit, **{"as": form})
     answer = library.query(request)
     if as_json:
         print_json(answer)
@@ -54,15 +78,40 @@ def xpath(
     else:
         for item in answer.items or []:
             if isinstance(item, NodeItem):
-                print(item.value if as_ == "xml" else f"{item.document} {item.address} {item.value}")
+                print(f"{item.document} {item.address} {item.value}")
             elif isinstance(item, ScalarItem):
                 print(f"{item.document} {_text(item.value)}")
+            elif isinstance(item, ValueItem):
+                print(_text(item.value))
     if answer.next_cursor:
         print(f"mcml: only the first {limit} items; ask for more with --limit", file=sys.stderr)
     if answer.explain:
         for line in answer.explain.plan:
             print(f"plan: {line}", file=sys.stderr)
         print(f"plan: {answer.explain.way}, {answer.explain.milliseconds:.2f} ms", file=sys.stderr)
+
+
+def _variable(text: str) -> tuple[str, str]:
+    name, found, value = text.partition("=")
+    if not found:
+        raise typer.BadParameter(f"--var {text}: write name=value")
+    return name.strip().removeprefix("$"), value
+
+
+def _write(blocks: Iterator[bytes], output: Path | None) -> None:
+    """To a file, whole or not at all; else to standard output."""
+    if output is None:
+        for block in blocks:
+            sys.stdout.buffer.write(block)
+        sys.stdout.buffer.flush()
+        return
+    part = output.with_name(output.name + ".part")
+    try:
+        with part.open("wb") as target:
+            target.writelines(blocks)
+        part.replace(output)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def _text(value: str | float | bool) -> str:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 from elementpath import XPath1Parser, XPath2Parser
 from elementpath.exceptions import ElementPathError
@@ -172,6 +173,10 @@ def _hint(text: str, what: str) -> str:
     for opening, closing in ("[]", "()"):
         if text.count(opening) != text.count(closing):
             return f"The brackets {opening} {closing} do not match."
+    unknown = re.search(r"unknown function '(?:fn:)?([\w.-]+)'", what)
+    near = get_close_matches(unknown[1], sorted(FUNCTIONS), 1, 0.5) if unknown else []
+    if near:
+        return f"Did you mean {near[0]}()?"
     if "prefix" in what:
         return "MCML has no namespaces: leave the prefix out."
     if "==" in text:

@@ -1,0 +1,121 @@
+"""Whole answers as streams, variables, completion, and queries whose client leaves."""
+
+from __future__ import annotations
+
+import asyncio
+import csv
+import io
+import json
+import threading
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+from lxml import etree
+
+from service.api.queries import _while_connected
+from service.errors import LimitError
+from service.xpath.limits import Limits
+from tests.builders import HTR, MCML, bvh, upload
+
+API = "/api/v1"
+FIELDS = ("document", "revision", "kind", "address", "value")
+EXPRESSIONS = [
+    "//frame[motion_name='walk']",
+    "//frame_bone[@Rx > 20]/@Rx",
+    "//bone/name | //@id | //comment",
+    "/mcml",
+    "//motion_name/text()",
+    "//nothing",
+    "(//frame)[3]",
+]
+
+
+@pytest.fixture
+def library(client: TestClient) -> TestClient:
+    upload(client, {"a_long.bvh": bvh(2500)}, label="walk")
+    upload(client, {"b_hand.mcml": MCML, "c_two.htr": HTR})
+    return client
+
+
+def pages(client: TestClient, text: str) -> list[dict[str, Any]]:
+    items, cursor = [], None
+    while True:
+        parameters = {"q": text, "limit": 997} | ({"cursor": cursor} if cursor else {})
+        page = client.get(f"{API}/xpath", params=parameters).json()
+        items += page["items"]
+        cursor = page.get("next_cursor")
+        if cursor is None:
+            return items
+
+
+@pytest.mark.parametrize("text", EXPRESSIONS)
+def test_streams_hold_what_pages_hold(library: TestClient, text: str) -> None:
+    wanted = pages(library, text)
+    lines = library.get(f"{API}/xpath", params={"q": text, "as": "ndjson"})
+    assert lines.headers["content-type"].startswith("application/x-ndjson")
+    assert lines.headers["x-total-count"] == str(len(wanted))
+    assert [json.loads(line) for line in lines.text.splitlines()] == wanted
+    table = library.get(f"{API}/xpath", params={"q": text, "as": "csv"}).text
+    csv.field_size_limit(1 << 30)
+    rows = list(csv.DictReader(io.StringIO(table, newline="")))
+    assert [row | {"revision": int(row["revision"])} for row in rows] == wanted
+    assert table.partition("\r\n")[0] == ",".join(FIELDS)
+    results = etree.fromstring(library.get(f"{API}/xpath", params={"q": text, "as": "xml"}).content)
+    assert [(found.get("document"), found.get("address")) for found in results] == [
+        (item["document"], item["address"]) for item in wanted
+    ]
+
+
+def test_a_stream_stops_at_its_limit(library: TestClient) -> None:
+    parameters = {"q": "//frame_bone", "as": "ndjson", "limit": 7}
+    assert len(library.get(f"{API}/xpath", params=parameters).text.splitlines()) == 7
+
+
+def test_an_error_comes_before_the_first_byte(library: TestClient) -> None:
+    refused = library.get(f"{API}/xpath", params={"q": "count(//frame)", "as": "csv"})
+    assert refused.status_code == 422
+    assert refused.headers["content-type"] == "application/problem+json"
+
+
+def test_variables_are_bound(library: TestClient) -> None:
+    question = {"q": "count(//frame[motion_name=$name][@id > $least])", "variables": {"name": "walk", "least": 2000}}
+    assert library.post(f"{API}/xpath", json=question).json()["value"] == 500
+    quoted = {"q": "count(//frame[motion_name=$name])", "variables": {"name": 'it\'s "so"'}}
+    assert library.post(f"{API}/xpath", json=quoted).json()["value"] == 0
+    refused = library.post(f"{API}/xpath", json={"q": "//frame[motion_name=$other]", "variables": {"name": "walk"}})
+    assert refused.status_code == 422
+    assert refused.json()["where"] == {"column": 21}
+
+
+def test_completion(library: TestClient) -> None:
+    found = library.get(f"{API}/xpath/complete", params={"q": "//frame[motion_name='wa"}).json()
+    assert found["first"] == 21
+    assert {"text": "walk", "kind": "motion name", "detail": ""} in found["items"]
+    assert library.get(f"{API}/xpath/complete", params={"q": "//frame", "at": 4}).json()["items"][0]["text"] == "frame"
+
+
+def test_names_that_reach_nothing_are_answered_with_a_hint(library: TestClient) -> None:
+    answer = library.get(f"{API}/xpath", params={"q": "//frame/@Rx"}).json()
+    assert answer["items"] == []
+    assert answer["warnings"] == ["frame has no attribute @Rx; it is one of frame_bone"]
+
+
+def test_a_query_ends_when_its_client_leaves() -> None:
+    class Gone:
+        async def is_disconnected(self) -> bool:
+            return True
+
+    limits = Limits(60, 1000)
+    ended = threading.Event()
+
+    def ask() -> None:
+        try:
+            while True:
+                limits.check()
+        finally:
+            ended.set()
+
+    with pytest.raises(LimitError, match="cancelled"):
+        asyncio.run(_while_connected(Gone(), limits, ask))  # type: ignore[arg-type]
+    assert ended.is_set()
