@@ -18,11 +18,13 @@ from service.mcml.vocabulary import FRAME_BONE
 from service.xpath import functions
 from service.xpath.axes import REVERSE, named_bones, parents, step
 from service.xpath.comparisons import compare
+from service.xpath.existence import Beyond
 from service.xpath.forest import Forest
 from service.xpath.labels import named
 from service.xpath.nodesets import NodeSets, ordered
 from service.xpath.numbering import Bools, Floats, Ints, documents_of, first_of_documents
 from service.xpath.pairs import TooWideError, expand
+from service.xpath.rules import BEYOND, counts
 from service.xpath.texts import Strings, constant
 from service.xpath.tree import (
     Call,
@@ -68,6 +70,7 @@ class Columns:
     def __init__(self, forest: Forest, check: Callable[[], None] = lambda: None) -> None:
         self.forest = forest
         self.check = check
+        self._asked: dict[Path, Beyond] = {}
 
     def documents(self) -> Context:
         """Every document node as context."""
@@ -106,6 +109,8 @@ class Columns:
 
     def truth(self, expression: Expression, context: Context) -> Bools:
         """The value as a boolean; a number is not a position here."""
+        if isinstance(expression, Path) and _is_beyond(expression):
+            return self._beyond(expression, context)
         return functions.as_booleans(self.value(expression, context))
 
     # -- paths -----------------------------------------------------------------------------------------------------
@@ -184,7 +189,7 @@ class Columns:
 
     def _sliced(self, predicate: Expression, context: Context) -> Bools:
         parts = [self._holds(predicate, context.part(at, at + SLICE)) for at in range(0, len(context), SLICE)]
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        return parts[0] if len(parts) == 1 else np.concatenate([*parts, np.empty(0, bool)])
 
     def _holds(self, predicate: Expression, context: Context) -> Bools:
         """A slice of candidates; of those that reach too much together, each half alone."""
@@ -218,12 +223,34 @@ class Columns:
             )
         return found[index]
 
+    def _beyond(self, path: Path, context: Context) -> Bools:
+        """Whether a path that begins on a sibling, following or preceding axis reaches anything."""
+        first, rest = path.steps[0], path.steps[1:]
+        if path not in self._asked:
+
+            def kept(nodes: Ints) -> Bools:
+                keep = np.ones(len(nodes), bool)
+                for predicate in first.predicates:
+                    index = np.flatnonzero(keep)
+                    keep[index] = self._sliced(predicate, Context(nodes[index]))
+                if rest:
+                    index = np.flatnonzero(keep)
+                    keep[index] = self._sliced(Path(rest), Context(nodes[index]))
+                return keep
+
+            self._asked[path] = Beyond(self.forest, first.axis, first.name, kept)
+        return self._asked[path].exists(context.nodes)
+
     def _operation(self, operation: Operation, context: Context) -> Value:
         operator, operands = operation.operator, operation.operands
         if operator in ("or", "and"):
             return self._logic(operator, operands, context)
         if operator == "|":
-            return self._union([self.nodes(operand, context) for operand in operands])
+            whole = self.nodes(operands[0], context)
+            for operand in operands[1:]:
+                self.check()
+                whole = _union(whole, self.nodes(operand, context))
+            return whole
         if operator == "negate":
             return np.asarray(-self.numbers(operands[0], context))
         if operator in functions.COMPARISONS:
@@ -250,27 +277,36 @@ class Columns:
             open_ = open_[~decided]
         return result
 
-    def _union(self, operands: list[NodeSets]) -> NodeSets:
-        if all(sets.index is None for sets in operands) or all(sets.index is operands[0].index for sets in operands):
-            flat = operands
-        else:
-            flat = [sets.flat()[0] for sets in operands]
-        groups = np.concatenate([sets.groups for sets in flat])
-        nodes = np.concatenate([sets.nodes for sets in flat])
-        found = ordered(groups, nodes, flat[0].count)
-        return NodeSets(found.groups, found.nodes, found.count, flat[0].index)
-
     def _call(self, call: Call, context: Context) -> Value:
         name, arguments = call.function, call.arguments
         if name in ("position", "last"):
-            found = context.positions if name == "position" else context.sizes
-            if found is None:
+            asked = context.positions if name == "position" else context.sizes
+            if asked is None:
                 raise TypeError("position() without positions")
-            return found
+            return asked
+        if name in ("boolean", "not", "exists", "empty") and isinstance(arguments[0], Path):
+            found = self.truth(arguments[0], context)
+            return ~found if name in ("not", "empty") else found
         if not arguments and name in functions.OF_CONTEXT:
             own: Value = NodeSets(np.arange(len(context)), context.nodes, len(context))
             return functions.call(self.forest, name, [own], len(context))
         return functions.call(self.forest, name, [self.value(each, context) for each in arguments], len(context))
+
+
+def _union(one: NodeSets, other: NodeSets) -> NodeSets:
+    if one.index is not None or other.index is not None:
+        one, other = one.flat()[0], other.flat()[0]
+    return ordered(np.concatenate([one.groups, other.groups]), np.concatenate([one.nodes, other.nodes]), one.count)
+
+
+def _is_beyond(path: Path) -> bool:
+    return (
+        not path.absolute
+        and path.start is None
+        and bool(path.steps)
+        and path.steps[0].axis in BEYOND
+        and not counts(path.steps[0])
+    )
 
 
 def bone_name(step: Step) -> str | None:

@@ -30,8 +30,11 @@ class Limits:
         if self._cancelled.is_set():
             raise LimitError("The query was cancelled.", code="query-cancelled")
         if time.monotonic() > self._end:
-            raise LimitError(
-                f"The query took longer than {self._seconds:g} s.",
-                remedy="Ask fewer documents, or ask for a motion name first.",
-                code="query-timeout",
-            )
+            raise self.timeout()
+
+    def timeout(self) -> LimitError:
+        return LimitError(
+            f"The query took longer than {self._seconds:g} s.",
+            remedy="Ask fewer documents, or ask for a motion name first.",
+            code="query-timeout",
+        )

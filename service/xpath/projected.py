@@ -112,7 +112,11 @@ class Projected:
         self.limits.check()
         self._check_size(stored)
         left = self.limits.seconds_left
-        return self.evaluator.evaluate(self.query, self._xml(stored), limit=limit, offset=offset, seconds=left)
+        try:
+            return self.evaluator.evaluate(self.query, self._xml(stored), limit=limit, offset=offset, seconds=left)
+        except LimitError as error:
+            # The time that was left is not the time that the query had.
+            raise self.limits.timeout() if error.details.get("code") == "query-timeout" else error from None
 
     def _check_size(self, stored: Listed) -> None:
         if self.projection is Projection.HEAD:

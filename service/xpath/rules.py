@@ -11,6 +11,8 @@ can reach (`projection.reach`). Rules, in the order in which they are tried:
 6. All frames are children of the one motion: from the document they are `/child::mcml/child::motion/child::frame`,
    positions and all.
 7. `x[p and q]` is `x[p][q]` where p and q neither are numbers nor count positions.
+8. `following-sibling::x/y = 'k'`, for a comparison with a constant, is `boolean(following-sibling::x[y = 'k'])`; so
+   for the other sibling axes, `following` and `preceding`. The same operand of a union is evaluated once.
 """
 
 from __future__ import annotations
@@ -22,8 +24,10 @@ from functools import cache
 from service.mcml.content import declarations
 from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
 from service.xpath.projection import DOCUMENT, Types, parent_types, reach, types_of
-from service.xpath.tree import Call, Expression, Filter, Operation, Path, Step, depends_on_position, type_of
+from service.xpath.tree import Call, Expression, Filter, Literal, Operation, Path, Step, depends_on_position, type_of
 
+COMPARISONS = ("=", "!=", "<", "<=", ">", ">=")
+BEYOND = frozenset({"following-sibling", "preceding-sibling", "following", "preceding"})
 ANY = ("descendant-or-self", "node()")
 _WAY = {DOCUMENT: (MCML, MOTION), MCML: (MOTION,), MOTION: ()}
 """From each of these the elements between it and all frames."""
@@ -44,8 +48,29 @@ def normal(expression: Expression, context: Types = frozenset({DOCUMENT})) -> Ex
     if isinstance(expression, Call):
         return replace(expression, arguments=tuple(normal(each, context) for each in expression.arguments))
     if isinstance(expression, Operation):
-        return replace(expression, operands=tuple(normal(each, context) for each in expression.operands))
+        return _operation(expression, context)
     return expression
+
+
+def _operation(operation: Operation, context: Types) -> Expression:
+    """Rule 8."""
+    operands = tuple(normal(each, context) for each in operation.operands)
+    if operation.operator == "|":
+        operands = tuple(dict.fromkeys(operands))
+        return operands[0] if len(operands) == 1 else replace(operation, operands=operands)
+    if operation.operator in COMPARISONS and len(operands) == 2:
+        for place, path in enumerate(operands):
+            other = operands[1 - place]
+            if not isinstance(path, Path) or not isinstance(other, Literal) or path.absolute or path.start is not None:
+                continue
+            first, rest = path.steps[0] if path.steps else None, path.steps[1:]
+            if first is None or first.axis not in BEYOND or counts(first):
+                continue
+            inner = Path(rest or (Step("self", "node()"),))
+            sides = (inner, other) if place == 0 else (other, inner)
+            held = replace(first, predicates=(*first.predicates, Operation(operation.operator, sides)))
+            return Call("boolean", (Path((held,)),), operation.span)
+    return replace(operation, operands=operands)
 
 
 def counts(step: Step) -> bool:
