@@ -15,6 +15,7 @@ from service.xpath.functions import as_booleans, kind_of
 from service.xpath.nodes import Scope
 from service.xpath.nodesets import NodeSets, ordered
 from service.xpath.numbering import Ints, documents_of, first_of_documents
+from service.xpath.pairs import TooWideError
 from service.xpath.projection import DOCUMENT, Projection, needs_head, projection
 from service.xpath.rules import after
 from service.xpath.shared import Shared
@@ -123,10 +124,22 @@ class Columnar:
             yield columns.steps(ordered(np.zeros(len(nodes), np.int64), nodes, 1), rest).nodes
             return
         for at in range(0, len(nodes), SLICE_FRAMES) if rest else ():
-            some = nodes[at : at + SLICE_FRAMES]
-            yield columns.steps(ordered(np.zeros(len(some), np.int64), some, 1), rest).nodes
+            yield from self._down(columns, nodes[at : at + SLICE_FRAMES], rest)
         if not rest:
             yield nodes
+
+    def _down(self, columns: Columns, nodes: Ints, steps: tuple[Step, ...]) -> Iterator[Ints]:
+        """Steps that only go down, from nodes none of which lies in another; of too many, each half alone."""
+        try:
+            found = columns.steps(ordered(np.zeros(len(nodes), np.int64), nodes, 1), steps).nodes
+        except TooWideError:
+            if len(nodes) < 2:
+                raise
+            half = len(nodes) // 2
+            yield from self._down(columns, nodes[:half], steps)
+            yield from self._down(columns, nodes[half:], steps)
+            return
+        yield found
 
 
 def _all_bones(start: Start) -> bool:

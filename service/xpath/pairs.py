@@ -11,7 +11,7 @@ from service.xpath.numbering import Bools, Ints
 
 Pairs: TypeAlias = tuple[Ints, Ints]
 NONE: Pairs = (np.empty(0, np.int64), np.empty(0, np.int64))
-MAX_PAIRS = 2_000_000
+MAX_PAIRS = 1_000_000
 """Pairs that a step may make at once; who asks for more is told to ask for fewer contexts (TooWideError)."""
 
 

@@ -27,6 +27,8 @@ from service.xpath.shared import Shared
 from service.xpath.tree import Expression, Path, Step
 from service.xpath.vectors import Condition, Sample, bone_conditions, condition, conjunction
 
+FIRST_UNITS = 128
+"""Often the first page is all that is wanted."""
 UNITS = 2048
 """Tracks of the leading bone that are looked at together: half a million samples a channel."""
 
@@ -192,9 +194,10 @@ class Scan:
 
     def _hits(self) -> Iterator[_Hits]:
         units = self._units()
-        start = 0
+        start, some = 0, FIRST_UNITS
         while start < len(units):
-            stop = min(len(units), start + UNITS)
+            stop = min(len(units), start + some)
+            some = min(UNITS, some * 4)
             while self.plan.any_bone and stop < len(units) and units[stop][:2] == units[stop - 1][:2]:
                 # The bones of one stretch of frames stay together, or the order of the answer would break.
                 stop += 1
