@@ -53,6 +53,8 @@ def needs_head(tree: Expression) -> bool:
     result = analysis.types(tree, frozenset({DOCUMENT}))
     if type_of(tree) == "nodes":
         analysis.use(result)
+        # Who takes the nodes, such as sum(), may take their text, and that of these is the header's too.
+        return analysis.sees_head() or bool(result & {DOCUMENT, MCML})
     return analysis.sees_head()
 
 

@@ -194,7 +194,8 @@ def test_a_minus_sign_binds_less_tightly_than_a_union() -> None:
 LIBXML2 = """node() + 1|node()*2|text() = 'a'|a + .|a * .|a[node()+.]|* + *|a -b|a-b|a mod b|mod mod mod|and and and|div
 @div div @mod|a[1]/..|/.|/*|/ = 'a'|(/) = a|-(-1)|--1|1--1|a[.5]|5. + .5|child :: a|a//.|a//..|.//.|lang('en')|true()
 id('a')/b[1]|(a)/c|text()[1]|a[last()-1]|child::mod/and|a/div|1 div 2 div 3|@*|ancestor::node()[1]|a or(b)|1 div(2)
-a[b]and c|'a'='b'or'c'|if|for|a/if|@for|some|to|union|item|element|map|every|a/element/item|@node()|//a[@ node()=1]|a[-1]|- a = 1|- a/b
+a[b]and c|'a'='b'or'c'|if|for|a/if|@for|some|to|union|item|element|map|every|a/element/item|a[-1]|- a = 1|- a/b
+@node()|//a[@ node()=1]
 """.replace("\n", "|").split("|")[:-1]
 
 

@@ -4,57 +4,17 @@ from __future__ import annotations
 
 import math
 import time
+from itertools import islice
 from random import Random
 
 import pytest
 
 from service.errors import LimitError, StoreError
-from service.mcml.vocabulary import FRAME_BONE
 from service.xpath.evaluate import Evaluator, Nodes, Scalar
 from service.xpath.parse import parse
 from service.xpath.projection import Projection, may_select_document, projection
-from service.xpath.tree import AXES
+from tests.xpath.grammar import Grammar
 from tests.xpath.small import DOCUMENT, answer, projected, tree
-
-TAGS = ["mcml", "header", "comment", "property", "root", "skeleton", "bone", "name", "length", "end_site", "motion"]
-TAGS += ["frames", "frame", "motion_name"]
-ATTRIBUTES = ["name", "id", "Rx", "version", "mapped", "position", "order"]
-
-
-def expression(random: Random, depth: int = 0) -> str:
-    """A random XPath 1.0 expression over the language."""
-    kind = random.randrange(12 if depth < 3 else 6)
-    path = _path(random, depth)
-    if kind < 6:
-        return path
-    inner = expression(random, depth + 1)
-    if kind == 6:
-        return random.choice(["count({})", "string({})", "boolean({})", "not({})", "name({})", "sum({})"]).format(path)
-    if kind == 7:
-        return f"({path} {random.choice(['=', '!=', '<', '>', '+'])} {inner})"
-    if kind == 8:
-        return f"({path} | {_path(random, depth + 1)})"
-    if kind == 9:
-        return f"({path})[{random.choice(['1', '2', 'last()', 'position() < 3'])}]"
-    if kind == 10:
-        return f"contains({path}, 'l')"
-    return random.choice(["string-length()", "'walk'", "1", "position()", "last()", f"string-length({path})"])
-
-
-def _path(random: Random, depth: int) -> str:
-    steps = "/".join(_step(random, depth) for _ in range(random.randint(1, 3)))
-    return random.choice(["", "/", "//", "//", ".//", "../"]) + steps
-
-
-def _step(random: Random, depth: int) -> str:
-    tag = random.choice([*TAGS, "frame", FRAME_BONE, "*", "node()", "text()"])
-    kind = random.randrange(6)
-    step = tag if kind < 4 else f"{random.choice(AXES)}::{tag}"
-    if kind == 3:
-        step = "@" + random.choice([*ATTRIBUTES, "*"])
-    if depth < 2 and random.random() < 0.35:
-        step += f"[{expression(random, depth + 1)}]"
-    return step
 
 
 def test_projected_documents_give_the_same_answers() -> None:
@@ -62,8 +22,7 @@ def test_projected_documents_give_the_same_answers() -> None:
     whole = tree()
     small = {level: projected(level) for level in Projection}
     used = dict.fromkeys(Projection, 0)
-    for _ in range(6000):
-        text = expression(random)
+    for _, text in islice(Grammar(random, {"small": whole}).expressions(), 6000):
         query = parse(text)
         try:
             expected = answer(whole, query.text)

@@ -1,0 +1,111 @@
+"""A store with documents of every format, labelled, edited and real ones, and libxml2's trees of what it exports."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+from typing import Any
+
+from lxml import etree
+
+from service.actions.change_document import add_labels
+from service.actions.edit_element import Change, change_element, delete_element
+from service.actions.export_motion import ExportOptions, export_document
+from service.errors import McmlError
+from service.settings import Settings
+from service.storage.database import Database
+from service.storage.documents import DocumentFilter
+from service.xpath.run import Queries
+from tests.builders import ASF, HTR, MCML, amc, bvh, store
+
+FILES: list[dict[str, bytes]] = [
+    {"e_chain.bvh": bvh(12)},
+    {"b_hand.mcml": MCML},
+    {"c_leg.asf": ASF, "c_leg.amc": amc(4)},
+    {"d_two.htr": HTR},
+    {"a_empty.bvh": bvh(0)},
+]
+EDITS: list[tuple[str, Change | None]] = [
+    ("/mcml/motion/frame[2]", None),
+    ("/mcml/motion/frame[1]/frame_bone[2]", None),
+    ("/mcml/motion/frame[2]/frame_bone[1]/@Rx", None),
+    ("/mcml/motion/frame[1]/frame_bone[1]", Change({"Tz": "7", "SF": "2"})),
+    ("/mcml/motion/frame[1]", Change({"id": "x1"})),
+    ("/mcml/motion/frame[last()]", Change({"id": "-3.5 or so"})),
+    ("/mcml/motion/frame[3]", Change({"id": "0x1"})),
+    ("/mcml/skeleton/bone/name", Change({}, "renamed")),
+]
+LONG = {"f_long.bvh": bvh(700, seed=5, names=("Hips", "Spine"))}
+"""Longer than two chunks of the store."""
+REAL = ("bvh/*/ya_throw1.bvh", "bvh/*/classic_example1.bvh", "bvh/*/sinusoidal.bvh", "htr/maya_tail_export.htr")
+REAL_LEGS = ("asfamc/cmu_misc/07-walk.asf", "asfamc/cmu_misc/07_05-walk.amc")
+NAMES = ("walk", "bar-1", "left-arm-abduction", "left-leg-flexion", "nothing")
+
+
+@dataclass(frozen=True)
+class Library:
+    """trees: of every document by its uuid, in order of the answer."""
+
+    engine: Queries
+    trees: dict[str, Any]
+
+
+@contextmanager
+def library(database: Database, shared: Path | None, *, long: bool = True) -> Iterator[Library]:
+    """shared: the folder of real capture files, if it is there."""
+    random = Random(1)
+    for edited in (False, True):
+        for files in [*FILES, *real_files(shared), *([LONG] if long else [])]:
+            _add(database, files, random, edited=edited)
+    engine = Queries(database, Settings())
+    try:
+        yield Library(engine, dict(exported(database)))
+    finally:
+        engine.close()
+
+
+def real_files(shared: Path | None) -> list[dict[str, bytes]]:
+    """A few real clips, the first frames of long ones."""
+    if shared is None:
+        return []
+    paths = [path for pattern in REAL for path in sorted(shared.glob(pattern))[:1]]
+    found = [{path.name: path.read_bytes()} for path in paths]
+    asf, amc_path = (shared / name for name in REAL_LEGS)
+    if asf.exists() and amc_path.exists():
+        lines = amc_path.read_bytes().splitlines(keepends=True)
+        stop = next(number for number, line in enumerate(lines) if line.strip() == b"31")
+        found.append({asf.name: asf.read_bytes(), amc_path.name: b"".join(lines[:stop])})
+    return found
+
+
+def _add(database: Database, files: dict[str, bytes], random: Random, *, edited: bool) -> None:
+    uuid = store(database, files, labels=())[0]
+    with database.write() as tx:
+        stored = tx.documents.get(uuid)
+        ends = [
+            sorted((random.randint(1, stored.frames), random.randint(1, stored.frames))) for _ in "abc" if stored.frames
+        ]
+        add_labels(tx, stored, [(random.choice(NAMES[:3]), first, last) for first, last in ends])
+    for where, change in EDITS if edited else ():
+        with database.read() as tx:
+            frames = tx.documents.get(uuid).frames
+        where = where.replace("last()", str(frames))
+        try:
+            with database.write() as tx:
+                stored = tx.documents.get(uuid)
+                change_element(tx, stored, where, change) if change else delete_element(tx, stored, where)
+        except McmlError:  # not every document has what is edited
+            continue
+
+
+def exported(database: Database) -> Iterator[tuple[str, Any]]:
+    """(uuid, tree) of every document, in order of the answer."""
+    parser = etree.XMLParser(remove_blank_text=True)
+    with database.read() as tx:
+        for stored in tx.documents.page(DocumentFilter(), after=None, limit=1000):
+            content = b"".join(export_document(tx, stored, ExportOptions("mcml")).content)
+            yield stored.uuid, etree.parse(io.BytesIO(content), parser)

@@ -1,0 +1,267 @@
+"""libxml2's answers, and the comparison of the engine's with them.
+
+libxml2 reads decimals with an error of up to some units in the last place; the engine reads them exactly. Where the
+answers differ, libxml2 is asked again with numbers that are read exactly (`exact`): everything but `number()` is still
+its own, so only a difference that lies in those last places is excused.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from random import Random
+from typing import Any
+
+from lxml import etree
+
+from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
+from service.xpath.parse import Query, parse
+from service.xpath.run import Queries, without_index
+from service.xpath.texts import to_number
+from service.xpath.tree import Call, Expression, Literal, Operation, Path, children, is_constant, type_of, with_children
+from service.xpath.unparse import unparse
+from service.xpath.worker import Addresses, describe
+
+Trees = Mapping[str, Any]
+WIDE = ("descendant", "descendant-or-self", "following", "preceding", "following-sibling", "preceding-sibling")
+ARITHMETIC = ("+", "-", "*", "div", "mod", "negate")
+RELATIONS: dict[str, Callable[[Any, Any], bool]] = {
+    "=": operator.eq, "!=": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
+}  # fmt: skip
+_NAMESPACE = "urn:exact"
+
+
+class DifferenceError(AssertionError):
+    """The engine's answer is not libxml2's."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """way: as explained. filled: the answer is not empty. excused: only the last places of numbers decide."""
+
+    way: str
+    filled: bool
+    excused: bool = False
+
+
+def width(expression: Expression) -> int:
+    """How often the work of libxml2 may multiply with the length of a document."""
+    own = 0
+    if isinstance(expression, Path):
+        own = max(int(expression.absolute), sum(step.axis in WIDE for step in expression.steps))
+    return own + max((width(child) for child in children(expression)), default=0)
+
+
+def check(engine: Queries, trees: Trees, text: str, random: Random, *, relative: bool = False) -> Outcome | None:
+    """Compares the answers over documents, in pages and as runs. None where libxml2 refuses the expression.
+
+    relative: whether paths in the text start at the document without a slash, which libxml2 must be told.
+    """
+    query = parse(text)
+    asked = query.text if relative or query.warnings else text
+    try:
+        wanted = _answer(query, trees, asked)
+    except etree.XPathError:
+        return None
+    uuids = list(trees)
+    explained = engine.answer(QueryRequest(q=text, document=uuids, limit=1, explain=True)).explain
+    way = explained.way if explained is not None else ""
+    try:
+        filled = _compare(engine, query, text, uuids, wanted, random)
+    except DifferenceError:
+        wanted = _answer(query, trees, unparse(exact(query.tree)), _extensions())
+        return Outcome(way, _compare(engine, query, text, uuids, wanted, random), excused=True)
+    return Outcome(way, filled)
+
+
+# -- what libxml2 says -------------------------------------------------------------------------------------------------
+
+
+def _answer(query: Query, trees: Trees, text: str, extensions: Any = None) -> list[tuple[str, Any]]:
+    """Of each document its value, or (kind, address, value) of each node."""
+    ask = etree.XPath(text, extensions=extensions, namespaces={"m": _NAMESPACE} if extensions else None)
+    result: list[tuple[str, Any]] = []
+    for uuid, tree in trees.items():
+        value: Any = ask(tree)
+        if isinstance(value, list):
+            addresses = Addresses()
+            value = [tuple(describe(node, addresses)) for node in value]
+        result.append((uuid, value))
+    inner, nth = without_index(query.tree)
+    if nth is not None and len(trees) > 1:
+        # The position counts over all documents together.
+        return _nth(inner, nth, trees)
+    return result
+
+
+def _nth(inner: Expression, nth: int, trees: Trees) -> list[tuple[str, Any]]:
+    left = nth
+    for uuid, tree in trees.items():
+        found = tree.xpath(unparse(inner))
+        total = int(tree.xpath(f"count({unparse(inner)})"))
+        if left <= total:
+            # lxml leaves the document node, always the first, out of its lists.
+            left -= total - len(found)
+            return [(uuid, [tuple(describe(found[left - 1], Addresses()))] if left else [])]
+        left -= total
+    return []
+
+
+def exact(expression: Expression) -> Expression:
+    """The expression with numbers read exactly, wherever it makes numbers of strings or compares them."""
+    if isinstance(expression, Literal):
+        fraction = isinstance(expression.value, float) and not expression.value.is_integer()
+        return Call("m:literal", (Literal(repr(expression.value)),)) if fraction else expression
+    if isinstance(expression, Operation) and expression.operator in RELATIONS:
+        first, *others = (exact(operand) for operand in expression.operands)
+        for other in others:
+            first = Call("m:compare", (Literal(expression.operator), first, other))
+        return first
+    kinds = [type_of(child) for child in children(expression)]
+    made = with_children(expression, exact)
+    if isinstance(made, Operation) and made.operator in ARITHMETIC:
+        return Operation(made.operator, tuple(map(_number, made.operands, kinds)))
+    if isinstance(made, Call) and made.function in ("number", "floor", "ceiling", "round"):
+        argument = _number(made.arguments[0], kinds[0]) if kinds else _number(Path(()), "nodes")
+        return Call(made.function, (argument,))
+    if isinstance(made, Call) and made.function == "sum":
+        return Call("m:sum", made.arguments)
+    if isinstance(made, Call) and made.function == "substring":
+        return Call("substring", (made.arguments[0], *map(_number, made.arguments[1:], kinds[1:])))
+    return made
+
+
+def _number(expression: Expression, kind: str) -> Expression:
+    if kind not in ("nodes", "string"):
+        return expression
+    return Call("m:number", (Call("string", (expression,)),))
+
+
+def _extensions() -> dict[tuple[str, str], Callable[..., Any]]:
+    return {
+        (_NAMESPACE, "number"): lambda _, text: to_number(str(text)),
+        (_NAMESPACE, "literal"): lambda _, text: float(text),
+        (_NAMESPACE, "sum"): lambda _, nodes: float(sum(to_number(_string(node)) for node in nodes)),
+        (_NAMESPACE, "compare"): lambda _, sign, one, other: _holds(str(sign), one, other),
+    }
+
+
+def _string(node: Any) -> str:
+    if isinstance(node, tuple):
+        return str(node[1])
+    return str(node) if isinstance(node, str) else "".join(node.itertext())
+
+
+def _holds(sign: str, one: Any, other: Any) -> bool:
+    """XPath 1.0 §3.4."""
+    if isinstance(one, bool) or isinstance(other, bool):
+        if sign in ("=", "!="):
+            return RELATIONS[sign](bool(one), bool(other))
+        one = float(bool(one)) if isinstance(one, bool | list) else one
+        other = float(bool(other)) if isinstance(other, bool | list) else other
+    left = [_string(node) for node in one] if isinstance(one, list) else [one]
+    right = [_string(node) for node in other] if isinstance(other, list) else [other]
+    texts = sign in ("=", "!=") and all(isinstance(value, str) for value in (*left, *right))
+    if not texts:
+        left = [to_number(value) if isinstance(value, str) else value for value in left]
+        right = [to_number(value) if isinstance(value, str) else value for value in right]
+    return any(RELATIONS[sign](a, b) for a in left for b in right)
+
+
+# -- what the engine says ----------------------------------------------------------------------------------------------
+
+
+def _compare(
+    engine: Queries, query: Query, text: str, uuids: list[str], wanted: list[tuple[str, Any]], random: Random
+) -> bool:
+    """Whether the answer, which is the one wanted, is not empty."""
+    if type_of(query.tree) != "nodes":
+        return _compare_values(engine, query, text, uuids, wanted)
+    nodes = [(uuid, *node) for uuid, value in wanted for node in value]
+    limit = random.choice([1, 2, 5, 13, 1000]) if len(nodes) < 40 else random.choice([60, 500, 1000])
+    items = [item for answer in pages(engine, text, uuids, limit) for item in answer.items or []]
+    got = [(i.document, i.kind, i.address, plain(i.kind, i.value)) for i in items if isinstance(i, NodeItem)]
+    found = [item for item in got if item[1] != "document"]
+    nodes = [(uuid, kind, address, plain(kind, value)) for uuid, kind, address, value in nodes]
+    if "namespace::" in query.text:
+        # libxml2 does not know where namespace nodes stand, nor what it reaches from them.
+        found, nodes = sorted(found), sorted(nodes)
+    same(found, nodes, text)
+    if got and all(address.startswith("/mcml/motion/frame[") for _, _, address, _ in got):
+        _compare_runs(engine, text, uuids, [(uuid, address) for uuid, _, address, _ in got], limit)
+    return bool(got)
+
+
+def _compare_values(engine: Queries, query: Query, text: str, uuids: list[str], wanted: list[tuple[str, Any]]) -> bool:
+    answer = engine.answer(QueryRequest(q=text, document=uuids))
+    values = [value for _, value in wanted]
+    tree = query.tree
+    if len(uuids) > 1 and isinstance(tree, Call) and tree.function in ("count", "sum") and not is_constant(tree):
+        same_value(number(answer.value), float(sum(values)), text)
+        return True
+    if answer.items is None:
+        # One document, or a value that is the same in all.
+        for value in values:
+            same_value(number(answer.value) if isinstance(value, float) else answer.value, value, text)
+    else:
+        found = [(item.document, item.value) for item in answer.items if isinstance(item, ScalarItem)]
+        same([uuid for uuid, _ in found], [uuid for uuid, _ in wanted], text)
+        for (_, got), value in zip(found, values, strict=True):
+            same_value(number(got) if isinstance(value, float) else got, value, text)
+    return any(
+        value == value if isinstance(value, float) and not isinstance(value, bool) else value for value in values
+    )
+
+
+def _compare_runs(engine: Queries, text: str, uuids: list[str], inside: list[tuple[str, str]], limit: int) -> None:
+    runs = [item for answer in pages(engine, text, uuids, limit, "runs") for item in answer.items or []]
+    hit = {(uuid, int(address.split("[")[1].split("]")[0])) for uuid, address in inside}
+    covered = [(r.document, n) for r in runs if isinstance(r, RunItem) for n in range(r.first, r.last + 1)]
+    same(sorted(covered), sorted(hit), text)
+    same([r for r in runs if isinstance(r, RunItem) and (r.document, r.last + 1) in hit], [], text)
+
+
+def pages(engine: Queries, text: str, uuids: list[str], limit: int, form: str = "json") -> list[QueryAnswer]:
+    """The answers of all pages."""
+    result: list[QueryAnswer] = []
+    cursor = None
+    while not result or cursor is not None:
+        answer = engine.answer(QueryRequest(q=text, document=uuids, limit=limit, cursor=cursor, **{"as": form}))
+        same(len(answer.items or []) <= limit or answer.type not in ("nodes", "runs"), True, text)
+        result.append(answer)
+        cursor = answer.next_cursor
+    return result
+
+
+def plain(kind: str, value: str) -> str:
+    if kind not in ("element", "document"):
+        return value
+    return etree.tostring(etree.fromstring(value), method="c14n2").decode()
+
+
+def number(value: Any) -> Any:
+    """A number of an answer; NaN and infinities are texts there."""
+    special = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
+    return special.get(value, value) if isinstance(value, str) else value
+
+
+def same(got: Any, wanted: Any, text: str) -> None:
+    if got != wanted:
+        size = ""
+        if isinstance(got, list) and isinstance(wanted, list):
+            size = f" ({len(got)} and {len(wanted)} items)"
+            start = next((n for n, pair in enumerate(zip(got, wanted, strict=False)) if pair[0] != pair[1]), 0)
+            got, wanted = got[start : start + 5], wanted[start : start + 5]
+        raise DifferenceError(f"{text}{size}\n  the engine: {str(got)[:600]}\n  the oracle: {str(wanted)[:600]}")
+
+
+def same_value(got: Any, wanted: Any, text: str) -> None:
+    if isinstance(got, float) and isinstance(wanted, float) and not isinstance(got, bool):
+        close = got == wanted or abs(got - wanted) <= 1e-12 * max(abs(got), abs(wanted))
+        if close or (got != got and wanted != wanted):
+            return
+    if isinstance(got, bool) != isinstance(wanted, bool) or isinstance(got, str) != isinstance(wanted, str):
+        raise DifferenceError(f"{text}: {got!r} and {wanted!r} are of two types")
+    same(got, wanted, text)

@@ -1,0 +1,96 @@
+"""XPath 1.0: generated expressions over many documents give libxml2's answers, on every kind of database."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from random import Random
+
+import pytest
+
+from service.storage.database import Database
+from service.xpath.parse import parse
+from tests.conftest import shared_folder
+from tests.xpath.grammar import Grammar
+from tests.xpath.library import Library, library
+from tests.xpath.oracle import DifferenceError, check, width
+from tests.xpath.shares import Tally, features
+
+MOST_ELEMENTS = {0: 10**9, 1: 10**9, 2: 1200, 3: 130, 4: 60, 5: 30}
+"""How large a document may be for expressions whose work multiplies so often with its length."""
+
+
+@pytest.fixture(scope="module", params=["sqlite", "postgresql"])
+def documents(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Library]:
+    """The library on each kind of database, made once."""
+    from tests import postgres
+
+    if request.param == "sqlite":
+        database = Database(f"sqlite:///{tmp_path_factory.mktemp('campaign') / 'store.db'}")
+        database.migrate()
+        with library(database, shared_folder()) as made:
+            yield made
+        database.close()
+        return
+    with postgres.new_database(request.getfixturevalue("postgres_template"), "template_store") as url:
+        database = Database(url)
+        with library(database, shared_folder()) as made:
+            yield made
+        database.close()
+
+
+def campaign(made: Library, seed: int, count: int) -> Tally:
+    """Asks so many expressions. Raises the differences found, all together."""
+    random = Random(seed)
+    grammar = Grammar(random, made.trees)
+    tally = Tally()
+    differences: list[str] = []
+    elements = {uuid: sum(1 for _ in tree.iter()) for uuid, tree in made.trees.items()}
+    for uuid, text in grammar.expressions():
+        if tally.asked + tally.refused >= count:
+            break
+        relative = text.startswith("/mcml/") and " | " not in text and random.random() < 0.2
+        text = text.removeprefix("/") if relative else text
+        tree = parse(text).tree
+        used = features(tree)
+        allowed = MOST_ELEMENTS.get(width(tree), 25)
+        # Expressions that would take libxml2 minutes are asked of the documents that are small enough.
+        allowed = min(allowed, random.choice([60, 130, 600, 10**9]))
+        small = [other for other, size in elements.items() if size <= allowed]
+        about = uuid if uuid in small else random.choice(small)
+        chosen = {about}
+        if random.random() < 0.2:
+            chosen |= set(random.sample(small, random.choice([1, 2, 3, min(8, len(small)), len(small)])))
+        trees = {other: tree for other, tree in made.trees.items() if other in chosen}
+        try:
+            outcome = check(made.engine, trees, text, random, relative=relative)
+        except DifferenceError as difference:
+            differences.append(str(difference))
+            continue
+        if outcome is None:
+            tally.refused += 1
+            continue
+        grammar.used(used)
+        tally.asked += 1
+        tally.features.update(used)
+        tally.ways[outcome.way] += 1
+        tally.filled += outcome.filled
+        tally.excused += outcome.excused
+    assert not differences, f"{len(differences)} differences:\n" + "\n".join(differences[:10])
+    return tally
+
+
+def test_answers_are_libxml2s(documents: Library) -> None:
+    tally = campaign(documents, zlib.crc32(documents.engine.database.name.encode()), 600)
+    tally.judge()
+    assert tally.on_columns >= 0.95
+
+
+@pytest.mark.fuzz
+@pytest.mark.timeout(7200)
+@pytest.mark.parametrize("seed", range(4))
+def test_answers_are_libxml2s_many_times(documents: Library, seed: int) -> None:
+    tally = campaign(documents, 1000 + seed, 2600)
+    print(tally)
+    tally.judge()
+    assert tally.on_columns >= 0.95
