@@ -283,7 +283,8 @@ class Grammar:
             return self.path(node)
         target = self.random.choice(["'walk'", "'no-such'"])
         dead = {"test comment()": "comment()", "id()": f"id({self.path(node) if self.chance(0.4) else target})"}
-        dead["test processing-instruction()"] = f"processing-instruction({self.random.choice(['', "'a'", "'a'"])})"
+        target = self.random.choice(["", "'a'", "'a'"])
+        dead["test processing-instruction()"] = f"processing-instruction({target})"
         if kind in dead:
             return self.random.choice(["not({})", "count({}) = 0", "{}"]).format(dead[kind])
         return "lang('en')" if kind == "lang()" else kind
