@@ -14,7 +14,7 @@ from service.xpath.forest import Forest
 from service.xpath.functions import as_booleans, kind_of
 from service.xpath.nodes import Scope
 from service.xpath.nodesets import NodeSets, ordered
-from service.xpath.numbering import Ints, documents_of, first_of_documents
+from service.xpath.numbering import MAX_DOCUMENTS, Ints, documents_of, first_of_documents
 from service.xpath.pairs import TooWideError
 from service.xpath.projection import DOCUMENT, Projection, needs_head, projection
 from service.xpath.rules import after
@@ -47,10 +47,6 @@ class Columnar:
         self.frames = Frames(tx, self.start, scope)
         self._shared = shared
         self._check = check
-        self._whole_heads = needs_head(tree)
-        frames = {Projection.HEAD: 0, Projection.FRAMES: 1, Projection.WHOLE: NODES_A_FRAME}[projection(tree)]
-        frames = 1 if self.start is not None and self.start.indexed else frames
-        self._nodes_a_frame = frames
 
     @property
     def documents(self) -> Sequence[Listed]:
@@ -59,16 +55,24 @@ class Columnar:
 
     def forests(self) -> Iterator[Forest]:
         """The documents in batches. The first are small: often the first page is all that is wanted."""
-        head = HEAD_NODES if self._whole_heads else 1
-        weights = [head + listed.frames * self._nodes_a_frame for listed in self.documents]
+        whole_heads = needs_head(self.tree)
+        head, frame = HEAD_NODES if whole_heads else 1, self._nodes_a_frame()
+        weights = [head + listed.frames * frame for listed in self.documents]
         start, allowed = 0, BATCH // 16
         while start < len(self.documents):
             stop, weight = start, 0
-            while stop < len(self.documents) and (stop == start or weight + weights[stop] <= allowed):
+            last = min(len(self.documents), start + MAX_DOCUMENTS)
+            while stop < last and (stop == start or weight + weights[stop] <= allowed):
                 weight += weights[stop]
                 stop += 1
-            yield Forest(self.tx, self.documents[start:stop], self._shared, whole_heads=self._whole_heads)
+            yield Forest(self.tx, self.documents[start:stop], self._shared, whole_heads=whole_heads)
             start, allowed = stop, min(BATCH, allowed * 4)
+
+    def _nodes_a_frame(self) -> int:
+        """About how many nodes of a frame are looked at."""
+        if self.start is not None and self.start.indexed:
+            return 1
+        return {Projection.HEAD: 0, Projection.FRAMES: 1, Projection.WHOLE: NODES_A_FRAME}[projection(self.tree)]
 
     def chunks(self) -> Iterator[tuple[Forest, Ints]]:
         """The nodes of the answer, in order, some at a time."""
@@ -83,8 +87,8 @@ class Columnar:
         if self.start is not None and self.start.only_frames and not self._narrowed():
             return self.frames.count()
         if self.start is not None and not self.start.indexed and not self.start.predicates and _all_bones(self.start):
-            self._nodes_a_frame = 0
-            return sum(forest.shapes.total() for forest in self.forests())
+            parts = (self.documents[at : at + MAX_DOCUMENTS] for at in range(0, len(self.documents), MAX_DOCUMENTS))
+            return sum(Forest(self.tx, part, self._shared, whole_heads=False).shapes.total() for part in parts)
         return sum(len(nodes) for _, nodes in self.chunks())
 
     def values(self) -> list[float | str | bool]:

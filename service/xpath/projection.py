@@ -9,7 +9,7 @@ Node types are written as the tag of an element, `@tag` for its attributes, `#ta
 from __future__ import annotations
 
 from enum import IntEnum
-from functools import cache
+from functools import cache, lru_cache
 
 from service.mcml.content import declarations
 from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
@@ -147,22 +147,27 @@ class _Analysis:
 
 def reach(source: str, step: Step) -> Types:
     """Types that a step can reach from a node of a type, predicates aside."""
-    return frozenset(found for found in _axis(source, step.axis) if _passes(found, step))
+    return _reach(source, step.axis, step.name)
 
 
-def _passes(found: str, step: Step) -> bool:
-    if step.name == "node()":
+@lru_cache(maxsize=4096)
+def _reach(source: str, axis: str, name: str) -> Types:
+    return frozenset(found for found in _axis(source, axis) if _passes(found, axis, name))
+
+
+def _passes(found: str, axis: str, name: str) -> bool:
+    if name == "node()":
         return True
-    if step.name == "text()":
+    if name == "text()":
         return found.startswith("#")
-    if step.name.endswith(")"):
+    if name.endswith(")"):
         return False
-    if step.axis == "namespace":
+    if axis == "namespace":
         return True
-    if step.axis == "attribute":
-        return step.name == "*" or step.name in declarations()[found[1:]].attributes
+    if axis == "attribute":
+        return name == "*" or name in declarations()[found[1:]].attributes
     is_element = found[0] not in "#@/"
-    return is_element and step.name in ("*", found)
+    return is_element and name in ("*", found)
 
 
 def _axis(source: str, axis: str) -> Types:

@@ -29,6 +29,7 @@ from service.xpath.functions import NotOnColumnsError
 from service.xpath.hints import unknown_names
 from service.xpath.limits import Limits
 from service.xpath.nodes import Node, Run, Scope
+from service.xpath.numbering import MAX_DOCUMENTS
 from service.xpath.pairs import TooWideError
 from service.xpath.parse import Query, parse
 from service.xpath.projected import Projected
@@ -176,9 +177,9 @@ class _Asking:
     def source(self, tree: Expression) -> Scan | Columnar:
         """Where the nodes of an expression come from."""
         plan = plan_scan(tree)
-        if plan is None:
+        documents = [] if plan is None else self.tx.columns.documents(self.scope.keys, self.scope.project)
+        if plan is None or len(documents) > MAX_DOCUMENTS:
             return self._columnar(tree)
-        documents = self.tx.columns.documents(self.scope.keys, self.scope.project)
         whole = self.scope.keys is None and self.scope.project is None
         scan = Scan(self.tx, plan, documents, self.engine.shared, self.limits.check, whole_store=whole)
         self._explained("index", scan)
