@@ -262,7 +262,7 @@ class Grammar:
         kind = self.pick(
             ["operator <", "operator =", "operator and", "not()", "boolean()", "true()", "false()", "contains()",
              "starts-with()", "lang()", "test comment()", "test processing-instruction()", "id()", "path"],
-            [5, 5, 3, 1, 1, 0.5, 0.5, 1, 1, 0.8, 0.8, 1.2, 0.8, 2],
+            [5, 5, 3, 1, 1, 0.8, 1.5, 1.3, 1.5, 1.2, 1.2, 1.6, 1, 2],
         )  # fmt: skip
         if kind == "operator <":
             return self.relation(node)
