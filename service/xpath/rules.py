@@ -8,8 +8,8 @@ can reach (`projection.reach`). Rules, in the order in which they are tried:
 3. Where it does, and all x have parents of one type: `descendant-or-self::parent/child::x[p]`.
 4. `descendant-or-self::node()/attribute::a` is `descendant-or-self::e/attribute::a` where only e has the attribute.
 5. `descendant::x` where all x are children of frames is `descendant-or-self::frame/child::x`.
-6. All frames are children of the one motion: from the document they are `/child::mcml/child::motion/child::frame`,
-   positions and all.
+6. All frames are children of the one motion of the one `mcml`: from the document they are
+   `/child::mcml/child::motion/child::frame`, positions and all.
 7. `x[p and q]` is `x[p][q]` where p and q neither are numbers nor count positions.
 8. `following-sibling::x/y = 'k'`, for a comparison with a constant, is `boolean(following-sibling::x[y = 'k'])`; so
    for the other sibling axes, `following` and `preceding`. The same operand of a union is evaluated once.
@@ -29,8 +29,8 @@ from service.xpath.tree import Call, Expression, Filter, Literal, Operation, Pat
 COMPARISONS = ("=", "!=", "<", "<=", ">", ">=")
 BEYOND = frozenset({"following-sibling", "preceding-sibling", "following", "preceding"})
 ANY = ("descendant-or-self", "node()")
-_WAY = {DOCUMENT: (MCML, MOTION), MCML: (MOTION,), MOTION: ()}
-"""From each of these the elements between it and all frames."""
+_WAY = {DOCUMENT: (MCML, MOTION, FRAME), MCML: (MOTION, FRAME), MOTION: (FRAME,)}
+"""From each of these the one way down to all frames."""
 
 
 def normal(expression: Expression, context: Types = frozenset({DOCUMENT})) -> Expression:
@@ -136,10 +136,10 @@ def _to_frames(step: Step, types: Types) -> list[Step] | None:
         return None
     if step.name in (FRAME_BONE, MOTION_NAME) and not counts(step) and step.name not in types:
         return [Step("descendant-or-self", FRAME), replace(step, axis="child")]
-    if step.name == FRAME and types and types <= _WAY.keys():
-        holder = next(iter(types)) if len(types) == 1 else None
-        if holder is not None:
-            return [*(Step("child", name) for name in _WAY[holder]), replace(step, axis="child")]
+    holder = next(iter(types)) if len(types) == 1 else ""
+    if holder in _WAY and step.name in _WAY[holder]:
+        between = _WAY[holder][: _WAY[holder].index(step.name)]
+        return [*(Step("child", name) for name in between), replace(step, axis="child")]
     return None
 
 

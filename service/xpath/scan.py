@@ -24,8 +24,8 @@ from service.xpath.forest import Forest
 from service.xpath.labels import motion_name_groups, ranges_of
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Bools, Floats, Ints
 from service.xpath.shared import Shared
-from service.xpath.tree import Expression, Path, Step
-from service.xpath.vectors import Condition, Sample, bone_conditions, condition, conjunction
+from service.xpath.tree import Expression, Path
+from service.xpath.vectors import Condition, Sample, attribute_conditions, bone_conditions, condition, conjunction
 
 FIRST_UNITS = 128
 """Often the first page is all that is wanted."""
@@ -94,9 +94,13 @@ def plan_scan(tree: Expression) -> ScanPlan | None:
             return None
         target, (bone, own), steps = FRAME_BONE, compiled, steps[1:]
         conditions += own
-    attribute = _attribute(steps)
-    if attribute == "":
-        return None
+    attribute = None
+    if steps:
+        compiled_attribute = attribute_conditions(steps[0], bone) if len(steps) == 1 else None
+        if compiled_attribute is None or (target == FRAME and compiled_attribute[1]):
+            return None
+        attribute, on_attribute = compiled_attribute
+        conditions += on_attribute
     if target == FRAME_BONE and attribute in CHANNEL_INDEX:
         sample = (bone, CHANNEL_INDEX[attribute])
         present = Condition(lambda block: ~np.isnan(block[sample]), frozenset({sample}), frozenset({sample}))
@@ -113,15 +117,6 @@ def plan_scan(tree: Expression) -> ScanPlan | None:
     elif not any(name is None for name, _ in whole.strict):
         return None
     return ScanPlan(whole, lead, tuple(names), target, bone, attribute)
-
-
-def _attribute(steps: Sequence[Step]) -> str | None:
-    """The attribute that a path ends with, None for none, "" for anything else."""
-    if not steps:
-        return None
-    step = steps[0]
-    plain = len(steps) == 1 and step.axis == "attribute" and not step.predicates and step.name not in ("*", "node()")
-    return step.name if plain and not step.name.endswith(")") else ""
 
 
 class Scan:

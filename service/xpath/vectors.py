@@ -18,12 +18,13 @@ import numpy as np
 from service.mcml.vocabulary import FRAME_BONE
 from service.motion.skeleton import CHANNEL_INDEX
 from service.xpath.functions import arithmetic, round_half_up
-from service.xpath.labels import named
+from service.xpath.labels import named, without_self
 from service.xpath.numbering import Bools, Floats
 from service.xpath.tree import Call, Expression, Literal, Operation, Path, Step
 
 Sample: TypeAlias = tuple[str | None, int]
 """Name of the bone (None: the frame_bone that is asked for) and number of the channel."""
+Own: TypeAlias = str | Sample | None
 Block: TypeAlias = Mapping[Sample, Floats]
 
 RELATIONS = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "=": np.equal}
@@ -54,10 +55,11 @@ class _Number:
     constant: float | None = None
 
 
-def condition(predicate: Expression, context: str, own: str | None = None) -> Condition | None:
+def condition(predicate: Expression, context: str, own: Own = None) -> Condition | None:
     """A predicate compiled, None where it cannot be.
 
-    context: "frame" or "frame_bone", the type of the context node. own: the name of that frame_bone, if it is stated.
+    context: "frame", "frame_bone" or "@frame_bone", the type of the context node. own: the name of that frame_bone, if
+    it is stated; of a channel, its sample.
     """
     if isinstance(predicate, Operation) and predicate.operator in ("and", "or"):
         return _logic(predicate, context, own)
@@ -72,7 +74,7 @@ def condition(predicate: Expression, context: str, own: str | None = None) -> Co
     return None
 
 
-def _logic(predicate: Operation, context: str, own: str | None) -> Condition | None:
+def _logic(predicate: Operation, context: str, own: Own) -> Condition | None:
     parts = [condition(operand, context, own) for operand in predicate.operands]
     if any(part is None for part in parts):
         return None
@@ -126,7 +128,7 @@ def _unequal(left: _Number, right: _Number) -> Condition | None:
     return Condition(differ, left.samples | right.samples, frozenset(nodes))
 
 
-def _number(expression: Expression, context: str, own: str | None) -> _Number | None:
+def _number(expression: Expression, context: str, own: Own) -> _Number | None:
     if isinstance(expression, Literal):
         if isinstance(expression.value, str):
             return None
@@ -168,9 +170,13 @@ def _joined(operator: str, left: _Number, right: _Number) -> _Number:
     )
 
 
-def _sample(path: Path, context: str, own: str | None) -> Sample | None:
-    """The sample that a path leads to: `@Rx`, `frame_bone[@name='B']/@Rx`, `../frame_bone[@name='B']/@Rx`."""
-    if path.absolute or path.start is not None or not path.steps:
+def _sample(path: Path, context: str, own: Own) -> Sample | None:
+    """The sample that a path leads to: `@Rx`, `frame_bone[@name='B']/@Rx`, `../frame_bone[@name='B']/@Rx`; `.`."""
+    if path.absolute or path.start is not None:
+        return None
+    if isinstance(own, tuple):
+        return own if not without_self(path.steps) else None
+    if not path.steps:
         return None
     *steps, last = path.steps
     if last.axis != "attribute" or last.name not in CHANNEL_INDEX or last.predicates:
@@ -186,7 +192,7 @@ def _sample(path: Path, context: str, own: str | None) -> Sample | None:
     return None if name is None else (name, channel)
 
 
-def _existence(path: Path, context: str, own: str | None) -> Condition | None:
+def _existence(path: Path, context: str, own: Own) -> Condition | None:
     """`@Rx`, or `frame_bone[@name='B'][@Rx > 45]`, as a predicate."""
     sample = _sample(path, context, own)
     if sample is not None:
@@ -203,6 +209,15 @@ def _existence(path: Path, context: str, own: str | None) -> Condition | None:
             return None
         parts.append(inner)
     return conjunction(parts) if parts else None
+
+
+def attribute_conditions(step: Step, bone: str | None) -> tuple[str, list[Condition]] | None:
+    """Of `@Rx[. > 45]…`, the name and the predicates compiled."""
+    if step.axis != "attribute" or step.name in ("*", "node()") or step.name.endswith(")"):
+        return None
+    sample = (bone, CHANNEL_INDEX[step.name]) if step.name in CHANNEL_INDEX else None
+    parts = [condition(predicate, "@frame_bone", sample) if sample else None for predicate in step.predicates]
+    return None if None in parts else (step.name, [part for part in parts if part is not None])
 
 
 def conjunction(parts: list[Condition]) -> Condition:

@@ -1,0 +1,145 @@
+"""Answers from tracks and zone maps equal those on columns, after frames were deleted and samples changed too."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from schemas.queries import NodeItem, QueryAnswer, QueryRequest
+from service.actions.edit_element import Change, change_element, delete_element
+from service.actions.import_options import Label
+from service.settings import Settings
+from service.storage.database import Database
+from service.xpath import run
+from service.xpath.parse import parse
+from service.xpath.rules import normal
+from service.xpath.run import Queries
+from service.xpath.scan import plan_scan
+from tests.builders import HTR, MCML, bvh, store
+
+CHANNELS = ["Rx", "Ry", "Rz", "Tx", "SF"]
+NUMBERS = ["0", "5", "10.5", "-20", "45.5", "1e3", "(0 div 0)"]
+
+
+class Maker:
+    """Random questions about samples."""
+
+    def __init__(self, random: Random, bones: list[str]) -> None:
+        self.random = random
+        self.bones = bones
+
+    def number(self, context: str, depth: int = 0) -> str:
+        pick = self.random.choice
+        channel, bone = pick(CHANNELS), pick(self.bones)
+        own = {
+            "@": ["."],
+            "bone": [f"@{channel}", f"@{channel}", f"../frame_bone[@name='{bone}']/@{channel}"],
+            "frame": [f"frame_bone[@name='{bone}']/@{channel}"],
+        }[context]
+        kind = self.random.randrange(7)
+        if kind == 0 and depth < 2:
+            return f"({self.number(context, depth + 1)} {pick('+-*')} {self.number(context, depth + 1)})"
+        if kind == 1 and depth < 2:
+            return pick(["-{}", "abs({})", "floor({})", "round({})", "number({})"]).format(
+                self.number(context, depth + 1)
+            )
+        return pick(NUMBERS) if kind == 2 else pick(own)
+
+    def condition(self, context: str, depth: int = 0) -> str:
+        if depth < 2 and self.random.random() < 0.3:
+            operator = self.random.choice(["and", "or"])
+            return f"({self.condition(context, depth + 1)} {operator} {self.condition(context, depth + 1)})"
+        operator = self.random.choice(["<", ">", "<=", ">=", "=", "!="])
+        return f"{self.number(context)} {operator} {self.number(context)}"
+
+    def question(self) -> str:
+        chance, pick = self.random.random, self.random.choice
+        text = "//frame" + (f"[{self.condition('frame')}]" if chance() < 0.6 else "")
+        text += "[motion_name='walk']" if chance() < 0.2 else ""
+        if chance() < 0.7:
+            text += "/frame_bone" + (f"[@name='{pick(self.bones)}']" if chance() < 0.7 else "")
+            text += f"[{self.condition('bone')}]" if chance() < 0.7 else ""
+            text += pick(["", "/@Rx", "/@name", f"/@Rz[{self.condition('@')}]"])
+        return pick(["{}", "{}", "count({})", "boolean({})"]).format(text)
+
+
+@pytest.fixture
+def engine(database: Database) -> Queries:
+    for files in ({"a.bvh": bvh(700)}, {"b.mcml": MCML}, {"c.htr": HTR}, {"d.bvh": bvh(300)}):
+        (uuid,) = store(database, files, labels=(Label("walk"),))[:1]
+        for where, change in (
+            ("/mcml/motion/frame[5]", None),
+            ("/mcml/motion/frame[290]", None),
+            ("/mcml/motion/frame[1]/frame_bone[1]", Change({"Tx": "46", "Rx": None})),
+        ):
+            with database.write() as tx:
+                stored = tx.documents.get(uuid)
+                if stored.frames < 295:
+                    continue
+                change_element(tx, stored, where, change) if change else delete_element(tx, stored, where)
+    return Queries(database, Settings())
+
+
+def shown(answer: QueryAnswer) -> tuple[object, list[tuple[str, str, str]]]:
+    nodes = [item for item in answer.items or [] if isinstance(item, NodeItem)]
+    others = [str(item) for item in answer.items or [] if not isinstance(item, NodeItem)]
+    return (answer.value, others), [(node.document, node.address, node.value) for node in nodes]
+
+
+def test_tracks_answer_as_columns_do(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
+    with engine.database.read() as tx:
+        bones = [*tx.columns.used_bone_names([listed.key for listed in tx.columns.documents()]), "nothing"]
+    maker = Maker(Random(8), bones)
+    scanned = found = 0
+    for _ in range(400):
+        text = maker.question()
+        tree = normal(parse(text).tree)
+        inner = getattr(tree, "arguments", (tree,))[0]
+        request = QueryRequest(q=text, limit=500)
+        first = shown(engine.answer(request))
+        with monkeypatch.context() as patched:
+            patched.setattr(run, "plan_scan", lambda tree: None)
+            assert shown(engine.answer(request)) == first, text
+        scanned += plan_scan(inner) is not None
+        found += bool(first[1]) or first[0] not in ((0.0, []), (False, []), (None, []))
+    assert scanned > 150
+    assert found > 80
+
+
+def test_zone_maps_rule_tracks_out(engine: Queries) -> None:
+    text = "//frame_bone[@name='Root'][@Rx > 1000000]"
+    explained = engine.answer(QueryRequest(q=text, explain=True)).explain
+    assert explained is not None
+    assert explained.way == "index"
+    assert explained.tracks_read == 0
+    assert explained.tracks_skipped
+
+
+SPELLINGS = [
+    [
+        "//frame[motion_name='walk']",
+        "/mcml/motion/frame['walk'=./motion_name]",
+        "//motion/frame[motion_name/text()='walk']",
+        "/descendant::frame[child::motion_name='walk']",
+        "//frame[motion_name[.='walk']]",
+    ],
+    [
+        "//frame_bone[@name='Root'][@Rx > 3]",
+        "//frame/frame_bone[3 < @Rx][@name='Root']",
+        "/mcml//frame_bone['Root'=@name and ./@Rx > 3]",
+    ],
+    ["//frame[5]", "/mcml/motion/frame[position()=5]", "//motion/child::frame[5 = position()]"],
+    ["//frame[@id='7']/@id", "//motion/frame['7'=./@id]/attribute::id"],
+]
+
+
+@pytest.mark.parametrize("texts", SPELLINGS, ids=lambda texts: texts[0])
+def test_spellings_of_one_meaning_have_one_plan(engine: Queries, texts: list[str]) -> None:
+    plans = []
+    for text in texts:
+        explained = engine.answer(QueryRequest(q=text, explain=True)).explain
+        assert explained is not None
+        plans.append((explained.way, explained.plan))
+    assert plans == [plans[0]] * len(plans)
+    assert plans[0][0] == "index"
