@@ -13,6 +13,7 @@ BENCHMARKS = {
     "formats": "reading and writing BVH, against pybvh, simdjson, numpy.savetxt",
     "layouts": "ways to lay frames out in SQLite, against each other",
     "store": "loading, sizes, label counts, edits, against BaseX and lxml",
+    "xpath": "questions on three sizes of library, against BaseX, lxml, PostgreSQL's xpath()",
 }
 
 

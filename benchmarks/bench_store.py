@@ -16,14 +16,13 @@ import simdjson
 from lxml import etree
 
 from benchmarks import basex
-from benchmarks.library import clips, load, load_together, longer, served
+from benchmarks.library import clips, load, load_together, longer, served, write_plain
 from benchmarks.timing import median_seconds, report
 from service.actions.edit_element import Change, change_element
-from service.actions.export_motion import ExportOptions, export_document
 from service.actions.read_clip import read_clip
 from service.mcml.writer import write_document
-from service.storage.database import Database, Transaction
-from service.storage.documents import DocumentFilter, StoredDocument
+from service.storage.database import Database
+from service.storage.documents import DocumentFilter
 
 ASKED = 100
 """Label counts timed, before an edit and after it; each with a constant not asked before."""
@@ -79,7 +78,7 @@ def _loading(folder: Path, files: list[tuple[str, bytes]], text: int) -> dict[st
     (folder / "mcml").mkdir()
     with database.read() as tx:
         for stored in tx.documents.page(DocumentFilter(), after=None, limit=1000):
-            _write_plain(tx, stored, folder / "mcml" / f"{stored.uuid}.xml")
+            write_plain(tx, stored, folder / "mcml" / f"{stored.uuid}.xml")
     database.close()
     lean = sizes["total"] - sizes["uploads"]
     return {
@@ -137,19 +136,12 @@ def _large_file(folder: Path, files: list[tuple[str, bytes]]) -> dict[str, float
         target.mkdir()
         with database.read() as tx:
             (stored,) = tx.documents.page(DocumentFilter(), after=None, limit=1)
-            _write_plain(tx, stored, target / "large.xml")
+            write_plain(tx, stored, target / "large.xml")
         done = basex.run([f"CREATE DB one {target}"])
         loading = report("BaseX loads its MCML, s", done.created["one"] / 1e3)
         figures["large_basex_load_ratio"] = report("BaseX load / our import of it", loading / best, ">= 15")
     database.close()
     return figures
-
-
-def _write_plain(tx: Transaction, stored: StoredDocument, path: Path) -> None:
-    """The document as MCML without its DOCTYPE: BaseX shall load, not validate."""
-    with path.open("wb") as target:
-        for number, block in enumerate(export_document(tx, stored, ExportOptions("mcml")).content):
-            target.write(re.sub(rb"<!DOCTYPE[^>]*>\n", b"", block) if number < 4 else block)
 
 
 def _writing(database: Database) -> dict[str, float]:

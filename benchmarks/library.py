@@ -17,6 +17,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 
+from service.actions.export_motion import ExportOptions, export_document
 from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions, Label
 from service.demo import body
@@ -25,7 +26,8 @@ from service.formats.format import SourceFile
 from service.formats.number_text import detect_style, rows_of_text
 from service.formats.numbers import parse_numbers
 from service.settings import Settings
-from service.storage.database import Database
+from service.storage.database import Database, Transaction
+from service.storage.documents import StoredDocument
 
 DOCUMENTS = 100
 
@@ -81,6 +83,13 @@ def labels(rng: np.random.Generator, frames: int) -> tuple[Label, ...]:
     return tuple(found)
 
 
+def write_plain(tx: Transaction, stored: StoredDocument, path: Path) -> None:
+    """The document as MCML without its DOCTYPE: BaseX shall load, not validate."""
+    with path.open("wb") as target:
+        for number, block in enumerate(export_document(tx, stored, ExportOptions("mcml")).content):
+            target.write(re.sub(rb"<!DOCTYPE[^>]*>\n", b"", block) if number < 4 else block)
+
+
 def load_together(database: Database, files: list[tuple[str, bytes]]) -> float:
     """Seconds to import the files in one call, as `mcml import folder` and an upload of several files do."""
     start = time.perf_counter()
@@ -110,6 +119,13 @@ def load(database: Database, files: list[tuple[str, bytes]], *, labelled: bool) 
 @contextmanager
 def served(url: str) -> Iterator[httpx.Client]:
     """A server process on the store, and a client that keeps its connection."""
+    with serving(url) as (_, port), httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60) as client:
+        yield client
+
+
+@contextmanager
+def serving(url: str) -> Iterator[tuple[int, int]]:
+    """A server process on the store: its process id and its port."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -117,16 +133,15 @@ def served(url: str) -> Iterator[httpx.Client]:
     command = [sys.executable, "-m", "service.cli", "serve"]
     process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
     try:
-        with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60) as client:
-            for wait in itertools.count():
-                try:
-                    client.get("/healthz")
-                    break
-                except httpx.TransportError:
-                    if wait > 100:
-                        raise
-                    time.sleep(0.1)
-            yield client
+        for wait in itertools.count():
+            try:
+                httpx.get(f"http://127.0.0.1:{port}/healthz")
+                break
+            except httpx.TransportError:
+                if wait > 100:
+                    raise
+                time.sleep(0.1)
+        yield process.pid, port
     finally:
         process.terminate()
         process.wait(10)
