@@ -81,7 +81,7 @@ class QueryAnswer(BaseModel):
         )
     )
 
-    type: Literal["nodes", "runs", "number", "string", "boolean", "strings"]
+    type: Literal["nodes", "runs", "number", "string", "boolean", "strings", "values"]
     value: str | float | bool | None = None
     items: list[NodeItem | RunItem | ScalarItem | ValueItem] | None = None
     next_cursor: str | None = None

@@ -7,12 +7,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from service.errors import LimitError
 from service.xpath.columnar import Columnar
 from service.xpath.numbering import Floats
 from service.xpath.scan import Scan
 from service.xpath.texts import Strings
-from service.xpath.tree import Call, Expression, type_of
-from service.xpath.values import numbers, strings
+from service.xpath.tree import Call, Expression, Literal, type_of
+from service.xpath.values import MAX_TEXT, numbers, strings
 
 NUMBER_AGGREGATES = frozenset({"count", "sum", "min", "max", "avg"})
 TRUTH_AGGREGATES = frozenset({"exists", "empty"})
@@ -20,8 +21,11 @@ TRUTH_AGGREGATES = frozenset({"exists", "empty"})
 
 def aggregated(tree: Expression) -> Call | None:
     """The call, if the expression is an aggregate of a node set."""
+    if not isinstance(tree, Call) or not tree.arguments:
+        return None
+    joins = tree.function == "string-join" and all(isinstance(each, Literal) for each in tree.arguments[1:])
     functions = NUMBER_AGGREGATES | TRUTH_AGGREGATES | {"distinct-values"}
-    if isinstance(tree, Call) and tree.function in functions and len(tree.arguments) == 1:
+    if joins or (tree.function in functions and len(tree.arguments) == 1):
         return tree if type_of(tree.arguments[0]) == "nodes" else None
     return None
 
@@ -63,6 +67,20 @@ def distinct(source: Scan | Columnar) -> list[str]:
     for forest, nodes in source.chunks():
         found.update(dict.fromkeys(_in_order(strings(forest, nodes))))
     return list(found)
+
+
+def joined(call: Call, source: Scan | Columnar) -> str:
+    """The strings of the nodes, one after the other."""
+    between = call.arguments[1].value if len(call.arguments) > 1 and isinstance(call.arguments[1], Literal) else ""
+    parts: list[str] = []
+    size = 0
+    for forest, nodes in source.chunks():
+        some = strings(forest, nodes).list()
+        size += sum(map(len, some)) + len(some) * len(str(between))
+        if size > MAX_TEXT:
+            raise LimitError("The text is too long.", remedy="Join fewer nodes.", code="query-too-large")
+        parts += some
+    return str(between).join(parts)
 
 
 def _in_order(column: Strings) -> list[str]:

@@ -33,6 +33,7 @@ from service.xpath.tree import (
     Literal,
     Operation,
     Path,
+    Sequence,
     Step,
     depends_on_position,
     type_of,
@@ -84,6 +85,8 @@ class Columns:
             if isinstance(expression.value, str):
                 return constant(expression.value, len(context))
             return np.broadcast_to(np.float64(expression.value), len(context))
+        if isinstance(expression, Sequence):
+            raise functions.NotOnColumnsError
         if isinstance(expression, Path):
             return self._path(expression, context)
         if isinstance(expression, Filter):
@@ -340,6 +343,8 @@ def _by_document(expression: Expression) -> bool:
         return expression.absolute or (expression.start is not None and _by_document(expression.start))
     if isinstance(expression, Filter):
         return _by_document(expression.operand)
+    if isinstance(expression, Sequence):
+        return False
     if isinstance(expression, Call):
         own = expression.function in ("position", "last", "lang") or (
             not expression.arguments and expression.function in functions.OF_CONTEXT

@@ -22,8 +22,6 @@ from service.xpath.parse import Query
 from service.xpath.projection import may_select_document
 from service.xpath.worker import LAST, read_message, write_message
 
-_PROGRAM = Path(__file__).with_name("worker.py")
-
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
@@ -61,7 +59,12 @@ class Nodes:
 
 
 class Evaluator:
-    """A small pool of processes. Threads may share it; at most `processes` queries run at once, others wait."""
+    """A small pool of processes. Threads may share it; at most `processes` queries run at once, others wait.
+
+    program: what a process runs; it takes the memory that it may use as its argument.
+    """
+
+    program = Path(__file__).with_name("worker.py")
 
     def __init__(self, *, seconds: float = 10.0, memory_bytes: int = 1 << 30, processes: int = 2) -> None:
         self._seconds = seconds
@@ -92,6 +95,10 @@ class Evaluator:
             "limit": limit,
             "offset": offset,
         }
+        return _read_answer(self.ask(request, document, seconds))
+
+    def ask(self, request: dict[str, Any], document: Iterable[bytes], seconds: float | None) -> Any:
+        """What a process answers to a request on a document. Raises LimitError as `evaluate` does."""
         allowed = min(self._seconds, seconds if seconds is not None else self._seconds)
         deadline = time.monotonic() + allowed
         if not self._free.acquire(timeout=allowed):
@@ -102,7 +109,7 @@ class Evaluator:
             self._free.release()
         if answer.get("error") == "memory":
             raise _out_of_memory(self._memory)
-        return _read_answer(answer)
+        return answer
 
     def close(self) -> None:
         """Ends the idle processes; the pool can be used again."""
@@ -152,7 +159,7 @@ class Evaluator:
                     return process
                 _end(process)
         return subprocess.Popen(
-            [sys.executable, "-E", "-s", str(_PROGRAM), str(self._memory)],
+            [sys.executable, "-E", "-s", str(self.program), str(self._memory)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

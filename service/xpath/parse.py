@@ -17,6 +17,7 @@ from elementpath.exceptions import ElementPathError
 from elementpath.tdop import Parser
 
 from service.errors import LimitError, Place, QueryError
+from service.xpath.later import SAFE_FUNCTIONS, sequence
 from service.xpath.meaning import bind, from_document, with_stored_names
 from service.xpath.tokens import expression
 from service.xpath.tree import (
@@ -31,6 +32,7 @@ from service.xpath.tree import (
     Filter,
     Operation,
     Path,
+    Sequence,
     type_of,
     walk,
 )
@@ -66,7 +68,7 @@ class Query:
     @property
     def later(self) -> bool:
         """Whether it needs XPath 2.0."""
-        return any(isinstance(part, Call) and part.function in LATER_FUNCTIONS for part in walk(self.tree))
+        return isinstance(self.tree, Sequence) or _is_later(self.tree)
 
 
 def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) -> Query:
@@ -82,31 +84,56 @@ def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) 
     text = _ATTRIBUTE_KIND_TEST.sub(lambda match: "attribute::" if match.group(1) else match.group(), text)
     warnings: list[str] = []
     try:
-        tree = bind(_parse_tree(text, MAX_LENGTH * 2), variables or {})
-        _check_types(tree)
+        tree = _parse_tree(text, variables or {})
         tree = from_document(with_stored_names(tree, warnings, in_name=False))
     except RecursionError:
         raise LimitError("the expression is nested too deeply", remedy="Write it flatter.") from None
     return Query(tree, tuple(dict.fromkeys(warnings)))
 
 
-def _parse_tree(text: str, max_length: int) -> Expression:
-    _bound(text, max_length)
+def _parse_tree(text: str, variables: Mapping[str, str | float | bool]) -> Expression:
+    _bound(text, MAX_LENGTH * 2)
     try:
-        return expression(Parser.parse(XPath1Parser(), text))
-    except ElementPathError as error:
-        return _parse_more(text, error)
-
-
-def _parse_more(text: str, error: ElementPathError) -> Expression:
-    """What elementpath's parser of XPath 1.0 refuses though it is XPath 1.0: a path that starts with a function."""
-    try:
-        tree = expression(Parser.parse(XPath2Parser(), text))
-    except (ElementPathError, QueryError):
-        raise _query_error(text, str(error)) from None
-    if any(isinstance(part, Call) and part.function not in FUNCTIONS for part in walk(tree)):
-        raise _query_error(text, str(error)) from None
+        tree = expression(Parser.parse(XPath1Parser(), text))
+    except (ElementPathError, QueryError) as error:
+        return _parse_more(text, error, variables)
+    tree = bind(tree, variables)
+    _check_types(tree)
     return tree
+
+
+def _parse_more(
+    text: str, error: ElementPathError | QueryError, variables: Mapping[str, str | float | bool]
+) -> Expression:
+    """What the parser of XPath 1.0 refuses: a path that starts with a function is XPath 1.0, the rest may be 2.0."""
+    try:
+        root = Parser.parse(XPath2Parser(), text)
+    except ElementPathError as later:
+        first = error if isinstance(error, QueryError) else _query_error(text, str(error))
+        other = _query_error(text, str(later))
+        # The parser that came further is the one that the writer had in mind.
+        raise max(first, other, key=_column) from None
+    if root.symbol == "+" and len(root) == 1 and isinstance(error, QueryError):
+        raise error
+    try:
+        tree = expression(root)
+        unknown = any(isinstance(part, Call) and part.function not in FUNCTIONS for part in walk(tree))
+        if not unknown:
+            tree = bind(tree, variables)
+            _check_types(tree)
+            return tree
+    except QueryError:
+        # Our tree has no place for it.
+        pass
+    return sequence(text, root, variables)
+
+
+def _column(error: QueryError) -> int:
+    return error.at.column or 0 if error.at is not None else 0
+
+
+def _is_later(tree: Expression) -> bool:
+    return any(isinstance(part, Call) and part.function in LATER_FUNCTIONS for part in walk(tree))
 
 
 def _check_types(tree: Expression) -> None:
@@ -174,7 +201,7 @@ def _hint(text: str, what: str) -> str:
         if text.count(opening) != text.count(closing):
             return f"The brackets {opening} {closing} do not match."
     unknown = re.search(r"unknown function '(?:fn:)?([\w.-]+)'", what)
-    near = get_close_matches(unknown[1], sorted(FUNCTIONS), 1, 0.5) if unknown else []
+    near = get_close_matches(unknown[1], sorted(SAFE_FUNCTIONS), 1, 0.5) if unknown else []
     if near:
         return f"Did you mean {near[0]}()?"
     if "prefix" in what:
@@ -183,8 +210,4 @@ def _hint(text: str, what: str) -> str:
         return "Compare with a single = sign."
     if "&&" in text or "||" in text:
         return "Write `and` and `or`."
-    try:
-        Parser.parse(XPath2Parser(), text)
-        return "This is XPath 2.0; only XPath 1.0 can be asked here."
-    except (ElementPathError, RecursionError):
-        return "Write XPath 1.0, such as //frame[motion_name='walk']."
+    return "Write XPath, such as //frame[motion_name='walk']."

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -19,7 +19,7 @@ from service.xpath.nodes import Node, Run, Scope
 from service.xpath.parse import Query
 from service.xpath.projection import Projection, projection
 from service.xpath.render import bone_names, labelled_blocks
-from service.xpath.tree import Call, Filter, type_of
+from service.xpath.tree import Call, Expression, Filter, type_of
 from service.xpath.tree import Literal as Constant
 
 
@@ -30,9 +30,9 @@ class Projected:
         self.evaluator = evaluator
         self.tx = tx
         self.limits = limits
-        self.query, self.nth = _without_index(query)
+        self.query, self.nth = without_index(query)
         self.documents = tx.columns.documents(scope.keys, scope.project)
-        self.projection = projection(self.query.tree)
+        self._xml = Xml(tx, limits, self.query.tree)
 
     @property
     def type(self) -> str:
@@ -82,23 +82,7 @@ class Projected:
 
     def runs(self) -> Iterator[Run]:
         """Maximal ranges of frames that nodes are or lie in. QueryError for a node outside the frames."""
-        for stored, nodes in self._nodes_by_document():
-            waiting: Run | None = None
-            for node in nodes:
-                position = frame_of(node.address)
-                if position is None:
-                    raise QueryError(
-                        f"{node.address} is not in a frame, so it is in no run of frames.",
-                        remedy="Ask with as=json, or for nodes in frames.",
-                    )
-                if waiting is not None and position <= waiting.last + 1:
-                    waiting = Run(stored, waiting.first, max(waiting.last, position))
-                    continue
-                if waiting is not None:
-                    yield waiting
-                waiting = Run(stored, position, position)
-            if waiting is not None:
-                yield waiting
+        return runs_of_nodes(self._nodes_by_document())
 
     def _nodes_by_document(self) -> Iterator[tuple[Listed, Sequence[Node | Found]]]:
         if self.nth is not None:
@@ -110,13 +94,32 @@ class Projected:
 
     def _evaluate(self, stored: Listed, offset: int, limit: int) -> Nodes | Scalar:
         self.limits.check()
-        self._check_size(stored)
         left = self.limits.seconds_left
         try:
-            return self.evaluator.evaluate(self.query, self._xml(stored), limit=limit, offset=offset, seconds=left)
+            return self.evaluator.evaluate(self.query, self._xml.of(stored), limit=limit, offset=offset, seconds=left)
         except LimitError as error:
             # The time that was left is not the time that the query had.
             raise self.limits.timeout() if error.details.get("code") == "query-timeout" else error from None
+
+
+class Xml:
+    """Documents as XML, without what an expression cannot touch."""
+
+    def __init__(self, tx: Transaction, limits: Limits, tree: Expression) -> None:
+        self.tx = tx
+        self.limits = limits
+        self.projection = projection(tree)
+
+    def of(self, stored: Listed) -> Iterator[bytes]:
+        """The XML in pieces. LimitError for what is too large."""
+        self._check_size(stored)
+        document = self.tx.heads.document(stored)
+        blocks: Iterator[FrameBlock] = iter(())
+        if self.projection is not Projection.HEAD:
+            bones: list[int] | None = [] if self.projection is Projection.FRAMES else None
+            blocks = labelled_blocks(self.tx, stored, 1, stored.frames, bones)
+        names = bone_names(self.tx, stored)
+        return write_document(document, stored.frames, stored.frame_time, blocks, names, layout=Layout.COMPACT)
 
     def _check_size(self, stored: Listed) -> None:
         if self.projection is Projection.HEAD:
@@ -131,17 +134,29 @@ class Projected:
                 code="query-too-large",
             )
 
-    def _xml(self, stored: Listed) -> Iterator[bytes]:
-        document = self.tx.heads.document(stored)
-        blocks: Iterator[FrameBlock] = iter(())
-        if self.projection is not Projection.HEAD:
-            bones: list[int] | None = [] if self.projection is Projection.FRAMES else None
-            blocks = labelled_blocks(self.tx, stored, 1, stored.frames, bones)
-        names = bone_names(self.tx, stored)
-        return write_document(document, stored.frames, stored.frame_time, blocks, names, layout=Layout.COMPACT)
+
+def runs_of_nodes(found: Iterable[tuple[Listed, Sequence[Node | Found]]]) -> Iterator[Run]:
+    """Maximal ranges of frames that nodes of documents are or lie in. QueryError for a node outside the frames."""
+    for stored, nodes in found:
+        waiting: Run | None = None
+        for node in nodes:
+            position = frame_of(node.address)
+            if position is None:
+                raise QueryError(
+                    f"{node.address} is not in a frame, so it is in no run of frames.",
+                    remedy="Ask with as=json, or for nodes in frames.",
+                )
+            if waiting is not None and position <= waiting.last + 1:
+                waiting = Run(stored, waiting.first, max(waiting.last, position))
+                continue
+            if waiting is not None:
+                yield waiting
+            waiting = Run(stored, position, position)
+        if waiting is not None:
+            yield waiting
 
 
-def _without_index(query: Query) -> tuple[Query, int | None]:
+def without_index(query: Query) -> tuple[Query, int | None]:
     """`(…)[n]` counts over all documents: the expression inside, and n."""
     tree = query.tree
     if isinstance(tree, Filter) and len(tree.predicates) == 1 and isinstance(tree.predicates[0], Constant):

@@ -34,7 +34,10 @@ from service.xpath.pairs import TooWideError
 from service.xpath.parse import Query, parse
 from service.xpath.projected import Projected
 from service.xpath.rules import normal
+from service.xpath.saxon import Saxon
 from service.xpath.scan import Scan, plan_scan
+from service.xpath.sequences import Answer as Sequenced
+from service.xpath.sequences import Sequences
 from service.xpath.shared import Shared
 from service.xpath.sources import Nth, Source
 from service.xpath.streams import Answer, Shown, collect
@@ -45,7 +48,7 @@ from service.xpath.values import TooLongError
 MAX_RUNS = 100_000
 DEFAULT_LIMIT = 100
 MAX_ON_XML = 100_000
-Kind = Literal["nodes", "runs", "number", "string", "boolean", "strings"]
+Kind = Literal["nodes", "runs", "number", "string", "boolean", "strings", "values"]
 Item = TypeVar("Item")
 
 
@@ -56,10 +59,12 @@ class Queries:
         self.database = database
         self.settings = settings
         self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
+        self.saxon = Saxon(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
         self.shared = Shared()
 
     def close(self) -> None:
         self.evaluator.close()
+        self.saxon.close()
 
     def answer(self, request: QueryRequest, limits: Limits | None = None) -> QueryAnswer:
         """A page of the answer. limits: by the settings, if not given; another thread may cancel through them.
@@ -71,7 +76,7 @@ class Queries:
         query = parse(request.q, request.variables)
         cursor = read_cursor(request)
         kind = type_of(query.tree)
-        if request.as_ != "json" and kind != "nodes":
+        if request.as_ != "json" and kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         limits = limits or self.limits()
         with self.database.read(LATEST if cursor is None else cursor.commit) as tx:
@@ -87,7 +92,7 @@ class Queries:
         """All nodes of an answer (or the first `limit`), to be shown bit by bit. Raises as `answer` does."""
         query = parse(request.q, request.variables)
         kind = type_of(query.tree)
-        if kind != "nodes":
+        if kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         limits = limits or self.limits()
         with self.database.read() as tx:
@@ -143,8 +148,9 @@ class _Asking:
             return self._on_columns(normal(self.query.tree), page)
         except (TooWideError, TooLongError, NotOnColumnsError):
             self.explain.way = "projection"
-            self.explain.plan = ["the documents as XML, without what the expression cannot touch", "by libxml2"]
-            return self._on_xml(page)
+            by = "Saxon" if self.query.later else "libxml2"
+            self.explain.plan = ["the documents as XML, without what the expression cannot touch", f"by {by}"]
+            return self._by_saxon(page) if self.query.later else self._on_xml(page)
 
     def _on_columns(self, tree: Expression, page: _Page) -> QueryAnswer:
         if is_constant(tree):
@@ -154,6 +160,8 @@ class _Asking:
         if call is not None:
             source = self.source(call.arguments[0])
             self.explain.plan.append(f"{call.function} of them")
+            if call.function == "string-join":
+                return QueryAnswer(type="string", value=aggregates.joined(call, source))
             return self._aggregate(call.function, source, page)
         if type_of(tree) == "nodes":
             return page.of(self.tx, self.nodes(), self.limits.max_elements)
@@ -218,11 +226,30 @@ class _Asking:
 
     def on_xml(self, limit: int | None) -> list[Node]:
         """The nodes of the whole expression, evaluated on documents as XML. LimitError for too many."""
-        source = Projected(self.engine.evaluator, self.tx, self.query, self.scope, self.limits)
-        found = source.nodes(0, MAX_ON_XML + 1 if limit is None else min(limit, MAX_ON_XML))
+        most = MAX_ON_XML + 1 if limit is None else min(limit, MAX_ON_XML)
+        if self.query.later:
+            answer = self._sequences().page(0, most)
+            if not answer.nodes:
+                raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
+            found = [item for item in answer.items if isinstance(item, Node)]
+        else:
+            found = Projected(self.engine.evaluator, self.tx, self.query, self.scope, self.limits).nodes(0, most)
         if len(found) > MAX_ON_XML:
             raise LimitError(f"The answer has more than {MAX_ON_XML:,} nodes.", remedy="Narrow the question.")
         return found
+
+    def _sequences(self) -> Sequences:
+        return Sequences(self.engine.saxon, self.tx, self.query, self.scope, self.limits)
+
+    def _by_saxon(self, page: _Page) -> QueryAnswer:
+        source = self._sequences()
+        if page.request.as_ == "runs":
+            return page.of_runs(self.tx, source.runs())
+        if page.request.as_ == "json" and source.documents:
+            whole = source.aggregate()
+            if whole is not None:
+                return page.of_aggregate(self.tx, *whole)
+        return page.of_sequence(self.tx, source.page(page.offset, page.limit + 1))
 
     def _on_xml(self, page: _Page) -> QueryAnswer:
         source = Projected(self.engine.evaluator, self.tx, self.query, self.scope, self.limits)
@@ -248,21 +275,37 @@ class _Page:
 
     def of(self, tx: Transaction, source: Source, max_elements: int) -> QueryAnswer:
         if self.request.as_ == "runs":
-            return self._runs(tx, sources.runs(source))
+            return self.of_runs(tx, sources.runs(source))
         return self._nodes(tx, sources.page(source, self.offset, self.limit + 1, max_elements))
 
     def of_projected(self, tx: Transaction, source: Projected) -> QueryAnswer:
         if self.request.as_ == "runs":
-            return self._runs(tx, source.runs())
+            return self.of_runs(tx, source.runs())
         return self._nodes(tx, source.nodes(self.offset, self.limit + 1))
 
-    def of_values(self, tx: Transaction, values: Sequence[str]) -> QueryAnswer:
+    def of_aggregate(self, tx: Transaction, function: str, value: object) -> QueryAnswer:
+        if isinstance(value, list):
+            return self.of_values(tx, value)
+        single: float | str | bool | None = value  # type: ignore[assignment]
+        kind: Kind = "number" if single is None else kind_of_value(single)
+        return QueryAnswer(type=kind, value=None if single is None else plain(single))
+
+    def of_sequence(self, tx: Transaction, found: Sequenced) -> QueryAnswer:
+        if found.single is not None:
+            kind = kind_of_value(found.single[0][1])
+            return scalars(kind, [stored for stored, _ in found.single], [value for _, value in found.single])
+        items = [node_item(item) if isinstance(item, Node) else ValueItem(value=plain(item)) for item in found.items]
+        more = len(items) > self.limit
+        kind = "nodes" if found.nodes else "values"
+        return QueryAnswer(type=kind, items=items[: self.limit], next_cursor=self._next(tx, more))
+
+    def of_values(self, tx: Transaction, values: Sequence[float | str | bool]) -> QueryAnswer:
         some = values[self.offset : self.offset + self.limit]
         more = len(values) > self.offset + self.limit
-        items = [ValueItem(value=value) for value in some]
+        items = [ValueItem(value=plain(value)) for value in some]
         return QueryAnswer(type="strings", items=list(items), next_cursor=self._next(tx, more), total=len(values))
 
-    def _runs(self, tx: Transaction, found: Iterable[Run]) -> QueryAnswer:
+    def of_runs(self, tx: Transaction, found: Iterable[Run]) -> QueryAnswer:
         if self.offset + self.limit > MAX_RUNS:
             raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
         runs = list(islice(found, self.offset, self.offset + self.limit + 1))
@@ -289,6 +332,12 @@ def scalars(kind: Kind, documents: Sequence[Listed], found: Sequence[float | str
         for listed, value in zip(documents, found, strict=True)
     ]
     return QueryAnswer(type=kind, items=list(items))
+
+
+def kind_of_value(value: float | str | bool) -> Kind:
+    if isinstance(value, bool):
+        return "boolean"
+    return "string" if isinstance(value, str) else "number"
 
 
 def without_index(tree: Expression) -> tuple[Expression, int | None]:

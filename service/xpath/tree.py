@@ -74,7 +74,23 @@ class Operation:
     span: Span = field(default=(0, 0), compare=False)
 
 
-Expression: TypeAlias = Literal | Path | Filter | Call | Operation
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """A whole expression of XPath 2.0 that only Saxon evaluates, as it is written.
+
+    variables: the values of those that it does not bind itself. function, arguments: of a call that makes one value of
+    all documents. nodes: whether its operator gives nodes.
+    """
+
+    text: str
+    variables: tuple[tuple[str, str | float | bool], ...] = ()
+    function: str = ""
+    arguments: tuple[str, ...] = ()
+    nodes: bool = False
+    span: Span = field(default=(0, 0), compare=False)
+
+
+Expression: TypeAlias = Literal | Path | Filter | Call | Operation | Sequence
 
 NODES_FUNCTIONS = frozenset({"id"})
 NUMBER_FUNCTIONS = frozenset(
@@ -114,7 +130,9 @@ NEED_NODES = frozenset(
 
 
 def type_of(expression: Expression) -> str:
-    """Type of the value: "nodes", "number", "string", "boolean" or "strings". The text alone tells it."""
+    """Type of the value: "nodes", "number", "string", "boolean" or "strings"; "sequence" where only it can tell."""
+    if isinstance(expression, Sequence):
+        return "sequence"
     if isinstance(expression, Literal):
         return "string" if isinstance(expression.value, str) else "number"
     if isinstance(expression, Path | Filter):
@@ -176,7 +194,7 @@ def walk(expression: Expression) -> Iterator[Expression]:
 def is_constant(expression: Expression) -> bool:
     """Whether the value is the same in every document: no path, and no function that looks at the context node."""
     return not any(
-        isinstance(part, Path | Filter)
+        isinstance(part, Path | Filter | Sequence)
         or (
             isinstance(part, Call)
             and (part.function in NODES_FUNCTIONS | {"lang", "position", "last"} or not _given(part))

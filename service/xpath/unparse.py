@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from decimal import Decimal
 
-from service.xpath.tree import Call, Expression, Filter, Literal, Path, Step
+from service.xpath.tree import Call, Expression, Filter, Literal, Path, Sequence, Step
 
 _LEVELS = {"or": 1, "and": 2, "=": 3, "!=": 3, "<": 4, "<=": 4, ">": 4, ">=": 4, "+": 5, "-": 5}
 _LEVELS |= {"*": 6, "div": 6, "mod": 6, "negate": 7, "|": 8}
@@ -27,6 +27,8 @@ def unparse(expression: Expression | Step) -> str:
         return f"({unparse(expression.operand)}){predicates}"
     if isinstance(expression, Call):
         return f"{expression.function}({', '.join(unparse(argument) for argument in expression.arguments)})"
+    if isinstance(expression, Sequence):
+        return expression.text
     level = _LEVELS[expression.operator]
     if expression.operator == "negate":
         return "-" + _inner(expression.operands[0], level)
@@ -38,7 +40,7 @@ def unparse(expression: Expression | Step) -> str:
 def _inner(expression: Expression, level: int) -> str:
     """An operand, in parentheses where it binds less tightly."""
     text = unparse(expression)
-    if isinstance(expression, Filter | Call | Literal) or (isinstance(expression, Path) and level < 9):
+    if isinstance(expression, Filter | Call | Literal | Sequence) or (isinstance(expression, Path) and level < 9):
         return text
     own = 0 if isinstance(expression, Path) else _LEVELS[expression.operator]
     return f"({text})" if own < level else text

@@ -1,0 +1,132 @@
+"""A process of its own that evaluates XPath 2.0 and later with Saxon: it can be killed, and its memory is bounded.
+
+Run as a program: `python saxon_worker.py MEMORY_BYTES`. Messages are those of `worker.py`. A request is a JSON object
+{expression, variables, limit, offset}, then the document in pieces, then an empty message. The answer: {"total": n,
+"items": […]} for items offset … offset + limit - 1 of the sequence: ["node", kind, address, value] or ["number" |
+"string" | "boolean", value], NaN and infinities as texts.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import resource
+import sys
+from pathlib import Path
+from typing import Any
+
+# As a program it stands in no package, and the folder beside it holds names that are not meant for all.
+sys.path[0] = str(Path(__file__).resolve().parents[2])
+
+from lxml import etree  # noqa: E402
+from saxonche import PySaxonApiError, PySaxonProcessor  # noqa: E402
+
+from service.xpath.worker import LAST, Addresses, describe, read_message, write_message  # noqa: E402
+
+_SPECIAL = {"INF": "Infinity", "+INF": "Infinity", "-INF": "-Infinity", "NaN": "NaN"}
+_NUMBERS = ("integer", "decimal", "double", "float")
+_STEP = re.compile(r"/(?:Q\{\}([^\[/]+)\[(\d+)\]|@(.+)|(text\(\))\[\d+\]|(namespace::.+))")
+
+
+def main() -> None:
+    memory = int(sys.argv[1])
+    # Saxon reserves addresses by the gigabyte and uses few of them, so what counts is what it writes to.
+    resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    source, target = sys.stdin.buffer, sys.stdout.buffer
+    saxon = PySaxonProcessor(license=False)
+    saxon.set_configuration_property("http://saxon.sf.net/feature/allowedProtocols", "")
+    while (request := read_message(source)) is not None:
+        parser = etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True, load_dtd=False)
+        try:
+            while piece := read_message(source):
+                parser.feed(piece)
+            answer = evaluate(saxon, parser.close(), **json.loads(request))
+        except MemoryError:
+            answer = {"error": "memory"}
+        except PySaxonApiError as error:
+            answer = {"error": "expression", "message": " ".join(str(error).split())}
+        except etree.XMLSyntaxError as error:
+            answer = {"error": "document" if error.lineno else "memory", "message": str(error)}
+        write_message(target, json.dumps(answer).encode())
+        if answer.get("error") in LAST:
+            return
+        del answer, parser
+
+
+def evaluate(
+    saxon: Any, root: Any, expression: str, variables: dict[str, Any], limit: int, offset: int
+) -> dict[str, Any]:
+    """A page of the value of the expression, with the document as context item."""
+    processor = saxon.new_xpath_processor()
+    processor.set_language_version("3.1")
+    processor.set_backwards_compatible(True)
+    for name, value in variables.items():
+        processor.declare_variable(name)
+        processor.set_parameter(name, _atomic(saxon, value))
+    processor.set_context(xdm_item=saxon.parse_xml(xml_text=etree.tostring(root, encoding="unicode")))
+    found = processor.evaluate(expression)
+    total = 0 if found is None else found.size
+    places = _Places(saxon, root)
+    items = [_item(found.item_at(place), places) for place in range(offset, min(total, offset + limit))]
+    return {"total": total, "items": items}
+
+
+def _atomic(saxon: Any, value: str | float | bool) -> Any:
+    if isinstance(value, bool):
+        return saxon.make_boolean_value(value)
+    return saxon.make_string_value(value) if isinstance(value, str) else saxon.make_double_value(float(value))
+
+
+def _item(item: Any, places: _Places) -> list[Any]:
+    if item.is_node:
+        return ["node", *places.describe(item)]
+    if not item.is_atomic:
+        return ["string", item.to_string()]
+    atomic = item.get_atomic_value()
+    kind = atomic.primitive_type_name.rpartition("}")[2].rpartition("#")[2]
+    text = atomic.string_value
+    if kind == "boolean":
+        return ["boolean", text == "true"]
+    if kind in _NUMBERS:
+        return ["number", _SPECIAL.get(text) or float(text)]
+    return ["string", text]
+
+
+class _Places:
+    """Saxon's nodes as lxml's, which are described as all others are."""
+
+    def __init__(self, saxon: Any, root: Any) -> None:
+        self._root = root
+        self._paths = saxon.new_xpath_processor()
+        self._paths.set_language_version("3.1")
+        self._addresses = Addresses()
+        self._children: dict[Any, dict[str, list[Any]]] = {}
+
+    def describe(self, node: Any) -> list[str]:
+        self._paths.set_context(xdm_item=node)
+        path = self._paths.evaluate_single("path(.)").string_value
+        if path == "/":
+            return describe(self._root.getroottree(), self._addresses)
+        current: Any = None
+        for name, number, attribute, text, _namespace in _STEP.findall(path):
+            if name:
+                current = self._root if current is None else self._child(current, name, int(number))
+                continue
+            own = self._addresses.of(current)
+            if attribute:
+                return ["attribute", f"{own}/@{attribute}", current.get(attribute)]
+            return ["text", f"{own}/text()", current.text] if text else ["namespace", "", node.string_value]
+        return describe(current, self._addresses)
+
+    def _child(self, parent: Any, name: str, number: int) -> Any:
+        if parent not in self._children:
+            held: dict[str, list[Any]] = {}
+            for child in parent:
+                held.setdefault(child.tag, []).append(child)
+            self._children[parent] = held
+        return self._children[parent][name][number - 1]
+
+
+if __name__ == "__main__":
+    main()
