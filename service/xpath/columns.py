@@ -8,7 +8,7 @@ or parent. Candidates are taken in slices, so that memory is bounded by the slic
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -33,11 +33,11 @@ from service.xpath.tree import (
     Literal,
     Operation,
     Path,
-    Sequence,
     Step,
     depends_on_position,
     type_of,
 )
+from service.xpath.tree import Sequence as Written
 
 SLICE = 100_000
 """Candidates of a predicate that are looked at together."""
@@ -85,7 +85,7 @@ class Columns:
             if isinstance(expression.value, str):
                 return constant(expression.value, len(context))
             return np.broadcast_to(np.float64(expression.value), len(context))
-        if isinstance(expression, Sequence):
+        if isinstance(expression, Written):
             raise functions.NotOnColumnsError
         if isinstance(expression, Path):
             return self._path(expression, context)
@@ -259,7 +259,10 @@ class Columns:
         if operator in functions.COMPARISONS:
             left: Value = self.value(operands[0], context)
             for operand in operands[1:]:
-                left = compare(self.forest, operator, left, self.value(operand, context))
+                right = self.value(operand, context)
+                if operator == "!=":
+                    _check_something(operands, [left, right])
+                left = compare(self.forest, operator, left, right)
             return left
         result = self.numbers(operands[0], context)
         for operand in operands[1:]:
@@ -293,7 +296,10 @@ class Columns:
         if not arguments and name in functions.OF_CONTEXT:
             own: Value = NodeSets(np.arange(len(context)), context.nodes, len(context))
             return functions.call(self.forest, name, [own], len(context))
-        return functions.call(self.forest, name, [self.value(each, context) for each in arguments], len(context))
+        values = [self.value(each, context) for each in arguments]
+        if name not in _OF_NUMBERS:
+            _check_something(arguments, values)
+        return functions.call(self.forest, name, values, len(context))
 
 
 def _union(one: NodeSets, other: NodeSets) -> NodeSets:
@@ -335,6 +341,19 @@ def _positions(groups: Ints, *, reverse: bool) -> tuple[Floats, Floats]:
     return np.asarray(size - within if reverse else within + 1.0, np.float64), size
 
 
+_OF_NUMBERS = frozenset({"number", "floor", "ceiling", "round", "abs", "boolean", "not"})
+"""Functions to which nothing is what NaN is."""
+
+
+def _check_something(operands: Sequence[Expression], values: Sequence[Value]) -> None:
+    """The least, greatest or mean of nothing is NaN on columns, but nothing in XPath 2.0: no string, different from no
+    value. Only Saxon tells them apart."""
+    for operand, value in zip(operands, values, strict=False):
+        extreme = isinstance(operand, Call) and operand.function in ("min", "max", "avg")
+        if extreme and isinstance(value, np.ndarray) and np.isnan(value).any():
+            raise functions.NotOnColumnsError
+
+
 def _by_document(expression: Expression) -> bool:
     """Whether the value depends on nothing but the document of the context node."""
     if isinstance(expression, Literal):
@@ -343,7 +362,7 @@ def _by_document(expression: Expression) -> bool:
         return expression.absolute or (expression.start is not None and _by_document(expression.start))
     if isinstance(expression, Filter):
         return _by_document(expression.operand)
-    if isinstance(expression, Sequence):
+    if isinstance(expression, Written):
         return False
     if isinstance(expression, Call):
         own = expression.function in ("position", "last", "lang") or (

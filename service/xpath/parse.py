@@ -45,6 +45,8 @@ _KIND_TEST_BEFORE_SIGN = re.compile(
     r"""'[^']*'|"[^"]*"|\b((?:node|text|comment|processing-instruction)\(\s*\))(?=\s*[+*?])"""
 )
 _ATTRIBUTE_KIND_TEST = re.compile(r"""'[^']*'|"[^"]*"|(@)(?=\s*(?:node|text|comment|processing-instruction)\s*\()""")
+_OF_STRINGS = frozenset({"string-length", "contains", "starts-with", "ends-with"})
+_WHOLE = frozenset({"count", "position", "last", "string-length"})
 _LONG_NUMBER = re.compile(r"""'[^']*'|"[^"]*"|([0-9]{301})""")
 
 
@@ -78,10 +80,7 @@ def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) 
     too deeply.
     """
     _bound(text, MAX_LENGTH)
-    # elementpath takes the + of `node() + 1` for an occurrence indicator of XPath 2.0; a predicate keeps them apart.
-    text = _KIND_TEST_BEFORE_SIGN.sub(lambda match: match.group() + "[true()]" * bool(match.group(1)), text)
-    # elementpath knows `attribute::node()`, but not its abbreviation.
-    text = _ATTRIBUTE_KIND_TEST.sub(lambda match: "attribute::" if match.group(1) else match.group(), text)
+    text = readable(text)
     warnings: list[str] = []
     try:
         tree = _parse_tree(text, variables or {})
@@ -89,6 +88,14 @@ def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) 
     except RecursionError:
         raise LimitError("the expression is nested too deeply", remedy="Write it flatter.") from None
     return Query(tree, tuple(dict.fromkeys(warnings)))
+
+
+def readable(text: str) -> str:
+    """The expression as elementpath reads it rightly."""
+    # It takes the + of `node() + 1` for an occurrence indicator of XPath 2.0; a predicate keeps them apart.
+    text = _KIND_TEST_BEFORE_SIGN.sub(lambda match: match.group() + "[true()]" * bool(match.group(1)), text)
+    # It knows `attribute::node()`, but not its abbreviation.
+    return _ATTRIBUTE_KIND_TEST.sub(lambda match: "attribute::" if match.group(1) else match.group(), text)
 
 
 def _parse_tree(text: str, variables: Mapping[str, str | float | bool]) -> Expression:
@@ -99,7 +106,11 @@ def _parse_tree(text: str, variables: Mapping[str, str | float | bool]) -> Expre
         return _parse_more(text, error, variables)
     tree = bind(tree, variables)
     _check_types(tree)
-    return tree
+    return _parse_later(text, variables) if _writes_numbers(tree) else tree
+
+
+def _parse_later(text: str, variables: Mapping[str, str | float | bool]) -> Expression:
+    return sequence(text, Parser.parse(XPath2Parser(), text), variables)
 
 
 def _parse_more(
@@ -121,7 +132,8 @@ def _parse_more(
         if not unknown:
             tree = bind(tree, variables)
             _check_types(tree)
-            return tree
+            if not _writes_numbers(tree):
+                return tree
     except QueryError:
         # Our tree has no place for it.
         pass
@@ -130,6 +142,16 @@ def _parse_more(
 
 def _column(error: QueryError) -> int:
     return error.at.column or 0 if error.at is not None else 0
+
+
+def _writes_numbers(tree: Expression) -> bool:
+    """Whether fractions become strings in an expression of XPath 2.0, which has other digits for them than 1.0."""
+    return _is_later(tree) and any(
+        type_of(argument) == "number" and not (isinstance(argument, Call) and argument.function in _WHOLE)
+        for part in walk(tree)
+        if isinstance(part, Call) and part.function in STRING_FUNCTIONS | _OF_STRINGS
+        for argument in part.arguments[: 1 if part.function == "substring" else None]
+    )
 
 
 def _is_later(tree: Expression) -> bool:

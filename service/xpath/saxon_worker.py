@@ -15,13 +15,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
-# As a program it stands in no package, and the folder beside it holds names that are not meant for all.
-sys.path[0] = str(Path(__file__).resolve().parents[2])
+if __name__ == "__main__":
+    # As a program it stands in no package, and the folder beside it holds names that are not meant for all.
+    sys.path[0] = str(Path(__file__).resolve().parents[2])
 
-from lxml import etree  # noqa: E402
-from saxonche import PySaxonApiError, PySaxonProcessor  # noqa: E402
+from lxml import etree
+from saxonche import PySaxonApiError, PySaxonProcessor
 
-from service.xpath.worker import LAST, Addresses, describe, read_message, write_message  # noqa: E402
+from service.xpath.worker import LAST, Addresses, describe, read_message, write_message
 
 _SPECIAL = {"INF": "Infinity", "+INF": "Infinity", "-INF": "-Infinity", "NaN": "NaN"}
 _NUMBERS = ("integer", "decimal", "double", "float")
@@ -67,7 +68,7 @@ def evaluate(
     processor.set_context(xdm_item=saxon.parse_xml(xml_text=etree.tostring(root, encoding="unicode")))
     found = processor.evaluate(expression)
     total = 0 if found is None else found.size
-    places = _Places(saxon, root)
+    places = Places(saxon, root)
     items = [_item(found.item_at(place), places) for place in range(offset, min(total, offset + limit))]
     return {"total": total, "items": items}
 
@@ -75,10 +76,13 @@ def evaluate(
 def _atomic(saxon: Any, value: str | float | bool) -> Any:
     if isinstance(value, bool):
         return saxon.make_boolean_value(value)
-    return saxon.make_string_value(value) if isinstance(value, str) else saxon.make_double_value(float(value))
+    if isinstance(value, str):
+        return saxon.make_string_value(value)
+    # JSON has one kind of number; `1 to $n` wants an integer.
+    return saxon.make_integer_value(int(value)) if float(value).is_integer() else saxon.make_double_value(float(value))
 
 
-def _item(item: Any, places: _Places) -> list[Any]:
+def _item(item: Any, places: Places) -> list[Any]:
     if item.is_node:
         return ["node", *places.describe(item)]
     if not item.is_atomic:
@@ -93,7 +97,7 @@ def _item(item: Any, places: _Places) -> list[Any]:
     return ["string", text]
 
 
-class _Places:
+class Places:
     """Saxon's nodes as lxml's, which are described as all others are."""
 
     def __init__(self, saxon: Any, root: Any) -> None:

@@ -1,0 +1,140 @@
+"""XPath 2.0: generated expressions give the answers of Saxon-HE, called directly on the whole exported documents."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator, Mapping
+from random import Random
+from typing import Any
+
+import pytest
+from saxonche import PySaxonApiError, PySaxonProcessor
+
+from schemas.queries import NodeItem, QueryRequest
+from service.errors import QueryError
+from service.storage.database import Database
+from service.xpath.later import AGGREGATES
+from service.xpath.parse import parse
+from service.xpath.saxon_worker import evaluate
+from service.xpath.tree import Call, Sequence, is_constant
+from tests import postgres
+from tests.conftest import shared_folder
+from tests.xpath.later_grammar import LATER_FEATURES, LaterGrammar, later_features
+from tests.xpath.library import Library, library
+from tests.xpath.oracle import DifferenceError, pages, plain, same, same_value
+from tests.xpath.shares import Tally
+
+MOST_ELEMENTS = 1000
+COMBINED = {"count": sum, "sum": sum, "exists": any, "empty": all, "min": min, "max": max}
+
+
+@pytest.fixture(scope="module")
+def processor() -> PySaxonProcessor:
+    return PySaxonProcessor(license=False)
+
+
+@pytest.fixture(scope="module", params=["sqlite", "postgresql"])
+def documents(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Library]:
+    """The library on each kind of database, made once."""
+    if request.param == "sqlite":
+        database = Database(f"sqlite:///{tmp_path_factory.mktemp('later') / 'store.db'}")
+        database.migrate()
+        with library(database, shared_folder(), long=False) as made:
+            yield made
+        database.close()
+        return
+    with postgres.new_database(request.getfixturevalue("postgres_template"), "template_store") as url:
+        database = Database(url)
+        with library(database, shared_folder(), long=False) as made:
+            yield made
+        database.close()
+
+
+def wanted(processor: Any, text: str, trees: Mapping[str, Any]) -> list[list[Any]]:
+    """Of each document the items: (document, kind, address, value) of nodes, and values."""
+    result = []
+    for uuid, tree in trees.items():
+        found = evaluate(processor, tree.getroot(), text, {}, 10**9, 0)["items"]
+        result.append([(uuid, *item[1:3], plain(*item[1::2])) if item[0] == "node" else item[1] for item in found])
+    function = outermost(text)
+    if len(trees) > 1 and function in COMBINED:
+        values = [value for items in result for value in items]
+        return [[COMBINED[function](values)]] if values else [[]]
+    if len(trees) > 1 and function == "distinct-values":
+        return [list(dict.fromkeys(value for items in result for value in items))]
+    return result
+
+
+def outermost(text: str) -> str:
+    tree = parse(text).tree
+    if isinstance(tree, Call | Sequence) and tree.function in AGGREGATES:
+        return tree.function
+    return ""
+
+
+def check(
+    processor: Any, made: Library, trees: Mapping[str, Any], text: str, random: Random
+) -> tuple[str, bool] | None:
+    """(way, whether the answer is not empty); None where Saxon refuses the expression."""
+    uuids = list(trees)
+    try:
+        expected = [item for items in wanted(processor, text, trees) for item in items]
+    except PySaxonApiError:
+        return None
+    explained = made.engine.answer(QueryRequest(q=text, document=uuids, limit=1, explain=True)).explain
+    got: list[Any] = []
+    for answer in pages(made.engine, text, uuids, random.choice([3, 100, 1000]) if len(expected) < 40 else 1000):
+        if answer.items is None:
+            got += [] if answer.value is None else [answer.value]
+        for item in answer.items or []:
+            node = isinstance(item, NodeItem)
+            got.append((item.document, item.kind, item.address, plain(item.kind, item.value)) if node else item.value)
+    same(len(got), len(expected), text)
+    for one, other in zip(got, expected, strict=True):
+        same_value(one, other, text)
+    return explained.way if explained is not None else "", bool(got) and got[0] not in ("", False, "NaN")
+
+
+def campaign(processor: Any, made: Library, seed: int, count: int) -> Tally:
+    random = Random(seed)
+    small = {uuid: tree for uuid, tree in made.trees.items() if sum(1 for _ in tree.iter()) <= MOST_ELEMENTS}
+    grammar = LaterGrammar(random, small)
+    tally = Tally(LATER_FEATURES)
+    differences: list[str] = []
+    for uuid, text in grammar.expressions():
+        if tally.asked + tally.refused >= count:
+            break
+        chosen = {uuid, *random.sample(list(small), 2)} if random.random() < 0.2 else {uuid}
+        if outermost(text) in ("avg", "string-join") or is_constant(parse(text).tree):
+            # The values of single documents do not tell that of all; other tests do. A constant has one value.
+            chosen = {uuid}
+        trees = {other: tree for other, tree in small.items() if other in chosen}
+        try:
+            outcome = check(processor, made, trees, text, random)
+        except (DifferenceError, QueryError) as difference:
+            differences.append(f"{text}\n  {difference}")
+            continue
+        if outcome is None:
+            tally.refused += 1
+            continue
+        used = later_features(text)
+        grammar.used(used)
+        tally.asked += 1
+        tally.features.update(used)
+        tally.ways[outcome[0]] += 1
+        tally.filled += outcome[1]
+    assert not differences, f"{len(differences)} differences:\n" + "\n".join(differences[:10])
+    return tally
+
+
+def test_answers_are_saxons(processor: Any, documents: Library) -> None:
+    campaign(processor, documents, zlib.crc32(documents.engine.database.name.encode()), 300).judge()
+
+
+@pytest.mark.fuzz
+@pytest.mark.timeout(7200)
+@pytest.mark.parametrize("seed", range(2))
+def test_answers_are_saxons_many_times(processor: Any, documents: Library, seed: int) -> None:
+    tally = campaign(processor, documents, 2000 + seed, 1300)
+    print(tally)
+    tally.judge()
