@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import Select, and_, func, select
+from sqlalchemy import BigInteger, BindParameter, ColumnElement, Select, and_, bindparam, func, select
 
 from service.motion.skeleton import CHANNELS
 from service.storage.encoding import unpack_shape
@@ -53,7 +53,66 @@ class Listed:
 ROWS_AT_A_TIME = 4096
 
 
+_AT = bindparam("at", type_=BigInteger)
+_KEYS: BindParameter[Any] = bindparam("keys", expanding=True)
+
+
+def _valid(table: Any) -> ColumnElement[bool]:
+    return and_(table.c.from_commit <= _AT, table.c.to_commit > _AT)
+
+
+# Made once: to make a statement takes longer than to run a short one.
+_TIMELINES = (
+    select(timeline.c.document, timeline.c.first, timeline.c.slot, timeline.c.count)
+    .where(timeline.c.document.in_(_KEYS), _valid(timeline))
+    .order_by(timeline.c.document, timeline.c.first)
+)
+_SHAPE_RUNS = (
+    select(shape_run.c.document, shape_run.c.slot, shape_run.c.count, shape_run.c.shape)
+    .where(shape_run.c.document.in_(_KEYS), _valid(shape_run))
+    .order_by(shape_run.c.document, shape_run.c.slot)
+)
+_SHAPES = select(shape.c.document, shape.c.shape, shape.c.bones).where(shape.c.document.in_(_KEYS))
+_BONE_NAMES = select(bone.c.document, bone.c.bone, bone.c.name).where(bone.c.document.in_(_KEYS), _valid(bone))
+_BONES_NAMED = select(bone.c.document, bone.c.bone).where(
+    bone.c.name == bindparam("name"), bone.c.document.in_(_KEYS), _valid(bone)
+)
+_SPANS = (
+    select(span.c.document, span.c.first, span.c.last, span.c.name)
+    .where(span.c.document.in_(_KEYS), _valid(span))
+    .order_by(span.c.document, span.c.rank, span.c.id)
+)
+_SPANS_IN = _SPANS.where(span.c.first <= bindparam("last"), span.c.last >= bindparam("first"))
+_FRAME_RUNS = (
+    select(
+        frame_run.c.document,
+        frame_run.c.first,
+        frame_run.c.count,
+        frame_run.c.first_id,
+        frame_run.c.step,
+        frame_run.c.texts,
+    )
+    .where(frame_run.c.document.in_(_KEYS), _valid(frame_run))
+    .order_by(frame_run.c.document, frame_run.c.first)
+)
+_TRACK_KEY = (track.c.document, track.c.chunk, track.c.bone, track.c.from_commit, track.c.channels)
+_TRACKS = select(*_TRACK_KEY).where(track.c.document.in_(_KEYS), _valid(track))
+_IN_CHUNKS = and_(track.c.chunk >= bindparam("low"), track.c.chunk <= bindparam("high"))
+_TRACKS_IN = _TRACKS.where(_IN_CHUNKS)
+_TRACK_DATA = select(*_TRACK_KEY, track.c.codec, track.c.data).where(
+    track.c.document.in_(_KEYS), _valid(track), _IN_CHUNKS, track.c.bone.in_(bindparam("bones", expanding=True))
+)
+_TRACKS_NAMED = (
+    select(*_TRACK_KEY)
+    .select_from(bone)
+    .join(track, and_(track.c.document == bone.c.document, track.c.bone == bone.c.bone))
+    .where(bone.c.name == bindparam("name"), _valid(bone), _valid(track))
+)
+
+
 class Columns:
+    """Every method takes the keys of the documents (or skeletons) it reads."""
+
     def __init__(self, tx: Transaction) -> None:
         self._tx = tx
 
@@ -80,73 +139,59 @@ class Columns:
         )
         if project_key is not None:
             query = query.where(held.c.project == project_key)
-        found: Iterable[Any] = self._tx.connection.execute(query) if keys is None else ()
         if keys is not None:
-            found = self._rows(query, document.c.id, keys)
+            query = query.where(document.c.id.in_(_KEYS))
+        found = self._tx.connection.execute(query).all() if keys is None else self._rows(query, keys)
         listed = [Listed(*row) for row in found]
         return sorted(listed, key=lambda one: (one.name, one.key))
 
     def timelines(self, keys: Sequence[int]) -> list[Any]:
         """Rows (document, first, slot, count) in order of document and position."""
-        query = select(timeline.c.document, timeline.c.first, timeline.c.slot, timeline.c.count)
-        query = query.where(self._tx.valid(timeline)).order_by(timeline.c.document, timeline.c.first)
-        return list(self._rows(query, timeline.c.document, keys))
+        return list(self._rows(_TIMELINES, keys))
 
     def shape_runs(self, keys: Sequence[int]) -> list[Any]:
         """Rows (document, slot, count, shape) in order of document and slot."""
-        query = select(shape_run.c.document, shape_run.c.slot, shape_run.c.count, shape_run.c.shape)
-        query = query.where(self._tx.valid(shape_run)).order_by(shape_run.c.document, shape_run.c.slot)
-        return list(self._rows(query, shape_run.c.document, keys))
+        return list(self._rows(_SHAPE_RUNS, keys))
 
     def shapes(self, keys: Sequence[int]) -> dict[tuple[int, int], Shape]:
         """Every shape by (document, number)."""
-        query = select(shape.c.document, shape.c.shape, shape.c.bones)
-        return {(row[0], row[1]): unpack_shape(row[2]) for row in self._rows(query, shape.c.document, keys)}
+        return {(row[0], row[1]): unpack_shape(row[2]) for row in self._rows(_SHAPES, keys)}
 
     def bone_names(self, keys: Sequence[int]) -> dict[tuple[int, int], str]:
         """The name of each bone by (document, number)."""
-        query = select(bone.c.document, bone.c.bone, bone.c.name).where(self._tx.valid(bone))
-        return {(row[0], row[1]): row[2] for row in self._rows(query, bone.c.document, keys)}
+        return {(row[0], row[1]): row[2] for row in self._rows(_BONE_NAMES, keys)}
 
     def used_bone_names(self, keys: Sequence[int]) -> list[str]:
         """The names of all bones of the documents."""
-        query = select(bone.c.name).where(self._tx.valid(bone)).distinct()
-        return sorted({row[0] for row in self._rows(query, bone.c.document, keys)})
+        return sorted({row[2] for row in self._rows(_BONE_NAMES, keys)})
 
     def used_motion_names(self, keys: Sequence[int]) -> list[str]:
         """The names of all spans of the documents."""
-        query = select(span.c.name).where(self._tx.valid(span)).distinct()
-        return sorted({row[0] for row in self._rows(query, span.c.document, keys)})
+        return sorted({row[3] for row in self._rows(_SPANS, keys)})
 
     def bones_named(self, name: str, keys: Sequence[int]) -> dict[int, int]:
         """The number of the bone of this name in each of the documents that has one."""
-        query = select(bone.c.document, bone.c.bone).where(bone.c.name == name, self._tx.valid(bone))
-        return {row[0]: row[1] for row in self._rows(query, bone.c.document, keys)}
+        return {row[0]: row[1] for row in self._rows(_BONES_NAMED, keys, name=name)}
 
     def spans(self, keys: Sequence[int], frames: tuple[int, int] | None = None) -> list[Any]:
         """Rows (document, first, last, name) in order of document and of the motion_names in a frame.
 
         frames: only spans that touch these, first to last.
         """
-        query = select(span.c.document, span.c.first, span.c.last, span.c.name)
-        if frames is not None:
-            query = query.where(span.c.first <= frames[1], span.c.last >= frames[0])
-        query = query.where(self._tx.valid(span)).order_by(span.c.document, span.c.rank, span.c.id)
-        return list(self._rows(query, span.c.document, keys))
+        if frames is None:
+            return list(self._rows(_SPANS, keys))
+        return list(self._rows(_SPANS_IN, keys, first=frames[0], last=frames[1]))
 
     def frame_runs(self, keys: Sequence[int]) -> list[Any]:
         """Rows (document, first, count, first_id, step, texts) in order of document and position."""
-        run = frame_run.c
-        query = select(run.document, run.first, run.count, run.first_id, run.step, run.texts)
-        query = query.where(self._tx.valid(frame_run)).order_by(run.document, run.first)
-        return list(self._rows(query, run.document, keys))
+        return list(self._rows(_FRAME_RUNS, keys))
 
     def headers(self, keys: Sequence[int]) -> dict[int, Element]:
         """The `header` element of each document."""
         query = select(header.c.document, header.c.level, header.c.tag, header.c.attributes, header.c.text)
-        query = query.where(self._tx.valid(header)).order_by(header.c.document, header.c.pre)
+        query = query.where(header.c.document.in_(_KEYS), _valid(header)).order_by(header.c.document, header.c.pre)
         rows: dict[int, list[Any]] = {}
-        for row in self._rows(query, header.c.document, keys):
+        for row in self._rows(query, keys):
             rows.setdefault(row.document, []).append(row)
         return {key: to_elements(found)[0] for key, found in rows.items()}
 
@@ -154,15 +199,16 @@ class Columns:
         """The `root` element, where there is one, and the `skeleton` element of each skeleton."""
         element = skeleton_element.c
         query = select(element.skeleton, element.level, element.tag, element.attributes, element.text)
+        query = query.where(element.skeleton.in_(_KEYS)).order_by(element.skeleton, element.pre)
         rows: dict[int, list[Any]] = {}
-        for row in self._rows(query.order_by(element.skeleton, element.pre), element.skeleton, keys):
+        for row in self._rows(query, keys):
             rows.setdefault(row.skeleton, []).append(row)
         return {key: to_elements(found) for key, found in rows.items()}
 
     def tracks(
         self,
         keys: Sequence[int],
-        bones: Sequence[int] | None,
+        bones: Sequence[int] | None = None,
         chunks: tuple[int, int] | None = None,
         bounds: Sequence[tuple[str, int, float]] = (),
     ) -> Iterator[Any]:
@@ -171,8 +217,11 @@ class Columns:
         chunks: first and last. bounds: ("min" | "max", channel, bound): by their zone maps, only tracks whose least
         sample is not above the bound, or greatest not below it.
         """
-        query = select(track.c.document, track.c.chunk, track.c.bone, track.c.from_commit, track.c.channels)
-        return self._rows(self._of_bones(_within(query, bounds), bones, chunks), track.c.document, keys)
+        query = _TRACKS if chunks is None else _TRACKS_IN
+        if bones is not None:
+            query = query.where(track.c.bone.in_(bones))
+        given = {} if chunks is None else {"low": chunks[0], "high": chunks[1]}
+        return self._rows(_within(query, bounds), keys, **given)
 
     def tracks_named(
         self,
@@ -182,43 +231,24 @@ class Columns:
         bounds: Sequence[tuple[str, int, float]] = (),
     ) -> Iterator[Any]:
         """As `tracks`, of the bones of a name, whatever their numbers. keys: None for all documents there are."""
-        query: Select[Any] = (
-            select(track.c.document, track.c.chunk, track.c.bone, track.c.from_commit, track.c.channels)
-            .select_from(bone)
-            .join(track, and_(track.c.document == bone.c.document, track.c.bone == bone.c.bone))
-            .where(bone.c.name == name, self._tx.valid(bone))
-        )
-        query = self._of_bones(_within(query, bounds), None, chunks)
-        return (
-            iter(self._tx.connection.execute(query).all()) if keys is None else self._rows(query, bone.c.document, keys)
-        )
+        query = _within(_TRACKS_NAMED, bounds)
+        given: dict[str, Any] = {"name": name}
+        if chunks is not None:
+            query = query.where(_IN_CHUNKS)
+            given |= {"low": chunks[0], "high": chunks[1]}
+        if keys is None:
+            return iter(self._tx.connection.execute(query, given | {"at": self._tx.at}).all())
+        return self._rows(query.where(bone.c.document.in_(_KEYS)), keys, **given)
 
     def track_data(self, keys: Sequence[int], bones: Sequence[int], chunks: tuple[int, int]) -> Iterator[Any]:
         """Rows (document, chunk, bone, from_commit, channels, codec, data)."""
-        query = select(
-            track.c.document,
-            track.c.chunk,
-            track.c.bone,
-            track.c.from_commit,
-            track.c.channels,
-            track.c.codec,
-            track.c.data,
-        )
-        return self._rows(self._of_bones(query, bones, chunks), track.c.document, keys)
+        return self._rows(_TRACK_DATA, keys, bones=bones, low=chunks[0], high=chunks[1])
 
-    def _of_bones(self, query: Select[Any], bones: Sequence[int] | None, chunks: tuple[int, int] | None) -> Select[Any]:
-        query = query.where(self._tx.valid(track))
-        if bones is not None:
-            query = query.where(track.c.bone == bones[0] if len(bones) == 1 else track.c.bone.in_(bones))
-        if chunks is not None:
-            query = query.where(track.c.chunk >= chunks[0], track.c.chunk <= chunks[1])
-        return query
-
-    def _rows(self, query: Select[Any], column: Any, keys: Sequence[int]) -> Iterator[Any]:
+    def _rows(self, query: Select[Any], keys: Sequence[int], **given: Any) -> Iterator[Any]:
+        given["at"] = self._tx.at
         for start in range(0, len(keys), KEYS_AT_A_TIME):
-            some = list(keys[start : start + KEYS_AT_A_TIME])
-            narrowed = query.where(column == some[0] if len(some) == 1 else column.in_(some))
-            for part in self._tx.connection.execute(narrowed).partitions(ROWS_AT_A_TIME):
+            given["keys"] = list(keys[start : start + KEYS_AT_A_TIME])
+            for part in self._tx.connection.execute(query, given).partitions(ROWS_AT_A_TIME):
                 yield from part
 
 

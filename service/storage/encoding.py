@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -100,6 +100,7 @@ _MAX = [f"max_{channel}" for channel in CHANNELS]
 _NO_ZONES: dict[str, Any] = {f"{end}_{channel}": None for channel in CHANNELS for end in ("min", "max")}
 
 
+@cache
 def channels_of(bits: int) -> list[int]:
     """The channel numbers whose bits are set, ascending: the order of a track's columns."""
     return [channel for channel in range(len(CHANNELS)) if bits >> channel & 1]

@@ -54,6 +54,7 @@ class Forest:
         self._labels: LabelRuns | None = None
         self._ids: IdRuns | None = None
         self._only: tuple[int, int] | None = None
+        self._bone_names: list[dict[int, str]] | None = None
 
     def __len__(self) -> int:
         return len(self.documents)
@@ -80,6 +81,16 @@ class Forest:
         """Say that of all frames only these are asked for anything, which spares reading the names of others."""
         positions = frames_of(frames)
         self._only = (int(positions.min()), int(positions.max())) if len(positions) else (1, 0)
+
+    def bone_names(self, document: int) -> list[str]:
+        """The names of bones by their numbers, as `write_frames` takes them."""
+        if self._bone_names is None:
+            self._bone_names = [{} for _ in self.keys]
+            place = {key: number for number, key in enumerate(self.keys)}
+            for (key, bone), name in self.tx.columns.bone_names(self.keys).items():
+                self._bone_names[place[key]][bone] = name
+        names = self._bone_names[document]
+        return [names.get(number, "") for number in range(max(names, default=-1) + 1)]
 
     def shape(self, number: int) -> Shape:
         """One of the shapes, as the store has it."""
@@ -118,7 +129,7 @@ class HeadRows:
         self.parents = _joined([np.maximum(p.parents, 0) + o for p, o in zip(parts, offset, strict=True)], np.int64)
         self.ends = _joined([part.ends + start for part, start in zip(parts, offset, strict=True)], np.int64)
         self._parts = parts
-        self._heads = heads
+        self.heads = heads
         self._named: dict[int, Ints] = {}
         self._by_parent: dict[int, tuple[Ints, Ints]] = {}
 
@@ -148,7 +159,7 @@ class HeadRows:
     def address(self, row: int) -> str:
         """The canonical address of an element, attribute or text."""
         document = int(np.searchsorted(self.starts, row, side="right")) - 1
-        return self._heads[document].address(row - int(self.starts[document]))
+        return self.heads[document].address(row - int(self.starts[document]))
 
     def named(self, code: int) -> Ints:
         """The rows of all elements of a name, ascending."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from service.mcml.elements import Element
 from service.mcml.vocabulary import MCML, MOTION
+from service.mcml.writer import attribute_bytes, text_bytes
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.numbering import (
@@ -52,6 +53,7 @@ class Head:
     part: Part
     motion: int
     _addresses: dict[int, str] = field(default_factory=dict)
+    _kept: list[tuple[list[int], list[str], list[int]]] = field(default_factory=list)
 
     def address(self, row: int) -> str:
         """The canonical address of the node in a row, an XPath that finds it. A namespace node has none.
@@ -78,6 +80,42 @@ class Head:
             numbered = f"[{seen[code]}]" if total[code] > 1 else ""
             self._addresses[sibling] = f"{above}/{code_names()[code]}{numbered}"
         return self._addresses[row]
+
+    def xml(self, row: int) -> str:
+        """An element outside of the motion, with all it holds."""
+        kinds, names, ends = self._lists()
+        parts: list[str] = []
+        open_: list[tuple[int, str]] = []
+        in_tag = False
+        for place in range(row, ends[row] + 1):
+            while open_ and place > open_[-1][0]:
+                parts.append("/>" if in_tag else f"</{open_[-1][1]}>")
+                open_.pop()
+                in_tag = False
+            kind, text = kinds[place], self.part.texts[place]
+            if kind == IS_ATTRIBUTE:
+                parts.append(f' {names[place]}="{attribute_bytes(text).decode()}"')
+            elif kind == IS_TEXT:
+                parts.append(">" * in_tag + text_bytes(text).decode())
+                in_tag = False
+            elif kind == IS_ELEMENT:
+                parts.append(">" * in_tag + f"<{names[place]}")
+                in_tag = True
+                open_.append((ends[place], names[place]))
+        while open_:
+            parts.append("/>" if in_tag else f"</{open_.pop()[1]}>")
+            if in_tag:
+                open_.pop()
+                in_tag = False
+        return "".join(parts)
+
+    def _lists(self) -> tuple[list[int], list[str], list[int]]:
+        """Kinds, names and ends of all rows: single items of lists are read much faster than those of arrays."""
+        if not self._kept:
+            known = code_names()
+            names = [known[code] for code in self.part.names.tolist()]
+            self._kept.append((self.part.kinds.tolist(), names, self.part.ends.tolist()))
+        return self._kept[0]
 
 
 def flatten(forest: Sequence[Element]) -> Part:

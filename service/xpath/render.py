@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from service.errors import LimitError
 from service.mcml.vocabulary import FRAME_BONE, MOTION, MOTION_NAME
 from service.mcml.writer import Layout, attribute_bytes, text_bytes, write_document, write_frames
 from service.motion.clip import FrameBlock
-from service.motion.skeleton import CHANNELS
+from service.motion.skeleton import CHANNELS, Array
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.encoding import channels_of
@@ -23,15 +24,11 @@ from service.xpath.node_tests import kinds_and_names
 from service.xpath.numbering import (
     BONE_WIDTH,
     BONES,
-    DOCUMENT_SHIFT,
     FIRST_ATTRIBUTE,
     FRAME_SHIFT,
-    IS_ATTRIBUTE,
     IS_DOCUMENT,
     IS_ELEMENT,
-    IS_TEXT,
     Ints,
-    code_names,
     documents_of,
     frames_of,
     in_frames,
@@ -58,64 +55,70 @@ def node_values(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
         index = np.flatnonzero(which)
         if len(index):
             result[index] = write(forest, nodes[index])
-    for place in np.flatnonzero(elements & ~framed).tolist():
-        result[place] = _of_head(forest, int(nodes[place]), max_elements)
+    outside = np.flatnonzero(elements & ~framed)
+    for place, text in zip(outside.tolist(), _of_head(forest, nodes[outside], max_elements), strict=True):
+        result[place] = text
     return list(result)
 
 
 def _frames(forest: Forest, nodes: Ints) -> list[str]:
     result: list[str] = []
-    for document, positions in positions_of(nodes):
-        result += [text.decode() for text in frame_texts(forest, document, positions)]
+    for start in range(0, len(nodes), BLOCK_FRAMES):
+        some = nodes[start : start + BLOCK_FRAMES]
+        for document, block in read_frames(forest, some):
+            for text in b"".join(write_frames(block, forest.bone_names(document))).split(b"</frame>\n")[:-1]:
+                result.append((text[:-1] + b"/>" if text.endswith(b'">') else text + b"</frame>").decode())
     return result
-
-
-def positions_of(nodes: Ints) -> Iterator[tuple[int, Ints]]:
-    """The positions of the frames that ascending nodes lie in, document by document."""
-    documents, starts = np.unique(documents_of(nodes), return_index=True)
-    yield from zip(documents.tolist(), np.split(frames_of(nodes), starts[1:]), strict=True)
 
 
 def runs_of(nodes: Ints) -> Iterator[tuple[int, int, int]]:
     """(document, first frame, last frame) of maximal runs of frames that ascending nodes lie in, each frame once."""
-    frames = np.unique(nodes >> 24)
+    frames = np.unique(nodes >> FRAME_SHIFT)
     if not len(frames):
         return
     breaks = np.flatnonzero(np.diff(frames) != 1)
-    starts = frames[np.concatenate([[0], breaks + 1])]
-    stops = frames[np.concatenate([breaks, [len(frames) - 1]])]
-    for start, stop in zip((starts << 24).tolist(), (stops << 24).tolist(), strict=True):
-        begin, end = np.array([start]), np.array([stop])
-        yield int(documents_of(begin)[0]), int(frames_of(begin)[0]), int(frames_of(end)[0])
+    starts = frames[np.concatenate([[0], breaks + 1])] << FRAME_SHIFT
+    stops = frames[np.concatenate([breaks, [len(frames) - 1]])] << FRAME_SHIFT
+    yield from zip(documents_of(starts).tolist(), frames_of(starts).tolist(), frames_of(stops).tolist(), strict=True)
 
 
-def frame_texts(forest: Forest, document: int, positions: Ints) -> Iterator[bytes]:
-    """Frames at ascending positions as XML."""
-    names = bone_names(forest.tx, forest.documents[document])
-    for start in range(0, len(positions), BLOCK_FRAMES):
-        block = read_frames(forest, document, positions[start : start + BLOCK_FRAMES])
-        for text in b"".join(write_frames(block, names)).split(b"</frame>\n")[:-1]:
-            yield text[:-1] + b"/>" if text.endswith(b'">') else text + b"</frame>"
-
-
-def read_frames(forest: Forest, document: int, positions: Ints) -> FrameBlock:
-    """Frames at ascending positions, which need not follow each other."""
-    nodes = (document << DOCUMENT_SHIFT) | (positions << FRAME_SHIFT)
+def read_frames(forest: Forest, nodes: Ints) -> Iterator[tuple[int, FrameBlock]]:
+    """The frames that ascending nodes are, which need not follow each other, as a block for each document."""
     slots = forest.shapes.slot_of(nodes)
+    chunks, documents = slots // CHUNK, documents_of(nodes)
+    rows = list(_track_rows(forest, documents, chunks))
+    by_document: dict[int, list[tuple[Any, Array]]] = {}
+    for row, data in zip(rows, forest.shared.tracks.read(forest.tx, rows), strict=True):
+        by_document.setdefault(row[0], []).append((row, data))
+    for document in np.unique(documents).tolist():
+        own = np.flatnonzero(documents == document)
+        tracks = by_document.get(forest.keys[document], [])
+        yield document, _block(forest, nodes[own], slots[own], tracks)
+
+
+def _track_rows(forest: Forest, documents: Ints, chunks: Ints) -> Iterator[Any]:
+    """The rows of all tracks that frames need, documents that need the same stretch of chunks together."""
+    stretches: dict[tuple[int, int], list[int]] = {}
+    for document in np.unique(documents).tolist():
+        wanted = np.unique(chunks[documents == document]).tolist()
+        for stretch in _stretches(wanted):
+            stretches.setdefault(stretch, []).append(forest.keys[document])
+    for stretch, keys in stretches.items():
+        yield from forest.tx.columns.tracks(keys, None, stretch)
+
+
+def _block(forest: Forest, nodes: Ints, slots: Ints, tracks: Sequence[tuple[Any, Array]]) -> FrameBlock:
+    """Frames of one document from the tracks that hold them."""
+    place: dict[tuple[int, int], int] = {}
+    for row, _ in tracks:
+        for channel in channels_of(row[4]):
+            place.setdefault((row[2], channel), len(place))
+    values = np.full((len(place), len(nodes)), np.nan)
     chunks = slots // CHUNK
     wanted = {chunk: np.flatnonzero(chunks == chunk) for chunk in np.unique(chunks).tolist()}
-    key = forest.keys[document]
-    rows = [
-        row for first, last in _stretches(list(wanted)) for row in forest.tx.columns.tracks([key], None, (first, last))
-    ]
-    place: dict[tuple[int, int], int] = {}
-    for row in rows:
-        for channel in channels_of(row.channels):
-            place.setdefault((row.bone, channel), len(place))
-    values = np.full((len(place), len(nodes)), np.nan)
-    for row, data in zip(rows, forest.shared.tracks.read(forest.tx, rows), strict=True):
-        some = wanted[row.chunk]
-        held = [place[row.bone, channel] for channel in channels_of(row.channels)]
+    for row, data in tracks:
+        some = wanted[row[1]]
+        held = [place[row[2], channel] for channel in channels_of(row[4])]
         values[np.array(held)[:, None], some] = data[:, slots[some] % CHUNK]
     numbers, shape_of = np.unique(forest.shapes.shape_of(nodes), return_inverse=True)
     ids, others = forest.ids.numbers(nodes)
@@ -187,20 +190,23 @@ def _frame_bones(forest: Forest, nodes: Ints) -> list[str]:
     return [f"<{FRAME_BONE}{''.join(some)}/>" for some in parts]
 
 
-def _of_head(forest: Forest, node: int, max_elements: int) -> str:
+def _of_head(forest: Forest, nodes: Ints, max_elements: int) -> Iterator[str]:
     head = forest.head
-    row = int(head.rows(np.array([node]))[0])
-    document = int(documents_of(np.array([node]))[0])
-    motion = int(head.motions[document])
-    if not row <= motion <= head.ends[row]:
-        return _subtree(forest, row)
-    stored = forest.documents[document]
-    check_size(forest.tx, stored, max_elements)
-    whole = b"".join(document_xml(forest.tx, stored)).decode()
-    # Behind the prolog; a motion that stands in a text is written &lt;motion&gt;.
-    start = whole.index(f"<{MOTION}>") if row == motion else whole.index("<mcml")
-    stop = whole.rindex("</mcml>") if row == motion else len(whole)
-    return whole[start:stop]
+    rows, documents = head.rows(nodes), documents_of(nodes)
+    motions = head.motions[documents]
+    holds_frames = (rows <= motions) & (motions <= head.ends[rows])
+    within = rows - head.starts[documents]
+    for row, document, whole, motion in zip(
+        within.tolist(), documents.tolist(), holds_frames.tolist(), (rows == motions).tolist(), strict=True
+    ):
+        if not whole:
+            yield head.heads[document].xml(row)
+            continue
+        listed = forest.documents[document]
+        check_size(forest.tx, listed, max_elements)
+        text = b"".join(document_xml(forest.tx, listed)).decode()
+        # Behind the prolog; a motion that stands in a text is written &lt;motion&gt;.
+        yield text[text.index(f"<{MOTION}>") : text.rindex("</mcml>")] if motion else text[text.index("<mcml") :]
 
 
 def check_size(tx: Transaction, listed: Listed, max_elements: int) -> None:
@@ -212,31 +218,3 @@ def check_size(tx: Transaction, listed: Listed, max_elements: int) -> None:
             remedy="Export the document instead, or ask for some of its frames.",
             code="query-too-large",
         )
-
-
-def _subtree(forest: Forest, row: int) -> str:
-    """An element outside of the motion, from its rows."""
-    head = forest.head
-    rows = np.arange(row, head.ends[row] + 1)
-    kinds, names = head.kinds[rows].tolist(), head.names[rows].tolist()
-    texts, ends = head.texts(rows), head.ends[rows].tolist()
-    parts: list[str] = []
-    open_: list[tuple[int, str]] = []
-    in_tag = False
-    for place, (kind, name, text) in enumerate(zip(kinds, names, texts, strict=True)):
-        while open_ and place + row > open_[-1][0]:
-            tag = open_.pop()[1]
-            parts.append("/>" if in_tag else f"</{tag}>")
-            in_tag = False
-        if kind == IS_ATTRIBUTE:
-            parts.append(f' {code_names()[name]}="{attribute_bytes(text).decode()}"')
-        elif kind in (IS_ELEMENT, IS_TEXT):
-            parts.append(">" * in_tag + (f"<{code_names()[name]}" if kind == IS_ELEMENT else text_bytes(text).decode()))
-            in_tag = kind == IS_ELEMENT
-            if in_tag:
-                open_.append((ends[place], code_names()[name]))
-    while open_:
-        tag = open_.pop()[1]
-        parts.append("/>" if in_tag else f"</{tag}>")
-        in_tag = False
-    return "".join(parts)

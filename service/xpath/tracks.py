@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from service.motion.skeleton import Array
@@ -13,6 +13,10 @@ from service.storage.encoding import channels_of, decompress
 
 Key = tuple[int, int, int, int]
 """(document, chunk, bone, from_commit): under a key a track never changes."""
+
+
+MOST_UNASKED = 4
+"""How many times as many tracks as are asked for one statement may reach."""
 
 
 class Tracks:
@@ -34,19 +38,10 @@ class Tracks:
             found = {key: self._kept[key] for key in keys if key in self._kept}
             for key in found:
                 self._kept.move_to_end(key)
-        missing: dict[int, list[Key]] = {}
-        for key in keys:
-            if key not in found:
-                missing.setdefault(key[2], []).append(key)
-        for bone, wanted in missing.items():
-            documents = list(dict.fromkeys(key[0] for key in wanted))
-            chunks = [key[1] for key in wanted]
-            asked = set(wanted)
-            for row in tx.columns.track_data(documents, [bone], (min(chunks), max(chunks))):
-                key = (row[0], row[1], row[2], row[3])
-                if key in asked:
-                    found[key] = decompress(row[6], len(channels_of(row[4])), row[5])
-        self._keep({key: found[key] for wanted in missing.values() for key in wanted})
+        missing = [key for key in dict.fromkeys(keys) if key not in found]
+        for row in _fetch(tx, missing):
+            found[row[0], row[1], row[2], row[3]] = decompress(row[6], len(channels_of(row[4])), row[5])
+        self._keep({key: found[key] for key in missing})
         return [found[key] for key in keys]
 
     def _keep(self, tracks: dict[Key, Array]) -> None:
@@ -59,3 +54,22 @@ class Tracks:
                     self._bytes += values.nbytes
             while self._bytes > self._limit:
                 self._bytes -= self._kept.popitem(last=False)[1].nbytes
+
+
+def _fetch(tx: Transaction, keys: Sequence[Key]) -> Iterator[Any]:
+    """The rows of tracks. One statement reads all tracks of some documents, bones and a range of chunks; where too many
+    of those are not asked for, some documents or bones at a time."""
+    if not keys:
+        return
+    asked = set(keys)
+    documents, bones = ({key[place]: None for key in keys} for place in (0, 2))
+    low, high = min(key[1] for key in keys), max(key[1] for key in keys)
+    everything = len(documents) * len(bones) * (high - low + 1)
+    if len(documents) == 1 or len(bones) == 1 or everything <= MOST_UNASKED * len(keys):
+        for row in tx.columns.track_data(list(documents), list(bones), (low, high)):
+            if (row[0], row[1], row[2], row[3]) in asked:
+                yield row
+        return
+    place = 0 if len(documents) < len(bones) else 2
+    for value in documents if place == 0 else bones:
+        yield from _fetch(tx, [key for key in keys if key[place] == value])
