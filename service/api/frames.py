@@ -31,6 +31,7 @@ from service.motion.kinematics import Walker
 from service.motion.skeleton import CHANNELS
 from service.motion.units import reading_of
 from service.storage.database import Transaction
+from service.storage.tracks import neighbours
 
 router = APIRouter(tags=["frames"])
 
@@ -141,7 +142,8 @@ def _array(
             for block in source.clip.blocks():
                 if space == "channels":
                     place = {column: index for index, column in enumerate(block.columns)}
-                    values = block.values[:, [place[column] for column in columns]]
+                    chosen = [place[column] for column in columns]
+                    values = block.values[:, neighbours(chosen) if chosen else chosen]
                 else:
                     positions, rotations = walker.poses(block)
                     values = (positions if space == "positions" else rotations)[:, order]

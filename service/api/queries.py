@@ -125,4 +125,4 @@ async def _while_connected(http: Request, limits: Limits, ask: Callable[[], Resu
 def _xml_page(answer: QueryAnswer) -> bytes:
     more = f' next_cursor="{answer.next_cursor}"' if answer.next_cursor else ""
     items = [xml_item(item) for item in answer.items or [] if isinstance(item, NodeItem)]
-    return b"".join([f'<?xml version="1.0" encoding="UTF-8"?>\n<results{more}>\n'.encode(), *items, b"</results>\n"])
+    return "".join([f'<?xml version="1.0" encoding="UTF-8"?>\n<results{more}>\n', *items, "</results>\n"]).encode()

@@ -258,8 +258,9 @@ class Tracks:
             data = decompress(row.data, len(channels), row.codec)
             offset = row.chunk * CHUNK - start
             a, b = max(offset, 0), min(offset + data.shape[1], end - start)
-            indices = [place[row.bone, channel] for channel in channels]
-            values[indices, a:b] = data[:, a - offset : b - offset]
+            values[neighbours([place[row.bone, channel] for channel in channels]), a:b] = data[
+                :, a - offset : b - offset
+            ]
         shapes, shape_of = self._shapes(document_key, start, end, bones)
         ids = self.frame_ids(document_key, position, position + end - start - 1)
         return FrameBlock(np.ascontiguousarray(values.T), tuple(place), shapes, ids, shape_of)
@@ -314,6 +315,12 @@ class Tracks:
                 ids = first_id + step * np.arange(count, dtype=np.int64)
                 found += [first + int(i) for i in np.flatnonzero(ids == int(text))]
         return found
+
+
+def neighbours(indices: list[int]) -> list[int] | slice:
+    """The same as a slice where they follow each other, which arrays read and write several times faster."""
+    first, last = indices[0], indices[-1]
+    return slice(first, last + 1) if indices == list(range(first, last + 1)) else indices
 
 
 def _is_plain(text: str) -> bool:

@@ -18,6 +18,7 @@ from service.storage.database import Transaction
 from service.storage.encoding import channels_of
 from service.storage.motion_names import names_of_frames
 from service.storage.tables import CHUNK
+from service.storage.tracks import neighbours
 from service.xpath import values
 from service.xpath.forest import Forest
 from service.xpath.node_tests import kinds_and_names
@@ -118,8 +119,8 @@ def _block(forest: Forest, nodes: Ints, slots: Ints, tracks: Sequence[tuple[Any,
     wanted = {chunk: np.flatnonzero(chunks == chunk) for chunk in np.unique(chunks).tolist()}
     for row, data in tracks:
         some = wanted[row[1]]
-        held = [place[row[2], channel] for channel in channels_of(row[4])]
-        values[np.array(held)[:, None], some] = data[:, slots[some] % CHUNK]
+        held = neighbours([place[row[2], channel] for channel in channels_of(row[4])])
+        values[held if isinstance(held, slice) else np.array(held)[:, None], some] = data[:, slots[some] % CHUNK]
     numbers, shape_of = np.unique(forest.shapes.shape_of(nodes), return_inverse=True)
     ids, others = forest.ids.numbers(nodes)
     texts = [others.get(index, str(number)) for index, number in enumerate(ids.tolist())] if others else None

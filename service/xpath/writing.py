@@ -9,27 +9,26 @@ from collections.abc import Callable, Iterator
 import orjson
 
 from schemas.queries import NodeItem
-from service.mcml.writer import attribute_bytes, text_bytes
+from service.mcml.writer import text_bytes
 from service.xpath.nodes import Node
 from service.xpath.streams import Answer, Shown
 
 FIELDS = ("document", "revision", "kind", "address", "value")
 
 
-def xml_item(item: NodeItem | Node) -> bytes:
-    """A `result` with the place of a node and the node itself."""
+def xml_item(item: NodeItem | Node) -> str:
+    """A `result` with the place of a node and the node itself. Addresses hold nothing that XML would escape."""
     document, revision = (
         (item.document, item.revision) if isinstance(item, NodeItem) else (item.stored.uuid, item.stored.revision)
     )
-    value = item.value.encode() if item.kind in ("element", "document") else text_bytes(item.value)
-    place = f'<result document="{document}" revision="{revision}" address="'.encode()
-    return b"".join([place, attribute_bytes(item.address), b'">', value, b"</result>\n"])
+    value = item.value if item.kind in ("element", "document") else text_bytes(item.value).decode()
+    return f'<result document="{document}" revision="{revision}" address="{item.address}">{value}</result>\n'
 
 
 def _xml(found: Answer | Shown) -> Iterator[bytes]:
     yield b'<?xml version="1.0" encoding="UTF-8"?>\n<results>\n'
     for nodes in found.nodes():
-        yield b"".join([xml_item(node) for node in nodes])
+        yield "".join([xml_item(node) for node in nodes]).encode()
     yield b"</results>\n"
 
 
