@@ -9,7 +9,7 @@ from elementpath.tdop import Parser
 
 from service.xpath.parse import readable
 from tests.xpath.grammar import CHANNELS, Grammar
-from tests.xpath.witness import Witness
+from tests.xpath.witness import Witness, element
 
 LATER_FUNCTIONS = (
     "distinct-values", "min", "max", "avg", "abs", "round", "floor", "ceiling", "string-join", "matches", "replace",
@@ -42,7 +42,7 @@ class LaterGrammar(Grammar):
             yield name, text
 
     def whole(self, document: Witness) -> str:
-        kind = self.random.choices(["sequence", "filtered", "single", "truth"], [40, 35, 15, 10])[0]
+        kind = self.random.choices(["sequence", "filtered", "single", "truth"], [35, 36, 13, 16])[0]
         return str(getattr(self, kind)(document))
 
     def start(self, document: Witness) -> str:
@@ -98,19 +98,27 @@ class LaterGrammar(Grammar):
     def filtered(self, document: Witness) -> str:
         """Nodes of a condition that came later."""
         root = document.element
-        if root.find("motion/frame") is not None and self.chance(0.7):
-            node = self.some(root.find("motion").findall("frame"))
+        frames, bone = root.findall("motion/frame"), root.find("skeleton//bone")
+        if frames and self.chance(0.7):
+            node = self.some(frames)
+            text, conditions = "//frame", self.on_frame(node)
             bones = node.element.findall("frame_bone")
             if bones and self.chance(0.6):
-                text, conditions = "//frame_bone", self.on_bone(self.some(bones))
-            else:
-                text, conditions = "//frame", self.on_frame(node)
-        elif root.find("skeleton//bone") is not None:
-            text, conditions = "//bone", self.on_name("name", root.findtext("skeleton//bone/name"))
+                node = self.some(bones)
+                text, conditions = "//frame_bone", self.on_bone(node)
+        elif bone is not None:
+            node = element(bone)
+            text, conditions = "//bone", self.on_name("name", str(bone.findtext("name")))
         else:
+            node = self.some(list(root.find("header")) or [root])
             text, conditions = "//header/*", [*self.on_name(".", "bvh"), "empty(*)", "exists(text())"]
-        chosen = [self.prefer(conditions) for _ in range(self.random.choice([1, 1, 2]))]
-        text += "".join(f"[{each}]" for each in chosen)
+        for _ in range(self.random.choice([1, 1, 2])):
+            condition = self.prefer(conditions)
+            if self.chance(0.25):
+                condition = f"({condition}) {self.random.choice(['and', 'or'])} ({self.condition(node)})"
+            text += f"[{condition}]"
+        if self.chance(0.3):
+            text = self.further(text, node)[0]
         return self.random.choice(["{}", "{}", "{}", "count({})", "exists({})", "empty({})"]).format(text)
 
     def prefer(self, conditions: list[str]) -> str:
