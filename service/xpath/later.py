@@ -33,6 +33,7 @@ TYPES = frozenset({"string", "double", "decimal", "integer", "boolean", "float"}
 """Types of `xs:` that may be named."""
 _BINDERS = ("for", "some", "every")
 _NODE_OPERATORS = ("union", "intersect", "except", "|")
+_STEPS = ("@", "*", ".", "..")
 _COMMENT = re.compile(r"""'[^']*'|"[^"]*"|(\(:)""")
 
 
@@ -54,7 +55,7 @@ def sequence(text: str, root: Any, variables: Mapping[str, str | float | bool]) 
     bound = tuple((name, variables[name]) for name in needed)
     inner = arguments(text) if root.label == "function" and root.symbol in AGGREGATES else []
     function = root.symbol if inner else ""
-    return Sequence(text, bound, function, tuple(inner), root.symbol in _NODE_OPERATORS)
+    return Sequence(text, bound, function, tuple(inner), _gives_nodes(root))
 
 
 def _check(token: Any) -> None:
@@ -75,6 +76,22 @@ def _check(token: Any) -> None:
         )
     if token.label == "constructor function" and token.symbol not in TYPES | SAFE_FUNCTIONS:
         raise QueryError(f"the type {token.symbol} is not offered", at=Place(column=column))
+
+
+def _gives_nodes(token: Any) -> bool:
+    """Whether the value can only be nodes, as far as the syntax tells; asked where the value is empty."""
+    symbol, operands = token.symbol, list(token)
+    if symbol in _NODE_OPERATORS or token.label in ("axis", "kind test", "name") or symbol in _STEPS:
+        return True
+    if symbol in ("/", "//"):
+        return not operands or _gives_nodes(operands[-1])
+    if symbol == "[":
+        return _gives_nodes(operands[0])
+    if symbol == "if":
+        return all(map(_gives_nodes, operands[1:]))
+    if symbol == "for":
+        return _gives_nodes(operands[-1])
+    return symbol in ("(", ",") and bool(operands) and all(map(_gives_nodes, operands))
 
 
 def _variables(root: Any) -> dict[str, int]:

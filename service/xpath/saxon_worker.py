@@ -62,6 +62,7 @@ def evaluate(
     processor = saxon.new_xpath_processor()
     processor.set_language_version("3.1")
     processor.set_backwards_compatible(True)
+    processor.declare_namespace("fn", "http://www.w3.org/2005/xpath-functions")
     for name, value in variables.items():
         processor.declare_variable(name)
         processor.set_parameter(name, _atomic(saxon, value))

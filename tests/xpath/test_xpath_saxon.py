@@ -89,6 +89,21 @@ def test_nodes_come_in_pages_and_as_runs(queries: Queries) -> None:
     assert [(r.first, r.last) for r in runs.items or [] if isinstance(r, RunItem)] == [(1, 1), (3, 3), (1, 1), (3, 4)]
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["//bone[matches(name, 'none')]", "//bone/(name | length)[. eq 'none']", "for $b in //tail return $b/@id",
+     "if (//bone) then //tail else .", "(//tail, //bone[name eq ''])", "//tail/ancestor::bone intersect /"],
+)  # fmt: skip
+def test_no_nodes_are_nodes_all_the_same(queries: Queries, text: str) -> None:
+    answer = queries.answer(QueryRequest(q=text))
+    assert (answer.type, answer.items) == ("nodes", [])
+
+
+def test_functions_may_have_their_prefix(queries: Queries) -> None:
+    answer = queries.answer(QueryRequest(q="fn:count(//frame) = 3 and fn:matches('a', 'a')"))
+    assert [item.value for item in answer.items or [] if isinstance(item, ScalarItem)] == [True, False]
+
+
 def test_values_come_in_pages(queries: Queries) -> None:
     values: list[object] = []
     cursor = None
