@@ -244,8 +244,6 @@ span = Table(
     Index(None, "document", "first"),
 )
 
-_ZONE_KEYS = ("document", "bone", "chunk", "from_commit", "to_commit", "channels")
-
 track = Table(
     "track",
     metadata,
@@ -260,10 +258,8 @@ track = Table(
     *(Column(f"{end}_{channel}", Float(53)) for channel in CHANNELS for end in ("min", "max")),
     Column("codec", SmallInteger, nullable=False),
     Column("data", LargeBinary, nullable=False),
-    Index("ix_track_zones", *_ZONE_KEYS, *(f"{end}_{channel}" for channel in CHANNELS for end in ("min", "max"))),
 )
-"""`channels`, `has_missing`: bit i stands for `CHANNELS[i]`. The zone map (min, max) covers the samples present;
-with the index on zones, which holds all of it, questions about samples read only tracks that may matter."""
+"""`channels`, `has_missing`: bit i stands for `CHANNELS[i]`. The zone map (min, max) covers the samples present."""
 
 upload = Table(
     "upload",
