@@ -182,17 +182,19 @@ def _rotation_groups(
     return groups
 
 
-def walked(skeleton: Skeleton, block: HubBlock) -> tuple[Array, Array]:
-    """Forward kinematics: positions (n, J, 3) and rotations from the rest pose (n, J, 4), in the world."""
-    positions = np.empty_like(block.translations)
-    rotations = np.empty_like(block.rotations)
+def walked(skeleton: Skeleton, translations: Array, rotations: Array) -> tuple[Array, Array]:
+    """Forward kinematics: positions (n, J, 3) and rotations from the rest pose (n, J, 4), in the world.
+
+    translations (n, J, 3), rotations (n, J, 4): of each joint in its parent, as `HubBlock` has them.
+    """
+    positions, turned = np.empty_like(translations), np.empty_like(rotations)
     for index, joint in enumerate(skeleton.joints):
         parent = joint.parent
         if parent < 0:
-            positions[:, index] = block.translations[:, index]
-            rotations[:, index] = block.rotations[:, index]
+            positions[:, index] = translations[:, index]
+            turned[:, index] = rotations[:, index]
             continue
-        turn = rotations[:, parent]
-        positions[:, index] = positions[:, parent] + rotate(turn, block.translations[:, index])
-        rotations[:, index] = multiply(turn, block.rotations[:, index])
-    return positions, rotations
+        turn = turned[:, parent]
+        positions[:, index] = positions[:, parent] + rotate(turn, translations[:, index])
+        turned[:, index] = multiply(turn, rotations[:, index])
+    return positions, turned

@@ -29,12 +29,13 @@ class Walker:
 
     def poses(self, block: FrameBlock) -> tuple[Array, Array]:
         """Positions (n, J, 3) and rotations (n, J, 4) in the world."""
-        return walked(self._skeleton, self._hub.read(block))
+        hub = self._hub.read(block)
+        return walked(self._skeleton, hub.translations, hub.rotations)
 
     def tips(self, block: FrameBlock) -> Array:
         """Positions (n, T, 3) of the ends of chains: BVH end sites, tips of ASF and HTR bones without child."""
         hub = self._hub.read(block)
-        positions, rotations = walked(self._skeleton, hub)
+        positions, rotations = walked(self._skeleton, hub.translations, hub.rotations)
         tips = self._hub.rest.tips
         result = np.empty((len(block), len(tips), 3))
         for place, (joint, vector) in enumerate(tips):

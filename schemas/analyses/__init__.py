@@ -1,0 +1,1 @@
+"""Parameters and results of each analysis, one file a subject."""
