@@ -56,7 +56,9 @@ def restore(database: Database, source: Path) -> int:
 def _copy(source: Database, target: Database) -> None:
     with source.read() as old, target.write("backup") as new:
         for table in metadata.sorted_tables:
-            rows = old.connection.execute(select(table).execution_options(yield_per=ROWS)).mappings()
+            rows = old.connection.execute(
+                select(table).order_by(*table.primary_key).execution_options(yield_per=ROWS)
+            ).mappings()
             for block in rows.partitions(ROWS):
                 new.connection.execute(insert(table), [dict(row) for row in block])
         new.dialect.after_copy(new.connection)

@@ -4,7 +4,7 @@
     with database.write("kim") as tx: ...      # committed at the end, or nothing happened
 
 A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.heads`, `tx.tracks`,
-`tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`.
+`tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`, `tx.jobs`, `tx.results`.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ from service.storage.dialects import DIALECTS, Dialect
 from service.storage.documents import Documents
 from service.storage.heads import Heads
 from service.storage.identifiers import now
+from service.storage.jobs import Jobs
 from service.storage.projects import Projects, Tokens
+from service.storage.results import Results
 from service.storage.spans import Spans
 from service.storage.tables import CURRENT
 from service.storage.tracks import Tracks
@@ -119,6 +121,14 @@ class Transaction:
     @cached_property
     def projects(self) -> Projects:
         return Projects(self)
+
+    @cached_property
+    def jobs(self) -> Jobs:
+        return Jobs(self)
+
+    @cached_property
+    def results(self) -> Results:
+        return Results(self)
 
     @cached_property
     def tokens(self) -> Tokens:

@@ -287,3 +287,75 @@ document_upload = Table(
     Column("file_name", NAME, nullable=False),
     Column("upload", ForeignKey("upload.id"), nullable=False, index=True),
 )
+
+job = Table(
+    "job",
+    metadata,
+    Column("id", KEY, primary_key=True),
+    Column("uuid", String(36), nullable=False, unique=True),
+    Column("project", ForeignKey("project.id"), nullable=False),
+    Column("analysis", String(64), nullable=False),
+    Column("name", NAME, nullable=False),
+    Column("owner", NAME, nullable=False),
+    Column("state", String(16), nullable=False),
+    Column("inputs", Text, nullable=False),
+    Column("parameters", Text, nullable=False),
+    Column("stage", String(256), nullable=False),
+    Column("share", Float, nullable=False),
+    Column("attempt", Integer, nullable=False),
+    Column("runner", String(64)),
+    Column("lease", Float),
+    Column("cancel", Boolean, nullable=False),
+    Column("created", String(32), nullable=False),
+    Column("started", String(32)),
+    Column("ended", String(32)),
+    Column("problem", Text),
+    Column("result", ForeignKey("result.id")),
+    Index(None, "state"),
+    Index(None, "project"),
+)
+"""`state`: waiting, running, done, failed, cancelled. `inputs`, `parameters`, `problem`: JSON. `runner`, `lease`: who
+works on it, and until when that may be believed without news."""
+
+result = Table(
+    "result",
+    metadata,
+    Column("id", KEY, primary_key=True),
+    Column("uuid", String(36), nullable=False, unique=True),
+    Column("project", ForeignKey("project.id"), nullable=False),
+    Column("parent", ForeignKey("result.id")),
+    Column("analysis", String(64), nullable=False),
+    Column("name", NAME, nullable=False),
+    Column("owner", NAME, nullable=False),
+    Column("inputs", Text, nullable=False),
+    Column("parameters", Text, nullable=False),
+    Column("made_with", Text, nullable=False),
+    Column("created", String(32), nullable=False),
+    Index(None, "project"),
+    Index(None, "parent"),
+)
+"""`parent`: the result from which an operation made this one. `inputs`: documents with the revisions that were read.
+`made_with`: versions of the libraries that computed it."""
+
+result_part = Table(
+    "result_part",
+    metadata,
+    Column("result", ForeignKey("result.id"), primary_key=True),
+    Column("name", String(64), primary_key=True),
+    Column("kind", String(16), nullable=False),
+    Column("data", LargeBinary, nullable=False),
+    Column("arrays", Text, nullable=False),
+    Column("document", ForeignKey("document.id")),
+)
+"""`data`: JSON. `arrays`: name -> type and shape of what lies in `result_block`. `document`: the clip of a part that is
+one."""
+
+result_block = Table(
+    "result_block",
+    metadata,
+    Column("result", ForeignKey("result.id"), primary_key=True),
+    Column("part", String(64), primary_key=True),
+    Column("array", String(64), primary_key=True),
+    Column("number", Integer, primary_key=True),
+    Column("data", LargeBinary, nullable=False),
+)

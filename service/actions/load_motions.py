@@ -1,0 +1,86 @@
+"""Stored clips as analyses see them: one rotation and one translation a joint and frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.actions.read_clip import read_clip
+from service.analysis.interface import Motion
+from service.errors import DocumentError
+from service.motion.clip import ClipStream, FrameBlock
+from service.motion.conventions import convert
+from service.motion.hub import HubReader
+from service.motion.skeleton import Convention, Skeleton
+from service.motion.units import metres_of, reading_of
+from service.storage.database import Transaction
+
+Input = dict[str, Any]
+"""{"document": uuid, "revision": number}: a clip that an analysis reads, and at which revision."""
+
+
+def load_motions(tx: Transaction, inputs: Sequence[Input]) -> list[Motion]:
+    """The clips in the order of their document ids. DocumentError for a clip without frames or frame time."""
+    return [_motion(tx, item) for item in sorted(inputs, key=lambda item: str(item["document"]))]
+
+
+def _motion(tx: Transaction, item: Input) -> Motion:
+    current = tx.documents.get(item["document"], deleted=True)
+    then = tx.at_commit(tx.documents.commit_of(current.key, item["revision"]))
+    stored = then.documents.get(item["document"], deleted=True)
+    seconds = stored.seconds_per_frame
+    if seconds is None:
+        raise DocumentError(
+            f"{stored.name} ({stored.uuid}) has no frame time, so nothing can be said of its speed.",
+            remedy="State it: PATCH the document with frame_time, or import it with --frame-time.",
+        )
+    if not stored.frames:
+        raise DocumentError(f"{stored.name} ({stored.uuid}) has no frames.", remedy="Leave it out.")
+    source = read_clip(then, stored).clip
+    presence: list[NDArray[np.bool_]] = []
+
+    def watched() -> Iterator[FrameBlock]:
+        presence.clear()
+        for block in source.blocks():
+            presence.append(_present(source.head.skeleton, block))
+            yield block
+
+    clip = ClipStream(source.head, watched, source.frames)
+    markers = all(joint.convention is Convention.MARKER for joint in source.head.skeleton.joints)
+    clip = clip if markers else convert(clip, Convention.LISTED)
+    skeleton = clip.head.skeleton
+    reader = HubReader(skeleton, reading_of(clip.head))
+    blocks = [reader.read(block) for block in clip.blocks()]
+    present = np.concatenate(presence)
+    place = {name: index for index, name in enumerate(source.head.skeleton.names)}
+    return Motion(
+        document=stored.uuid,
+        revision=stored.revision,
+        name=stored.name,
+        skeleton=skeleton,
+        frame_time=seconds,
+        rotations=np.concatenate([block.rotations for block in blocks]),
+        translations=np.concatenate([block.translations for block in blocks]),
+        # Conversion may have added joints, which are always there.
+        present=None
+        if present.all()
+        else np.stack([present[:, place[n]] if n in place else np.ones(len(present), bool) for n in skeleton.names], 1),
+        metres=metres_of(source.head),
+        up=source.head.fields.get("global_axis_of_gravity", "").strip().upper()[-1:] or None,
+        properties={name: (value, unit) for name, value, unit in source.head.properties},
+        labels=tuple((span.name, span.first - 1, span.last - 1) for span in then.spans.of(stored.key)),
+    )
+
+
+def _present(skeleton: Skeleton, block: FrameBlock) -> NDArray[np.bool_]:
+    """(n, J): where the block has a sample of every channel of a joint."""
+    here = ~np.isnan(block.values)
+    held = {column: index for index, column in enumerate(block.columns)}
+    present = np.ones((len(block), len(skeleton)), dtype=bool)
+    for joint, channel in skeleton.columns():
+        index = held.get((joint, channel))
+        present[:, joint] &= False if index is None else here[:, index]
+    return present

@@ -1,0 +1,215 @@
+"""Results of analyses: parts, each with JSON for people and arrays kept in full."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import orjson
+import zstandard
+from numpy.typing import NDArray
+from sqlalchemy import Row, delete, select, update
+
+from service.errors import NotFoundError
+from service.storage.identifiers import new_uuid, now, stored_form
+from service.storage.tables import document, job, project, result, result_block, result_part
+
+if TYPE_CHECKING:
+    from service.storage.database import Transaction
+
+BLOCK_BYTES = 4 << 20
+"""Of an array in one row, before compression."""
+
+_PARENT = result.alias()
+_LISTED = (
+    select(result, project.c.name.label("project_name"), _PARENT.c.uuid.label("parent_uuid"))
+    .join(project, project.c.id == result.c.project)
+    .outerjoin(_PARENT, _PARENT.c.id == result.c.parent)
+)
+
+
+@dataclass(frozen=True)
+class StoredResult:
+    """A result. inputs: [{"document", "revision"}]. made_with: versions of the libraries that computed it."""
+
+    key: int
+    uuid: str
+    project: str
+    parent: str | None
+    analysis: str
+    name: str
+    owner: str
+    inputs: list[dict[str, Any]]
+    parameters: dict[str, Any]
+    made_with: dict[str, str]
+    created: str
+
+
+@dataclass(frozen=True)
+class StoredPart:
+    """A part of a result without its arrays. arrays: name -> {"dtype", "shape"}. document: uuid of its clip."""
+
+    name: str
+    kind: str
+    data: dict[str, Any]
+    arrays: dict[str, dict[str, Any]]
+    document: str | None
+
+
+class Results:
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    def add(
+        self,
+        project_key: int,
+        analysis: str,
+        name: str,
+        owner: str,
+        inputs: list[dict[str, Any]],
+        parameters: dict[str, Any],
+        made_with: dict[str, str],
+        parent: str | None = None,
+    ) -> tuple[int, str]:
+        """A result without parts; its key and uuid."""
+        uuid = new_uuid()
+        key = self._tx.insert_row(
+            result,
+            uuid=uuid,
+            project=project_key,
+            parent=None if parent is None else self.get(parent).key,
+            analysis=analysis,
+            name=stored_form(name),
+            owner=owner,
+            inputs=json.dumps(inputs),
+            parameters=json.dumps(parameters),
+            made_with=json.dumps(made_with),
+            created=now(),
+        )
+        return key, uuid
+
+    def add_part(
+        self,
+        key: int,
+        name: str,
+        kind: str,
+        data: Mapping[str, Any],
+        arrays: Mapping[str, NDArray[Any]],
+        document_key: int | None = None,
+    ) -> None:
+        text = orjson.dumps(data, option=orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_NON_STR_KEYS)
+        listed = {array: {"dtype": values.dtype.str, "shape": list(values.shape)} for array, values in arrays.items()}
+        row = {
+            "result": key,
+            "name": name,
+            "kind": kind,
+            "data": zstandard.ZstdCompressor(level=3).compress(text),
+            "arrays": json.dumps(listed),
+            "document": document_key,
+        }
+        self._tx.insert_rows(result_part, [row])
+        for array, values in arrays.items():
+            for number, block in enumerate(_blocks(values)):
+                self._tx.insert_rows(
+                    result_block, [{"result": key, "part": name, "array": array, "number": number, "data": block}]
+                )
+
+    def get(self, uuid: str) -> StoredResult:
+        """NotFoundError."""
+        row = self._tx.connection.execute(_LISTED.where(result.c.uuid == uuid)).one_or_none()
+        if row is None:
+            raise NotFoundError(f"There is no result {uuid}.", remedy="List the results to see their ids.")
+        return _stored(row)
+
+    def page(
+        self,
+        *,
+        project_name: str | None,
+        analysis: str | None,
+        parent: str | None,
+        before: int | None,
+        limit: int,
+    ) -> list[StoredResult]:
+        """The newest first. before: the key of the last result of the page before."""
+        query = _LISTED.order_by(result.c.id.desc()).limit(limit)
+        if project_name is not None:
+            query = query.where(project.c.name == stored_form(project_name))
+        if analysis is not None:
+            query = query.where(result.c.analysis == analysis)
+        if parent is not None:
+            query = query.where(_PARENT.c.uuid == parent)
+        if before is not None:
+            query = query.where(result.c.id < before)
+        return [_stored(row) for row in self._tx.connection.execute(query)]
+
+    def parts(self, key: int) -> list[StoredPart]:
+        query = (
+            select(result_part, document.c.uuid)
+            .outerjoin(document, document.c.id == result_part.c.document)
+            .where(result_part.c.result == key)
+            .order_by(result_part.c.name)
+        )
+        return [
+            StoredPart(
+                row.name,
+                row.kind,
+                orjson.loads(zstandard.ZstdDecompressor().decompress(row.data)),
+                json.loads(row.arrays),
+                row.uuid,
+            )
+            for row in self._tx.connection.execute(query)
+        ]
+
+    def array(self, key: int, part: StoredPart, name: str) -> NDArray[Any]:
+        """An array of a part, whole. NotFoundError."""
+        if name not in part.arrays:
+            names = ", ".join(part.arrays) or "none"
+            raise NotFoundError(f"The part {part.name} has no array {name!r}.", remedy=f"It has: {names}.")
+        about = part.arrays[name]
+        values = np.empty(tuple(about["shape"]), dtype=np.dtype(about["dtype"]))
+        flat, start = values.reshape(-1).view(np.uint8), 0
+        query = (
+            select(result_block.c.data)
+            .where(result_block.c.result == key, result_block.c.part == part.name, result_block.c.array == name)
+            .order_by(result_block.c.number)
+        )
+        for data in self._tx.connection.execute(query.execution_options(yield_per=4)).scalars():
+            block = np.frombuffer(zstandard.ZstdDecompressor().decompress(data), np.uint8)
+            flat[start : start + len(block)] = block
+            start += len(block)
+        return values
+
+    def remove(self, key: int) -> None:
+        """Drop a result and all that was made from it; documents that came of them stay."""
+        for child in list(self._tx.connection.execute(select(result.c.id).where(result.c.parent == key)).scalars()):
+            self.remove(child)
+        connection = self._tx.connection
+        connection.execute(update(job).where(job.c.result == key).values(result=None))
+        for table in (result_block, result_part):
+            connection.execute(delete(table).where(table.c.result == key))
+        connection.execute(delete(result).where(result.c.id == key))
+
+
+def _blocks(values: NDArray[Any]) -> Iterator[bytes]:
+    flat = np.ascontiguousarray(values).reshape(-1).view(np.uint8)
+    for start in range(0, len(flat), BLOCK_BYTES):
+        yield zstandard.ZstdCompressor(level=1).compress(flat[start : start + BLOCK_BYTES].tobytes())
+
+
+def _stored(row: Row[Any]) -> StoredResult:
+    return StoredResult(
+        key=row.id,
+        uuid=row.uuid,
+        project=row.project_name,
+        parent=row.parent_uuid,
+        analysis=row.analysis,
+        name=row.name,
+        owner=row.owner,
+        inputs=json.loads(row.inputs),
+        parameters=json.loads(row.parameters),
+        made_with=json.loads(row.made_with),
+        created=row.created,
+    )
