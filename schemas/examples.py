@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from pydantic import BaseModel
+
 DOCUMENT = "01a1fd5b-63fa-7af5-9027-3f8ccdfe4736"
+JOB = "01a1fd7e-8c11-7d02-b1f3-2f5f0a3c9d11"
+RESULT = "01a1fd7f-02aa-7e53-9a44-6d1c1b1f4e20"
 PROJECT = "gait"
 MOTION_NAME = "left-leg-flexion"
 CURSOR = "WyJ3YWxrIiwxN10"
@@ -115,3 +119,9 @@ RESULTS = f"""<?xml version="1.0" encoding="UTF-8"?>
 def shown(*examples: Any) -> dict[str, Any]:
     """The part of a model's JSON schema that shows examples of it."""
     return {"examples": list(examples)}
+
+
+def example_of(model: type[BaseModel]) -> Any:
+    """The first example that a model shows, {} where it shows none."""
+    extra: Any = model.model_config.get("json_schema_extra") or {}
+    return extra.get("examples", [{}])[0]

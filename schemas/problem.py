@@ -29,4 +29,5 @@ class Problem(BaseModel):
     detail: str
     where: Where | None = None
     remedy: str | None = None
+    code: str | None = Field(None, description="Of an analysis: the name of the fault, as its page lists them")
     errors: list[dict[str, Any]] | None = None

@@ -9,8 +9,10 @@ from importlib.metadata import PackageNotFoundError, version
 from fastapi import FastAPI
 from fastapi.middleware.gzip import GZipMiddleware
 
+from service.actions.use_result import Results
 from service.api import ROUTERS, description, problems
 from service.api.guard import Guard
+from service.jobs.runner import Runner
 from service.settings import Settings
 from service.storage.database import Database
 from service.xpath.run import Queries
@@ -38,7 +40,9 @@ def create_app(settings: Settings, database: Database | None = None) -> FastAPI:
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
         store.require_schema()
         store.sweep()
+        app.state.runner.start()
         yield
+        app.state.runner.stop()
         app.state.queries.close()
         if database is None:
             store.close()
@@ -55,6 +59,8 @@ def create_app(settings: Settings, database: Database | None = None) -> FastAPI:
     app.state.settings = settings
     app.state.database = store
     app.state.queries = Queries(store, settings)
+    app.state.runner = Runner(store, settings)
+    app.state.results = Results(store, settings)
     app.state.requests = {}
     problems.install(app)
     description.install(app)

@@ -83,6 +83,10 @@ class LimitError(McmlError):
     """More bytes, frames, depth, time or memory than the settings allow."""
 
 
+class SizeError(LimitError):
+    """A request for more than one answer may hold."""
+
+
 class NotFoundError(McmlError):
     """No such document, frame, element or name."""
 

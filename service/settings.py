@@ -39,7 +39,17 @@ class Settings(BaseSettings):
     query_seconds: float = Field(10.0, gt=0, description="Longest time one XPath query may take")
     query_memory_mib: int = Field(1024, ge=64, description="Most memory one projected XPath query may take")
     query_elements: int = Field(3_000_000, ge=1000, description="Most elements that a projected query may touch")
+    job_workers: int = Field(0, ge=0, description="Jobs that run at a time; 0: one for every core but one, at most 4")
+    job_memory_mib: int = Field(4096, ge=256, description="Most memory one job may take")
+    job_clips: int = Field(2000, ge=1, description="Most clips one analysis may read")
+    dask_scheduler: str | None = Field(
+        None, description="Address of a team's Dask scheduler to run jobs on; needs PostgreSQL"
+    )
     page_limit: int = Field(1000, ge=1, description="Most items on one page of a list")
+
+    @property
+    def jobs_at_a_time(self) -> int:
+        return self.job_workers or max(1, min(4, (os.cpu_count() or 1) - 1))
 
     @property
     def database_url(self) -> str:

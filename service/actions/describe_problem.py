@@ -6,6 +6,7 @@ import re
 
 from schemas.problem import Problem, Where
 from service import errors
+from service.analysis.interface import AnalysisError
 
 STATUS_OF: dict[type[errors.McmlError], int] = {
     errors.FormatError: 422,
@@ -15,6 +16,8 @@ STATUS_OF: dict[type[errors.McmlError], int] = {
     errors.VocabularyError: 422,
     errors.QueryError: 422,
     errors.LimitError: 422,
+    errors.SizeError: 413,
+    AnalysisError: 422,
     errors.NotFoundError: 404,
     errors.ConflictError: 409,
     errors.StoreError: 500,
@@ -54,4 +57,5 @@ def problem_of(error: errors.McmlError) -> Problem:
         detail=error.what,
         where=where,
         remedy=error.remedy,
+        code=error.details.get("code"),
     )

@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from service.actions.export_motion import convert_clip, file_stem
 from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions, Label
 from service.analysis.interface import MadeClip
-from service.errors import McmlError
+from service.errors import McmlError, UnsupportedError
+from service.formats import FORMATS
 from service.formats.format import SourceFile
 from service.mcml.elements import from_head
 from service.mcml.writer import write_document
@@ -32,23 +34,44 @@ PROVENANCE = "provenance"
 def store_clip(
     database: Database, made: MadeClip, settings: Settings, *, project: str, author: str, provenance: Mapping[str, Any]
 ) -> str:
-    """Store a made clip as a document of its own; answers its uuid. The document records where it came from."""
+    """Store a made clip as a document of its own; answers its uuid. The document records where it came from.
+
+    A clip with the same bytes, provenance included, is stored once.
+    """
     record = (PROVENANCE, json.dumps(provenance, ensure_ascii=False, separators=(",", ":")), "")
-    stream = as_stream(replace(made, properties=(*made.properties, record)))
-    content = write_document(
-        from_head(stream.head), stream.frames or 0, stream.head.frame_time, stream.blocks(), stream.head.skeleton.names
-    )
+    content = _mcml(as_stream(replace(made, properties=(*made.properties, record))))
     options = ImportOptions(
         project=project,
         name=made.name,
         labels=tuple(Label(name, first + 1, last + 1) for name, first, last in made.labels),
+        on_duplicate="skip",
     )
-    done = import_files(
-        database, [SourceFile("made.mcml", io.BytesIO(b"".join(content)))], options, settings, author=author
-    )
+    files = [SourceFile("made.mcml", io.BytesIO(b"".join(content)))]
+    done = import_files(database, files, options, settings, author=author)
     for _, error in done.problems:
         raise error
     return done.documents[0].uuid
+
+
+def clip_file(made: MadeClip, format_name: str) -> tuple[str, str, bytes]:
+    """(file name, media type, bytes) of a made clip in a format of one file. UnsupportedError."""
+    name = file_stem(made.name)
+    if format_name == "mcml":
+        return f"{name}.mcml", "application/xml", b"".join(_mcml(as_stream(made)))
+    known = FORMATS.get(format_name)
+    if known is None or len(known.parts) != 1:
+        singles = ", ".join(["mcml", *(item for item, found in FORMATS.items() if len(found.parts) == 1)])
+        raise UnsupportedError(f"{format_name!r} is not a format of one file.", remedy=f"Use one of: {singles}.")
+    clip = convert_clip(as_stream(made), format_name)
+    part = known.parts[0]
+    return f"{name}{part.extensions[0]}", known.media_type, b"".join(known.write(clip, part.name))
+
+
+def _mcml(stream: ClipStream) -> Iterator[bytes]:
+    head = stream.head
+    yield from write_document(
+        from_head(head), stream.frames or 0, head.frame_time, stream.blocks(), head.skeleton.names
+    )
 
 
 def as_stream(made: MadeClip) -> ClipStream:

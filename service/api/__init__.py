@@ -4,7 +4,20 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from service.api import catalogues, documents, elements, exports, frames, health, labels, page, queries
+from service.api import (
+    analyses,
+    catalogues,
+    documents,
+    elements,
+    exports,
+    frames,
+    health,
+    jobs,
+    labels,
+    page,
+    queries,
+    results,
+)
 
 PREFIX = "/api/v1"
 
@@ -15,6 +28,9 @@ ROUTERS: list[tuple[APIRouter, str]] = [
     (labels.router, PREFIX),
     (elements.router, PREFIX),
     (queries.router, PREFIX),
+    (analyses.router, PREFIX),
+    (jobs.router, PREFIX),
+    (results.router, PREFIX),
     (catalogues.router, PREFIX),
     (health.router, ""),
     (page.router, ""),

@@ -26,6 +26,7 @@ from service.actions.describe_problem import problem_of
 from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions, parse_label, parse_property
 from service.actions.inspect_files import inspect_files
+from service.actions.select_documents import parse_condition
 from service.api.dependencies import (
     MOST,
     AuthorDep,
@@ -43,7 +44,6 @@ from service.api.dependencies import (
     etag,
 )
 from service.api.streaming import unchanged
-from service.errors import QueryError
 from service.formats.format import SourceFile
 from service.storage.documents import DocumentFilter
 
@@ -159,7 +159,7 @@ def list_documents(
         motion_name=motion_name,
         format=format,
         skeleton=skeleton,
-        properties=tuple(_condition(text) for text in property or ()),
+        properties=tuple(parse_condition(text) for text in property or ()),
         deleted=deleted,
     )
     after = None if page.cursor is None else decode_cursor(page.cursor, str, int)
@@ -265,18 +265,3 @@ def list_revisions(id: DocumentId, database: DatabaseDep, page: PageDep) -> Revi
 
 def _sources(files: list[UploadFile]) -> list[SourceFile]:
     return [SourceFile(file.filename or "unnamed", file.file) for file in files]
-
-
-def _condition(text: str) -> tuple[str, float | None, float | None, str | None]:
-    name, colon, value = text.partition(":")
-    if not colon:
-        raise QueryError(f"{text!r} is no condition on a property.", remedy="Write age:20..30 or take:calm.")
-    low, dots, high = value.partition("..")
-    if not dots:
-        return name, None, None, value
-    try:
-        return name, float(low) if low else None, float(high) if high else None, None
-    except ValueError:
-        raise QueryError(
-            f"{value!r} is not a range of numbers.", remedy="Write age:20..30, age:20.. or age:..30."
-        ) from None

@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import Row, and_, func, or_, select, update
+from sqlalchemy import Row, Select, and_, func, or_, select, update
 
 from service.errors import ConflictError, NotFoundError
 from service.storage.identifiers import new_uuid, now, stored_form
@@ -111,11 +111,14 @@ class Jobs:
             query = query.where(job.c.id < before)
         return [_stored(row) for row in self._tx.connection.execute(query)]
 
+    def any_claimable(self) -> bool:
+        """Whether `claim` would find a job; a cheap read."""
+        return self._tx.connection.execute(_claimable().limit(1)).first() is not None
+
     def claim(self, runner: str, most: int) -> list[StoredJob]:
         """Take up to so many jobs that wait, or whose runner has been silent for too long; the oldest first."""
-        silent = and_(job.c.state == "running", job.c.lease < time.time())
-        query = select(job.c.id).where(or_(job.c.state == "waiting", silent)).order_by(job.c.id).limit(most)
-        keys = list(self._tx.connection.execute(query.with_for_update(skip_locked=True)).scalars())
+        query = _claimable().order_by(job.c.id).limit(most).with_for_update(skip_locked=True)
+        keys = list(self._tx.connection.execute(query).scalars())
         taken = []
         for key in keys:
             self._tx.connection.execute(
@@ -184,6 +187,12 @@ class Jobs:
             .where(job.c.runner == runner, job.c.state == "running")
             .values(state="waiting", runner=None, lease=None, attempt=job.c.attempt - 1)
         )
+
+
+def _claimable() -> Select[tuple[int]]:
+    """Keys of jobs that wait, or whose runner has been silent for too long."""
+    silent = and_(job.c.state == "running", job.c.lease < time.time())
+    return select(job.c.id).where(or_(job.c.state == "waiting", silent))
 
 
 def _stored(row: Row[Any]) -> StoredJob:

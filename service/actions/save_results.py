@@ -1,0 +1,66 @@
+"""What a job has computed, kept: parts of a result, and clips as documents."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+
+from service.actions.store_clip import store_clip
+from service.analysis.interface import Part, Parts
+from service.settings import Settings
+from service.storage.database import Database, Transaction
+from service.storage.jobs import StoredJob
+
+LIBRARIES = ("mcml-repository", "numpy", "scipy")
+
+
+def save_results(database: Database, settings: Settings, job: StoredJob, runner: str, parts: Parts) -> str:
+    """Keep the parts and end the job, in one transaction; answers the result's uuid.
+
+    Clips are stored as documents before. Should the process die in between, the job runs again and finds them: they
+    name the job they came from, so their bytes are the same. ConflictError where the job is another runner's by now.
+    """
+    provenance = {"analysis": job.analysis, "job": job.uuid, "sources": job.inputs, "parameters": job.parameters}
+    documents = {
+        name: store_clip(
+            database, part.clip, settings, project=job.project, author=job.owner, provenance=provenance | {"part": name}
+        )
+        for name, part in parts.items()
+        if part.clip is not None
+    }
+    with database.write(job.owner) as tx:
+        key, uuid = tx.results.add(
+            job.project_key, job.analysis, job.name, job.owner, job.inputs, job.parameters, made_with()
+        )
+        add_parts(tx, key, parts, documents)
+        tx.jobs.end(job.uuid, runner, "done", result_key=key)
+    return uuid
+
+
+def add_parts(tx: Transaction, key: int, parts: Parts, documents: Mapping[str, str]) -> None:
+    """Write the parts of a result. documents: uuid of the document of each part that is a clip."""
+    for name, part in parts.items():
+        found = tx.documents.get(documents[name]).key if name in documents else None
+        tx.results.add_part(key, name, part.kind, part.data, part.arrays, found)
+
+
+def load_parts(tx: Transaction, key: int) -> Parts:
+    """The parts of a result as they were made, without clips."""
+    return {
+        part.name: Part(
+            part.kind,  # type: ignore[arg-type]  # the column holds nothing else
+            part.data,
+            {name: tx.results.array(key, part, name) for name in part.arrays},
+        )
+        for part in tx.results.parts(key)
+    }
+
+
+def made_with() -> dict[str, str]:
+    found = {}
+    for library in LIBRARIES:
+        try:
+            found[library] = version(library)
+        except PackageNotFoundError:
+            found[library] = "checkout"
+    return found

@@ -1,0 +1,86 @@
+"""An analysis that shall run: which documents at which revisions, with which parameters, as a job."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import ValidationError
+
+from schemas.jobs import Selection
+from service.actions.check_names import given_name
+from service.actions.select_documents import select_documents
+from service.analysis.catalogue import ANALYSES
+from service.analysis.interface import Analysis, AnalysisError
+from service.errors import NotFoundError, SizeError
+from service.settings import Settings
+from service.storage.database import Database
+from service.xpath.run import Queries
+
+
+def find_analysis(name: str) -> Analysis:
+    """NotFoundError."""
+    if name not in ANALYSES:
+        raise NotFoundError(f"There is no analysis {name!r}.", remedy=f"There are: {', '.join(ANALYSES)}.")
+    return ANALYSES[name]
+
+
+def start_analysis(
+    database: Database,
+    queries: Queries,
+    settings: Settings,
+    analysis: Analysis,
+    selection: Selection,
+    parameters: dict[str, Any],
+    *,
+    author: str,
+    name: str | None = None,
+    project: str | None = None,
+    runner: str | None = None,
+) -> str:
+    """A job for an analysis of the selected documents as they are now; its uuid.
+
+    project: where the result goes; default the documents' own, if they have one in common.
+    runner: who works on it at once; else it waits for one.
+    Raises AnalysisError for wrong parameters or too few documents, SizeError for too many.
+    """
+    checked = checked_parameters(analysis.parameters, parameters)
+    found, projects = select_documents(database, queries, selection)
+    if len(found) < analysis.fewest:
+        raise AnalysisError(
+            "too-few-clips",
+            f"{analysis.title} needs at least {analysis.fewest} documents; the selection has {len(found)}.",
+            remedy="Widen the selection.",
+        )
+    most = min(analysis.most, settings.job_clips)
+    if len(found) > most:
+        raise SizeError(
+            f"The selection has {len(found)} documents; {analysis.title} takes {most}.", remedy="Narrow it."
+        )
+    target = project or (projects.pop() if len(projects) == 1 else "default")
+    with database.write(author) as tx:
+        return tx.jobs.add(
+            tx.projects.get_or_add(given_name(target, "project")),
+            analysis.name,
+            given_name(name or f"{analysis.name} of {_words(selection, len(found))}", "result"),
+            author,
+            found,
+            checked,
+            runner,
+        )
+
+
+def checked_parameters(model: Any, parameters: dict[str, Any]) -> dict[str, Any]:
+    """The parameters with defaults, as plain values. AnalysisError names what does not fit."""
+    try:
+        checked: dict[str, Any] = model.model_validate(parameters).model_dump(mode="json")
+    except ValidationError as error:
+        fault = error.errors()[0]
+        place = ".".join(str(part) for part in fault["loc"]) or "parameters"
+        raise AnalysisError(
+            "invalid-parameters", f"{place}: {fault['msg']}", remedy="See the parameters of the analysis."
+        ) from error
+    return checked
+
+
+def _words(selection: Selection, count: int) -> str:
+    return selection.project or selection.motion_name or f"{count} clips"

@@ -1,0 +1,1 @@
+"""Long work: rows in `job`, taken by a runner in every server, executed by Dask."""

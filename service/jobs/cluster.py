@@ -1,0 +1,77 @@
+"""The Dask cluster that runs jobs: a small one of this host, started with the first job, or a team's."""
+
+from __future__ import annotations
+
+import threading
+from contextlib import suppress
+from typing import Any
+
+from service.errors import StoreError
+from service.settings import Settings
+from service.storage.database import Database
+
+
+class Cluster:
+    """Made cheaply; the processes start when `client` is asked for."""
+
+    def __init__(self, database: Database, settings: Settings) -> None:
+        if settings.dask_scheduler and database.name != "postgresql":
+            raise StoreError(
+                "A team's Dask scheduler needs PostgreSQL: its workers cannot read an SQLite file of this machine.",
+                remedy="Unset MCML_DASK_SCHEDULER or set MCML_DATABASE to a PostgreSQL address.",
+            )
+        self._settings = settings
+        self._lock = threading.Lock()
+        self._client: Any = None
+
+    def client(self) -> Any:
+        """A `distributed.Client`."""
+        with self._lock:
+            if self._client is None:
+                self._client = self._connected()
+            return self._client
+
+    def _connected(self) -> Any:
+        # Imported late: it takes a second, and most commands and many servers never run a job.
+        import dask
+        from distributed import Client, LocalCluster, Security
+
+        # A worker that dies takes its job to another one once; the second death is the job's own fault.
+        dask.config.set(
+            {"distributed.scheduler.allowed-failures": 1, "distributed.admin.large-graph-warning-threshold": "1GB"}
+        )
+        if self._settings.dask_scheduler:
+            return Client(self._settings.dask_scheduler, set_as_default=False)
+        # Whoever can speak to a scheduler can run code: only holders of keys that never leave this process may.
+        security = Security.temporary()
+        cluster = LocalCluster(
+            n_workers=self._settings.jobs_at_a_time,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            protocol="tls",
+            security=security,
+            memory_limit=f"{self._settings.job_memory_mib}MiB",
+            dashboard_address=None,
+            silence_logs=50,
+        )
+        return Client(cluster, set_as_default=False, security=security)
+
+    def kill(self, key: str) -> None:
+        """End the process of the worker that has a task, whatever it is doing."""
+        client = self.client()
+        with suppress(OSError, TimeoutError, ValueError):
+            busy = [worker for worker, keys in client.processing().items() if key in map(str, keys)]
+            if busy:
+                client.restart_workers(busy, timeout=30, raise_for_error=False)
+
+    def close(self) -> None:
+        with self._lock:
+            client, self._client = self._client, None
+        if client is None:
+            return
+        with suppress(OSError, TimeoutError):
+            cluster = client.cluster
+            client.close(timeout=5)
+            if cluster is not None:
+                cluster.close(timeout=10)

@@ -1,0 +1,223 @@
+"""Takes jobs that wait and has them done: one runner a server process.
+
+A job belongs to a runner as long as its lease is renewed. A server that was killed renews nothing: after
+`LEASE_SECONDS` another one, or the same started anew, takes its jobs up again from the beginning.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from typing import Any
+
+from schemas.problem import Problem
+from service.actions.save_results import save_results
+from service.analysis.interface import Progress
+from service.errors import ConflictError, McmlError
+from service.jobs.cluster import Cluster
+from service.jobs.worker import CancelledError, Outcome, Refused, on_dask, perform
+from service.settings import Settings
+from service.storage.database import Database
+from service.storage.identifiers import new_uuid
+from service.storage.jobs import LEASE_SECONDS, MOST_ATTEMPTS, StoredJob
+
+log = logging.getLogger("mcml.jobs")
+
+LOOK_SECONDS = 1.0
+"""How often a runner looks for jobs that nobody told it of."""
+
+NEWS_SECONDS = 0.3
+"""How often the owner of a job asks its worker how far it is."""
+
+KILL_SECONDS = 10.0
+"""How long a cancelled job may go on before its worker is killed."""
+
+
+class Runner:
+    """Started and stopped with the server."""
+
+    def __init__(self, database: Database, settings: Settings) -> None:
+        self._database = database
+        self._settings = settings
+        self._cluster = Cluster(database, settings)
+        self._name = new_uuid()
+        self._wake = threading.Event()
+        self._stopping = threading.Event()
+        self._free = threading.Semaphore(settings.jobs_at_a_time)
+        self._drivers = ThreadPoolExecutor(settings.jobs_at_a_time, "mcml-job")
+        self._thread = threading.Thread(target=self._look, name="mcml-jobs", daemon=True)
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def wake(self) -> None:
+        """A job was added: look at once."""
+        self._wake.set()
+
+    def stop(self) -> None:
+        """End in order: what is not done waits for the next server."""
+        self._stopping.set()
+        self._wake.set()
+        self._thread.join(timeout=10)
+        self._drivers.shutdown(wait=True)
+        with suppress(McmlError), self._database.write("jobs") as tx:
+            tx.jobs.release(self._name)
+        self._cluster.close()
+
+    def _look(self) -> None:
+        while not self._stopping.is_set():
+            try:
+                self._take()
+            except McmlError as error:
+                log.warning("cannot look for jobs: %s", error)
+            self._wake.wait(LOOK_SECONDS)
+            self._wake.clear()
+
+    def _take(self) -> None:
+        while not self._stopping.is_set() and self._free.acquire(blocking=False):
+            with self._database.read() as tx:
+                waits = tx.jobs.any_claimable()
+            taken = []
+            if waits:
+                with self._database.write("jobs") as tx:
+                    taken = tx.jobs.claim(self._name, 1)
+            if not taken:
+                self._free.release()
+                return
+            self._drivers.submit(self._drive, taken[0])
+
+    def _drive(self, job: StoredJob) -> None:
+        try:
+            if job.attempt > MOST_ATTEMPTS:
+                self._fail(job, f"The job was begun {MOST_ATTEMPTS} times, and each time what ran it died.")
+            elif job.cancel:
+                self._end(job, "cancelled")
+            else:
+                self._run(job)
+        except ConflictError as error:
+            log.warning("%s", error)
+        except McmlError as error:
+            log.warning("job %s failed: %s", job.uuid, error)
+            self._fail(job, error.what, error.remedy)
+        except Exception as error:
+            log.exception("job %s failed", job.uuid)
+            self._fail(job, f"The analysis failed unexpectedly: {type(error).__name__}.", "The server's log has more.")
+        finally:
+            self._free.release()
+            self._wake.set()
+
+    def _run(self, job: StoredJob) -> None:
+        self._tell(job, "starting a worker", 0.0)
+        client = self._cluster.client()
+        key = f"{job.uuid}-{job.attempt}"
+        future = client.submit(
+            on_dask, self._database.url, job.uuid, job.analysis, job.inputs, job.parameters, key=key, pure=False
+        )
+        ended = threading.Event()
+        future.add_done_callback(lambda _: ended.set())
+        try:
+            if not self._watch(job, client, key, ended):
+                future.cancel(force=True)
+                if not self._stopping.is_set():
+                    self._end(job, "cancelled")
+                return
+            keep_outcome(self._database, self._settings, job, self._name, self._outcome(future))
+        finally:
+            future.release()
+
+    def _watch(self, job: StoredJob, client: Any, key: str, ended: threading.Event) -> bool:
+        """Pass news on until the work has ended; False where it was given up."""
+        last, told, cancelled_at = ("starting a worker", 0.0), time.monotonic(), None
+        while not ended.wait(NEWS_SECONDS):
+            if self._stopping.is_set():
+                self._cluster.kill(key)
+                return False
+            events = client.get_events(job.uuid)
+            news = (events[-1][1]["stage"], events[-1][1]["share"]) if events else last
+            if news == last and time.monotonic() - told < LEASE_SECONDS / 4:
+                continue
+            last, told = news, time.monotonic()
+            if not self._tell(job, *news) and cancelled_at is None:
+                cancelled_at = time.monotonic()
+            if cancelled_at is not None and time.monotonic() - cancelled_at > KILL_SECONDS:
+                self._cluster.kill(key)
+                return False
+        return True
+
+    def _outcome(self, future: Any) -> Outcome | None:
+        """What the worker gave; None where it heard that the job was cancelled."""
+        from distributed import KilledWorker
+
+        try:
+            outcome: Outcome = future.result()
+        except CancelledError:
+            return None
+        except KilledWorker as error:
+            raise McmlError(
+                "The worker died twice on this job; it may have taken too much memory.",
+                remedy=f"Choose fewer clips, or raise MCML_JOB_MEMORY_MIB ({self._settings.job_memory_mib}).",
+            ) from error
+        return outcome
+
+    def _tell(self, job: StoredJob, stage: str, share: float) -> bool:
+        with self._database.write("jobs") as tx:
+            return tx.jobs.tell(job.uuid, self._name, stage, share)
+
+    def _end(self, job: StoredJob, state: str, problem: dict[str, Any] | None = None) -> None:
+        with self._database.write("jobs") as tx:
+            tx.jobs.end(job.uuid, self._name, state, problem=problem)
+
+    def _fail(self, job: StoredJob, what: str, remedy: str | None = None) -> None:
+        with suppress(McmlError):
+            self._end(job, "failed", _problem(what, remedy))
+
+
+def keep_outcome(database: Database, settings: Settings, job: StoredJob, runner: str, outcome: Outcome | None) -> None:
+    """End a job with what came of it: parts, a problem, or None where it was cancelled."""
+    if outcome is not None and not isinstance(outcome, Refused):
+        save_results(database, settings, job, runner, outcome)
+        return
+    with database.write("jobs") as tx:
+        if outcome is None:
+            tx.jobs.end(job.uuid, runner, "cancelled")
+        else:
+            tx.jobs.end(job.uuid, runner, "failed", problem=outcome.problem)
+
+
+def run_here(database: Database, settings: Settings, job: StoredJob, runner: str, progress: Progress) -> None:
+    """Do a job in this process, as commands on a local store do. progress: shown to the user."""
+    stop, cancelled = threading.Event(), threading.Event()
+
+    def renew() -> None:
+        while not stop.wait(LEASE_SECONDS / 8):
+            with suppress(McmlError), database.write("jobs") as tx:
+                if not tx.jobs.tell(job.uuid, runner):
+                    cancelled.set()
+
+    def watched(stage: str, share: float) -> None:
+        if cancelled.is_set():
+            raise CancelledError
+        progress(stage, share)
+
+    keeper = threading.Thread(target=renew, daemon=True)
+    keeper.start()
+    try:
+        outcome = perform(database, job.analysis, job.inputs, job.parameters, watched)
+        keep_outcome(database, settings, job, runner, outcome)
+    except (KeyboardInterrupt, CancelledError):
+        keep_outcome(database, settings, job, runner, None)
+    except Exception:
+        with suppress(McmlError):
+            keep_outcome(database, settings, job, runner, Refused(_problem("The analysis failed unexpectedly.")))
+        raise
+    finally:
+        stop.set()
+        keeper.join()
+
+
+def _problem(what: str, remedy: str | None = None) -> dict[str, Any]:
+    problem = Problem(type="about:blank", title="Job failed", status=500, detail=what, remedy=remedy)
+    return problem.model_dump(exclude_none=True)

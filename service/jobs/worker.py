@@ -1,0 +1,78 @@
+"""What a worker does: reads clips from the store, runs an analysis, gives its parts back. It writes nothing."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from service.actions.describe_problem import problem_of
+from service.actions.load_motions import load_motions
+from service.actions.start_analysis import find_analysis
+from service.analysis.interface import Parts, Progress
+from service.errors import McmlError
+from service.storage.database import Database
+
+TELL_SECONDS = 0.2
+"""Least time between two reports of progress."""
+
+LOADING = 0.1
+"""Share of the work that reading the clips counts for."""
+
+
+@dataclass(frozen=True)
+class Refused:
+    """Clips or parameters did not fit; problem: as plain values."""
+
+    problem: dict[str, Any]
+
+
+Outcome = Parts | Refused
+
+
+class CancelledError(Exception):
+    """The user no longer wants the job."""
+
+
+def perform(
+    database: Database, analysis: str, inputs: list[dict[str, Any]], parameters: dict[str, Any], progress: Progress
+) -> Outcome:
+    """The parts of the result; or why there is none.
+
+    Raises whatever `progress` raises.
+    """
+    chosen = find_analysis(analysis)
+    try:
+        progress("reading clips", 0.0)
+        with database.read() as tx:
+            motions = load_motions(tx, inputs)
+        checked = chosen.parameters.model_validate(parameters)
+        return chosen.run(motions, checked, lambda stage, share: progress(stage, LOADING + (1 - LOADING) * share))
+    except McmlError as error:
+        return Refused(problem_of(error).model_dump(exclude_none=True))
+
+
+def on_dask(url: str, uuid: str, analysis: str, inputs: list[dict[str, Any]], parameters: dict[str, Any]) -> Outcome:
+    """`perform` in a worker of Dask: news go to the topic `uuid`; whether to go on stands in the row of the job."""
+    from distributed import get_worker
+
+    database, worker = _database(url), get_worker()
+    told = 0.0
+
+    def progress(stage: str, share: float) -> None:
+        nonlocal told
+        if time.monotonic() - told < TELL_SECONDS:
+            return
+        told = time.monotonic()
+        worker.log_event(uuid, {"stage": stage, "share": share})
+        with database.read() as tx:
+            if tx.jobs.get(uuid).cancel:
+                raise CancelledError
+
+    return perform(database, analysis, inputs, parameters, progress)
+
+
+@lru_cache(maxsize=4)
+def _database(url: str) -> Database:
+    return Database(url)
