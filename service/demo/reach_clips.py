@@ -176,12 +176,12 @@ def _draw(rng: np.random.Generator, young: Sequence[int], old: Sequence[int]) ->
     people = len(young) + len(old)
     is_old = np.arange(people) >= len(young)
     age = np.where(is_old, rng.integers(60, 80, people), rng.integers(20, 30, people)).astype(float)
-    height = np.round(np.clip(rng.normal(np.where(is_old, 163.0, 170.0), 7.0), 148.0, 190.0), 1)
+    height = np.clip(rng.normal(np.where(is_old, 163.0, 170.0), 7.0), 148.0, 190.0).round(1)
     person = rng.normal(size=(people, 6))
     posture = rng.normal(0.0, 3.0, (people, len(_JOINTS), 3))
     subject = np.repeat(np.arange(people), [*young, *old])
     count = len(subject)
-    hbp = np.round(np.clip(265 + 2 * (height[subject] - 168) + rng.normal(0.0, 40.0, count), 150, 420))
+    hbp = np.clip(265 + 2 * (height[subject] - 168) + rng.normal(0.0, 40.0, count), 150.0, 420.0).round()
     trial = rng.normal(size=(count, 9))
     return _Drawn(
         subject=subject,

@@ -1,0 +1,1 @@
+"""Parameterised reach motion: labelled clips to a motion for any attributes (docs/analyses/reach.md)."""
