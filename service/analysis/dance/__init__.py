@@ -1,0 +1,1 @@
+"""Beats, bars, a motion graph, and choreography to a tempo or to music. Specification: docs/analyses/dance.md."""

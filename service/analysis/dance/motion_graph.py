@@ -1,0 +1,233 @@
+"""Which bar may follow which: distances of point clouds, edges, pruning.
+
+Kovar, Gleicher, Pighin (SIGGRAPH 2002): clouds, planar alignment, strongly connected components; bars as nodes:
+Choi (2024). Y is up; theta turns about Y, radians.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from service.motion.skeleton import Array
+
+Indices = NDArray[np.intp]
+Told = Callable[[float], None]
+REACH = 3
+"""Samples at a thirtieth of a second on either side of a cloud's middle."""
+
+
+@dataclass(frozen=True)
+class Edges:
+    """first, second: (E,) bars, sorted by first, then second. distances: (E,) body sizes. natural: (E,) whether the
+    second follows the first in its clip. transforms: (E, 3) theta, x0, z0 that bring the second to the first."""
+
+    first: Indices
+    second: Indices
+    distances: Array
+    natural: NDArray[np.bool_]
+    transforms: Array
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    def among(self, kept: NDArray[np.bool_]) -> Edges:
+        """The edges between kept bars (B,)."""
+        chosen = kept[self.first] & kept[self.second]
+        return Edges(*(part[chosen] for part in (self.first, self.second, self.distances, self.natural)),
+                     self.transforms[chosen])  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """The nearest jumps. first, second: (n,) bars. distances: (n,). complete: whether no pair was left out."""
+
+    first: Indices
+    second: Indices
+    distances: Array
+    complete: bool
+
+
+def cloud_frames(middle: int, fps: float, frames: int) -> Indices:
+    """(7,) frames of a cloud about a frame, a thirtieth of a second apart, within the clip."""
+    steps = np.arange(-REACH, REACH + 1)
+    found: Indices = np.clip(middle + np.floor(steps * fps / 30 + 0.5).astype(np.intp), 0, frames - 1)
+    return found
+
+
+def cloud_weights(points: int) -> Array:
+    """(7 * points,) weights 1 / (1 + |j|), sum 1: all points of a frame, then of the next."""
+    weights = np.repeat(1.0 / (1.0 + np.abs(np.arange(-REACH, REACH + 1))), points)
+    normal: Array = weights / weights.sum()
+    return normal
+
+
+def align(end: Array, starts: Array, weights: Array) -> tuple[Array, Array]:
+    """Distances (B,) and the turns and shifts (B, 3: theta, x0, z0) that bring clouds nearest to one.
+
+    Kovar et al. (2002), eqs. 1 to 4, with atan2. end: (K, 3). starts: (B, K, 3). weights: (K,), sum 1.
+    Unit of length of the clouds. Memory O(B K).
+    """
+    x, z = end[:, 0], end[:, 2]
+    moments = np.stack([weights, weights * x, weights * z], axis=1)
+    x2, z2 = starts[..., 0], starts[..., 2]
+    mean_x2, by_x_x2, by_z_x2 = (x2 @ moments).T
+    mean_z2, by_x_z2, by_z_z2 = (z2 @ moments).T
+    mean_x, mean_z = float(weights @ x), float(weights @ z)
+    theta = np.arctan2(
+        by_x_z2 - by_z_x2 - (mean_x * mean_z2 - mean_x2 * mean_z),
+        by_x_x2 + by_z_z2 - (mean_x * mean_x2 + mean_z * mean_z2),
+    )
+    cosine, sine = np.cos(theta), np.sin(theta)
+    x0 = mean_x - mean_x2 * cosine - mean_z2 * sine
+    z0 = mean_z + mean_x2 * sine - mean_z2 * cosine
+    transforms = np.stack([theta, x0, z0], axis=1)
+    return np.sqrt(squared_differences(end, starts, transforms) @ weights), transforms
+
+
+def squared_differences(end: Array, starts: Array, transforms: Array) -> Array:
+    """(B, K) |p - T p'|^2 of clouds; see `align`."""
+    cosine, sine = np.cos(transforms[:, :1]), np.sin(transforms[:, :1])
+    x2, z2 = starts[..., 0], starts[..., 2]
+    squares = (end[:, 0] - x2 * cosine - z2 * sine - transforms[:, 1:2]) ** 2
+    squares += (end[:, 1] - starts[..., 1]) ** 2
+    squares += (end[:, 2] + x2 * sine - z2 * cosine - transforms[:, 2:]) ** 2
+    return squares
+
+
+def nearest_jumps(
+    ends: Array,
+    starts: Array,
+    weights: Array,
+    size: float,
+    natural: NDArray[np.intp],
+    allow_repeat: bool,
+    keep: int,
+    within: float = np.inf,
+    told: Told = lambda share: None,
+) -> Pairs:
+    """The `keep` nearest pairs of bars that are jumps, and those as near as the last of them, row by row.
+
+    ends, starts: (B, K, 3). natural: (B,) the bar that follows in the source, -1 if none: no jump. size: body size, in
+    which distances are given. within: distances above it are left out. Memory O(B K + keep), never O(B^2). Time O(B^2 K).
+    """
+    rows: list[tuple[Indices, Indices, Array]] = []
+    held, complete, limit = 0, True, within
+    for bar in range(len(ends)):
+        distances = align(ends[bar], starts, weights)[0] / size
+        allowed = distances <= limit
+        if natural[bar] >= 0:
+            allowed[natural[bar]] = False
+        if not allow_repeat:
+            allowed[bar] = False
+        second = np.flatnonzero(allowed)
+        rows.append((np.full(len(second), bar), second, distances[second]))
+        held += len(second)
+        if held > 2 * keep:
+            rows, limit = _nearest(rows, keep)
+            held, complete = len(rows[0][0]), False
+        told((bar + 1) / len(ends))
+    if held > keep:
+        rows, _ = _nearest(rows, keep)
+        complete = complete and len(rows[0][0]) == held
+    first, second, distances = (np.concatenate(part) for part in zip(*rows, strict=True))
+    return Pairs(first, second, distances, complete)
+
+
+def _nearest(
+    rows: list[tuple[Indices, Indices, Array]], keep: int
+) -> tuple[list[tuple[Indices, Indices, Array]], float]:
+    first, second, distances = (np.concatenate(part) for part in zip(*rows, strict=True))
+    limit = float(np.partition(distances, keep - 1)[keep - 1])
+    chosen = distances <= limit
+    return [(first[chosen], second[chosen], distances[chosen])], limit
+
+
+def largest_component(count: int, first: Indices, second: Indices) -> NDArray[np.bool_]:
+    """(count,) whether a node is in the largest strongly connected component; of equal ones that with the lowest node."""
+    graph = csr_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
+    _, labels = connected_components(graph, directed=True, connection="strong")
+    sizes = np.bincount(labels)[labels]
+    chosen: NDArray[np.bool_] = labels == labels[int(sizes.argmax())]
+    return chosen
+
+
+def least_threshold(count: int, pairs: Pairs, wanted: int) -> float | None:
+    """The least distance for which the jumps up to it alone have a component of `wanted` bars; None if none does."""
+    levels = np.unique(pairs.distances)
+
+    def connects(level: float) -> bool:
+        near = pairs.distances <= level
+        return int(largest_component(count, pairs.first[near], pairs.second[near]).sum()) >= wanted
+
+    if wanted < 2 or not len(levels) or not connects(float(levels[-1])):
+        return None
+    low, high = 0, len(levels) - 1
+    while low < high:
+        middle = (low + high) // 2
+        if connects(float(levels[middle])):
+            high = middle
+        else:
+            low = middle + 1
+    return float(levels[low])
+
+
+def connect(
+    ends: Array,
+    starts: Array,
+    weights: Array,
+    size: float,
+    natural: NDArray[np.intp],
+    threshold: float | None = None,
+    coverage: float = 0.8,
+    allow_repeat: bool = False,
+    told: Told = lambda share: None,
+) -> tuple[Edges, float]:
+    """Edges between bars, and the threshold. Dance.md 7.
+
+    threshold: body sizes; None: the least for which the jumps alone have a component of max(2, ceil(coverage B)) bars,
+    the greatest distance if none does. The pairs that this needs are guessed, and guessed anew, four times as many, where
+    they did not suffice.
+    """
+    count = len(ends)
+    everything = count * count
+    if threshold is not None:
+        pairs = nearest_jumps(ends, starts, weights, size, natural, allow_repeat, everything, threshold, told)
+        return _edges(ends, starts, weights, size, natural, pairs), threshold
+    wanted, keep = max(2, int(np.ceil(coverage * count - 1e-9))), max(4096, 32 * count)
+    while True:
+        pairs = nearest_jumps(ends, starts, weights, size, natural, allow_repeat, min(keep, everything), told=told)
+        found = least_threshold(count, pairs, wanted)
+        if found is not None or pairs.complete:
+            break
+        keep *= 4
+    level = float(pairs.distances.max(initial=0.0)) if found is None else found
+    near = pairs.distances <= level
+    chosen = Pairs(pairs.first[near], pairs.second[near], pairs.distances[near], pairs.complete)
+    return _edges(ends, starts, weights, size, natural, chosen), level
+
+
+def _edges(ends: Array, starts: Array, weights: Array, size: float, natural: NDArray[np.intp], pairs: Pairs) -> Edges:
+    """Jumps with their transforms, and the natural pairs (identity, distance 0), in order."""
+    transforms = np.zeros((len(pairs.first), 3))
+    bounds = np.searchsorted(pairs.first, np.arange(len(ends) + 1))
+    for bar in range(len(ends)):
+        row = slice(bounds[bar], bounds[bar + 1])
+        if row.start < row.stop:
+            transforms[row] = align(ends[bar], starts[pairs.second[row]], weights)[1]
+    before = np.flatnonzero(natural >= 0)
+    first = np.concatenate([pairs.first, before])
+    second = np.concatenate([pairs.second, natural[before]])
+    order = np.lexsort((second, first))
+    return Edges(
+        first[order],
+        second[order],
+        np.concatenate([pairs.distances, np.zeros(len(before))])[order],
+        np.concatenate([np.zeros(len(pairs.first), dtype=bool), np.ones(len(before), dtype=bool)])[order],
+        np.concatenate([transforms, np.zeros((len(before), 3))])[order],
+    )
