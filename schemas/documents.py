@@ -286,3 +286,19 @@ class InspectResult(BaseModel):
 
     clips: list[dict[str, Any]]
     problems: list[FileProblem]
+
+
+class ChangedDocument(BaseModel):
+    """A document that a request for many has changed, and the revision it is now at."""
+
+    id: str
+    name: str
+    revision: int
+
+
+class ChangedDocuments(BaseModel):
+    """What a request for many documents has changed."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"items": [{"id": DOCUMENT, "name": "walk", "revision": 2}]}))
+
+    items: list[ChangedDocument]

@@ -15,6 +15,7 @@ from service.api import (
     jobs,
     labels,
     page,
+    properties,
     queries,
     results,
 )
@@ -26,6 +27,7 @@ ROUTERS: list[tuple[APIRouter, str]] = [
     (exports.router, PREFIX),
     (frames.router, PREFIX),
     (labels.router, PREFIX),
+    (properties.router, PREFIX),
     (elements.router, PREFIX),
     (queries.router, PREFIX),
     (analyses.router, PREFIX),

@@ -9,7 +9,7 @@ from typing import NoReturn
 
 import typer
 
-from service.cli import files, library, querying, serving, store
+from service.cli import analysing, files, library, querying, serving, store, working
 from service.errors import McmlError
 
 app = typer.Typer(
@@ -19,7 +19,7 @@ app = typer.Typer(
     help="Motion capture in one open XML language: convert, store, query.",
     epilog="Exit codes: 0 done, 1 refused or failed (the message says why), 2 wrong usage, 3 done in part.",
 )
-for module in (serving, files, library, querying, store):
+for module in (serving, files, library, querying, analysing, working, store):
     module.add_to(app)
 
 

@@ -13,6 +13,8 @@ from urllib.parse import unquote
 import httpx
 
 from schemas.documents import (
+    ChangedDocument,
+    ChangedDocuments,
     DocumentDetail,
     DocumentPage,
     DocumentSummary,
@@ -31,6 +33,7 @@ from service.actions.describe_problem import problem_of
 from service.actions.export_motion import ExportOptions, export_document
 from service.actions.import_motion import Progress, import_files
 from service.actions.import_options import ImportOptions
+from service.actions.set_properties import set_properties
 from service.errors import AccessError, McmlError, NotFoundError, Place, StoreError
 from service.formats.format import SourceFile
 from service.settings import Settings
@@ -71,6 +74,9 @@ class Library(ABC):
     @abstractmethod
     def query_stream(self, request: QueryRequest) -> Iterator[bytes]:
         """The whole answer in the form `request.as_`: xml, ndjson or csv."""
+
+    @abstractmethod
+    def set_properties(self, table: bytes, project: str | None) -> ChangedDocuments: ...
 
     @abstractmethod
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage: ...
@@ -129,6 +135,13 @@ class LocalLibrary(Library):
         finally:
             queries.close()
 
+    def set_properties(self, table: bytes, project: str | None) -> ChangedDocuments:
+        with self.database.write() as tx:
+            changed = set_properties(tx, table, project)
+        return ChangedDocuments(
+            items=[ChangedDocument(id=item.uuid, name=item.name, revision=item.revision) for item in changed]
+        )
+
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage:
         with self.database.write() as tx:
             stored = tx.documents.get(uuid)
@@ -162,7 +175,7 @@ class RemoteLibrary(Library):
                 data[key] = getattr(options, key)
         with ExitStack() as stack:
             files = [("file", (name_of(path), stack.enter_context(path.open("rb")))) for path in paths]
-            answer = self._send("POST", "/documents", data=data, files=files, accept=(201, 415, 422))
+            answer = self.send("POST", "/documents", data=data, files=files, accept=(201, 415, 422))
         body = answer.json()
         if answer.status_code != 201:
             if "problems" not in body:
@@ -178,14 +191,14 @@ class RemoteLibrary(Library):
         while True:
             # The server decides how many one page holds.
             parameters["limit"] = limit - len(items)
-            page = DocumentPage(**self._send("GET", "/documents", params=parameters).json())
+            page = DocumentPage(**self.send("GET", "/documents", params=parameters).json())
             items += page.items
             if page.next_cursor is None or len(items) >= limit:
                 return DocumentPage(items=items, total=page.total)
             parameters["cursor"] = page.next_cursor
 
     def document(self, uuid: str) -> DocumentDetail:
-        return DocumentDetail(**self._send("GET", f"/documents/{uuid}").json())
+        return DocumentDetail(**self.send("GET", f"/documents/{uuid}").json())
 
     @contextmanager
     def export(self, uuid: str, options: ExportOptions) -> Iterator[tuple[str, Iterator[bytes], list[str]]]:
@@ -207,18 +220,24 @@ class RemoteLibrary(Library):
             yield name, answer.iter_bytes(1 << 20), notices
 
     def query(self, request: QueryRequest) -> QueryAnswer:
-        return QueryAnswer(**self._send("POST", "/xpath", json=request.model_dump(by_alias=True)).json())
+        return QueryAnswer(**self.send("POST", "/xpath", json=request.model_dump(by_alias=True)).json())
 
     def query_stream(self, request: QueryRequest) -> Iterator[bytes]:
         with self._stream("/xpath", method="POST", json=request.model_dump(by_alias=True)) as answer:
             yield from answer.iter_bytes(1 << 20)
+
+    def set_properties(self, table: bytes, project: str | None) -> ChangedDocuments:
+        parameters = {} if project is None else {"project": project}
+        headers = {"content-type": "text/csv"}
+        answer = self.send("POST", "/properties", content=table, headers=headers, params=parameters)
+        return ChangedDocuments(**answer.json())
 
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage:
         body = [{"name": name, "first": first, "last": last} for name, first, last in labels]
         headers = {"if-match": "*"}
         parameters = {"strict": strict}
         return LabelPage(
-            **self._send("POST", f"/documents/{uuid}/labels", json=body, headers=headers, params=parameters).json()
+            **self.send("POST", f"/documents/{uuid}/labels", json=body, headers=headers, params=parameters).json()
         )
 
     @contextmanager
@@ -232,7 +251,7 @@ class RemoteLibrary(Library):
         except httpx.HTTPError as error:
             raise StoreError(f"The server does not answer: {error}", remedy="Check --server.") from error
 
-    def _send(self, method: str, path: str, accept: tuple[int, ...] = (), **request: Any) -> httpx.Response:
+    def send(self, method: str, path: str, accept: tuple[int, ...] = (), **request: Any) -> httpx.Response:
         try:
             answer = self.http.request(method, path, **request)
         except httpx.HTTPError as error:

@@ -14,9 +14,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from schemas.documents import ImportedDocument
 from service.actions.export_motion import ExportOptions
 from service.actions.import_options import ImportOptions, Label, parse_label, parse_property
-from service.cli.access import name_of
+from service.cli.access import Library, name_of
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
-from service.errors import UnsupportedError
+from service.errors import McmlError, UnsupportedError
 from service.storage.documents import DocumentFilter
 
 EXTENSIONS = {".bvh", ".asf", ".amc", ".htr", ".htr2", ".mcml", ".xml", ".zip"}
@@ -222,15 +222,24 @@ def export(
 
 
 def label(
-    id: Annotated[str, typer.Argument(help="Document")],
-    labels: Annotated[list[str], typer.Argument(help="NAME:FIRST-LAST, or NAME for all frames")],
+    id: Annotated[str | None, typer.Argument(help="Document")] = None,
+    labels: Annotated[list[str] | None, typer.Argument(help="NAME:FIRST-LAST, or NAME for all frames")] = None,
+    properties: Annotated[
+        Path | None, typer.Option(help="Instead: a CSV table of properties, such as name,age (year),height (cm)")
+    ] = None,
+    project: Annotated[str | None, typer.Option(help="Project in which the table's names are looked up")] = None,
     strict: Annotated[bool, typer.Option(help="Refuse names that are no anatomical movement")] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Name frames of a document."""
+    """Name frames of a document, or set properties of many documents from a table."""
     library = open_library(database, server)
+    if properties is not None:
+        _set_properties(library, properties, project, as_json)
+        return
+    if id is None or not labels:
+        raise typer.BadParameter("name a document and its labels, or --properties TABLE")
     frames = library.document(id).frames
     wanted = [parse_label(text) for text in labels]
     added = library.label(id, [_ends(item, frames) for item in wanted], strict=strict)
@@ -239,6 +248,19 @@ def label(
         return
     for item in added.items:
         console.print(f"named    {item.first}-{item.last}  {item.name}")
+
+
+def _set_properties(library: Library, path: Path, project: str | None, as_json: bool) -> None:
+    try:
+        changed = library.set_properties(path.read_bytes(), project)
+    except McmlError as error:
+        raise error.in_file(path.name) from error
+    if as_json:
+        print_json(changed)
+        return
+    for item in changed.items:
+        console.print(f"changed  {item.name}  {item.id}  revision {item.revision}")
+    console.print(f"{len(changed.items)} changed")
 
 
 def _ends(label: Label, frames: int) -> tuple[str, int, int]:

@@ -100,6 +100,7 @@ class DocumentFilter:
     """
 
     project: str | None = None
+    name: str | None = None
     text: str | None = None
     motion_name: str | None = None
     format: str | None = None
@@ -371,6 +372,8 @@ def _filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Se
     query = query.where(gone if wanted.deleted else ~gone)
     if wanted.project is not None:
         query = query.where(project.c.name == stored_form(wanted.project))
+    if wanted.name is not None:
+        query = query.where(document.c.name == stored_form(wanted.name))
     if wanted.text:
         # lower() of SQLite, and of PostgreSQL in collation C, knows ASCII only: other letters are found as written.
         said = stored_form(wanted.text)

@@ -1,0 +1,46 @@
+"""Properties of many documents at once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter, Request
+from starlette.concurrency import run_in_threadpool
+
+from schemas.documents import ChangedDocument, ChangedDocuments
+from service.actions.set_properties import set_properties
+from service.api.dependencies import AuthorDep, DatabaseDep, ProjectQuery
+from service.errors import LimitError
+
+router = APIRouter(tags=["documents"])
+
+MOST_BYTES = 16 << 20
+_TABLE = "name,age (year),height (cm)\nwalk,23,172.4\n"
+_BODY: dict[str, Any] = {
+    "requestBody": {"required": True, "content": {"text/csv": {"schema": {"type": "string"}, "example": _TABLE}}}
+}
+
+
+@router.post("/properties", operation_id="set_properties", openapi_extra=_BODY)
+async def post_properties(
+    request: Request, database: DatabaseDep, author: AuthorDep, project: ProjectQuery = None
+) -> ChangedDocuments:
+    """Set properties of many documents from a CSV table: one line a document, one column a property.
+
+    The first column is `document` (ids) or `name`; units stand in brackets in the headings: `age (year)`. Empty cells
+    and properties that the table does not name stay as they are. All of the table is written, or nothing.
+    """
+    content = bytearray()
+    async for block in request.stream():
+        content += block
+        if len(content) > MOST_BYTES:
+            raise LimitError(f"The table has more than {MOST_BYTES >> 20} MiB.", remedy="Send it in parts.")
+
+    def write() -> ChangedDocuments:
+        with database.write(author) as tx:
+            changed = set_properties(tx, bytes(content), project)
+        return ChangedDocuments(
+            items=[ChangedDocument(id=item.uuid, name=item.name, revision=item.revision) for item in changed]
+        )
+
+    return await run_in_threadpool(write)

@@ -1,0 +1,209 @@
+"""`mcml analyse SUBJECT VERB`: a command for every entry of the catalogue, and for what its results can do."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from pydantic import BaseModel
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from schemas.jobs import Job, PartSummary, Result, Selection
+from service.actions.check_names import file_name
+from service.analysis.catalogue import SUBJECTS
+from service.analysis.interface import Analysis, Operation
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, print_json, table
+from service.cli.work import open_work
+from service.errors import McmlError
+
+Assignments = Annotated[
+    list[str] | None, typer.Argument(metavar="[NAME=VALUE]...", help="Parameters; values as JSON or plain text")
+]
+ResultArgument = Annotated[str, typer.Argument(help="Result")]
+
+
+def add_to(app: typer.Typer) -> None:
+    analyse = typer.Typer(no_args_is_help=True, help="Run analyses, and use what they found.")
+    for subject, verbs in SUBJECTS.items():
+        group = typer.Typer(no_args_is_help=True, help=", ".join(item.title for item in verbs.values()) + ".")
+        operations: dict[str, Operation] = {}
+        for verb, analysis in verbs.items():
+            group.command(verb, help=_help(analysis.description, analysis.parameters))(_run(analysis))
+            operations |= analysis.operations
+        group.command("info", help="Show a result: its parts and what can be done with it.")(info)
+        for name, operation in operations.items():
+            group.command(name, help=_help(operation.description, operation.parameters))(_use(name))
+        analyse.add_typer(group, name=subject)
+    analyse.command("results")(results)
+    analyse.command("delete")(delete)
+    app.add_typer(analyse, name="analyse")
+
+
+def _help(description: str, parameters: type[BaseModel]) -> str:
+    """The description, then each parameter on a line."""
+    lines = [description, "", "\b", "Parameters:"]
+    for name, field in parameters.model_fields.items():
+        default = (
+            "" if field.is_required() else f" [{json.dumps(field.get_default(call_default_factory=True), default=str)}]"
+        )
+        lines.append(f"  {name}{default}  {field.description or ''}")
+    return "\n".join(lines)
+
+
+def assigned(pairs: list[str] | None) -> dict[str, Any]:
+    """NAME=VALUE pairs as parameters: a value that is JSON is read as such, any other is text."""
+    found: dict[str, Any] = {}
+    for pair in pairs or ():
+        name, equals, value = pair.partition("=")
+        if not equals:
+            raise typer.BadParameter(f"{pair!r} is no NAME=VALUE")
+        place = found
+        *above, last = name.strip().split(".")
+        for step in above:
+            place = place.setdefault(step, {})
+        try:
+            place[last] = json.loads(value)
+        except json.JSONDecodeError:
+            place[last] = value
+    return found
+
+
+def _run(analysis: Analysis) -> Callable[..., None]:
+    def command(
+        parameters: Assignments = None,
+        document: Annotated[list[str] | None, typer.Option(help="Document; may be repeated")] = None,
+        project: Annotated[str | None, typer.Option(help="All documents of this project")] = None,
+        motion_name: Annotated[str | None, typer.Option(help="Documents with a frame of this name")] = None,
+        property: Annotated[list[str] | None, typer.Option(help="Documents with age:20..30 or take:calm")] = None,
+        xpath: Annotated[str | None, typer.Option(help="Documents in which this finds something")] = None,
+        name: Annotated[str | None, typer.Option(help="Name of the result")] = None,
+        into: Annotated[str | None, typer.Option(help="Project of the result; default the documents'")] = None,
+        queue: Annotated[bool, typer.Option("--queue", help="Leave it to a server of this store")] = False,
+        database: DatabaseOption = None,
+        server: ServerOption = None,
+        as_json: JsonOption = False,
+    ) -> None:
+        selection = Selection(
+            documents=document or [], project=project, motion_name=motion_name, property=property or [], xpath=xpath
+        )
+        columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+        hidden = as_json or not sys.stderr.isatty()
+        with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
+            task = bar.add_task("starting", total=1.0)
+            job = open_work(database, server).start(
+                analysis.name,
+                selection,
+                assigned(parameters),
+                name=name,
+                project=into,
+                queue=queue,
+                progress=lambda stage, share: bar.update(task, description=stage[:48], completed=share),
+            )
+        show_job(job, as_json)
+        if job.state == "done" and not as_json and job.result:
+            _show_result(open_work(database, server).result(job.result))
+
+    return command
+
+
+def show_job(job: Job, as_json: bool) -> None:
+    """Print a job; exit code 1 where it failed or was cancelled."""
+    if as_json:
+        print_json(job)
+    else:
+        console.print(f"{job.state:<9} {job.name}  {job.id}  {job.share:.0%} {job.stage}")
+        if job.result:
+            console.print(f"          result {job.result}")
+    if job.problem is not None:
+        raise McmlError(job.problem.detail, remedy=job.problem.remedy)
+    if job.state == "cancelled":
+        raise typer.Exit(1)
+
+
+def info(
+    id: ResultArgument, database: DatabaseOption = None, server: ServerOption = None, as_json: JsonOption = False
+) -> None:
+    """Show a result: its parts and what can be done with it."""
+    found = open_work(database, server).result(id)
+    if as_json:
+        print_json(found)
+        return
+    console.print(
+        f"[bold]{found.name}[/bold]  {found.id}\n{found.analysis} of {len(found.inputs)} clips, {found.created}"
+    )
+    _show_result(found)
+
+
+def _show_result(found: Result) -> None:
+    for name, part in found.parts.items():
+        console.print(f"  {name} ({part.kind}) {_gist(part)}", style="default")
+    if found.operations:
+        console.print(f"  then: {', '.join(found.operations)}", style="dim")
+
+
+def _gist(part: PartSummary) -> str:
+    """What a part says, in a line: its plain numbers and texts, and the sizes of the rest."""
+    words = []
+    for key, value in part.data.items():
+        if isinstance(value, list | dict):
+            words.append(f"{key}: {len(value)}")
+        else:
+            words.append(f"{key} {value:.6g}" if isinstance(value, float) else f"{key} {value}")
+    words += [f"{name} {'x'.join(map(str, about.shape))}" for name, about in part.arrays.items()]
+    return (f"document {part.document} " if part.document else "") + ", ".join(words)
+
+
+def _use(operation: str) -> Callable[..., None]:
+    def command(
+        id: ResultArgument,
+        parameters: Assignments = None,
+        output: Annotated[
+            Path | None, typer.Option("-o", "--output", help="Write the clip to this file; its ending says the format")
+        ] = None,
+        save: Annotated[bool, typer.Option("--save", help="Store the clip as a document")] = False,
+        name: Annotated[str | None, typer.Option(help="Name of the clip")] = None,
+        project: Annotated[str | None, typer.Option(help="Project of the document")] = None,
+        database: DatabaseOption = None,
+        server: ServerOption = None,
+    ) -> None:
+        saving: dict[str, Any] = {"save": save, "name": name, "project": project}
+        saving = {key: value for key, value in saving.items() if value is not None}
+        work, given = open_work(database, server), assigned(parameters)
+        if output is None:
+            print_json(work.use(id, operation, given, saving))
+            return
+        said, content = work.use_for_file(id, operation, given, saving, output.suffix.lstrip(".").lower() or "bvh")
+        target = output / file_name(said) if output.is_dir() else output
+        target.write_bytes(content)
+        console.print(f"wrote    {target}")
+
+    return command
+
+
+def results(
+    project: Annotated[str | None, typer.Option(help="Only of this project")] = None,
+    analysis: Annotated[str | None, typer.Option(help="Only of this analysis")] = None,
+    limit: Annotated[int, typer.Option(min=1, help="Most results to list")] = 100,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """List results, the newest first."""
+    found = open_work(database, server).results(project, analysis, limit)
+    if as_json:
+        print_json([item.model_dump(exclude_none=True) for item in found])
+        return
+    rows = table("id", "analysis", "name", "project", "clips#", "created")
+    for item in found:
+        rows.add_row(item.id, item.analysis, item.name, item.project, str(len(item.inputs)), item.created)
+    console.print(rows)
+
+
+def delete(id: ResultArgument, database: DatabaseOption = None, server: ServerOption = None) -> None:
+    """Delete a result and what was made from it; documents that were stored from it stay."""
+    open_work(database, server).delete_result(id)
+    console.print(f"deleted  {id}")
