@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, inv, lu_factor, lu_solve
+from scipy.linalg import lu_factor, lu_solve
 
 from service.motion.skeleton import Array
 
@@ -98,8 +98,9 @@ def invert(x: Array, s: float, lam: float, degree: int) -> Inverse:
     """The inverse for centres (n, d); a condition of infinity, and no numbers, where there is none."""
     matrix = saddle(x, s, lam, degree)
     try:
-        inverse = inv(matrix, check_finite=False)
-    except LinAlgError:
+        # numpy's: scipy's warns of every ill-conditioned matrix, which is what the condition is for.
+        inverse = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
         return Inverse(np.full((len(x), len(matrix)), np.nan), np.inf)
     condition = float(np.abs(matrix).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max())
     return Inverse(inverse[: len(x)], condition if np.isfinite(condition) else np.inf)
@@ -109,8 +110,8 @@ def nearest_distances(x: Array) -> Array:
     """(n,) distance of each point (n, d) to the nearest other one."""
     squares = squared_distances(x, x)
     np.fill_diagonal(squares, np.inf)
-    nearest: Array = squares.min(axis=1)
-    return np.sqrt(nearest)
+    distances: Array = np.min(squares, axis=1)
+    return np.sqrt(distances)
 
 
 def groups_of(labels: Sequence[object]) -> Groups:
