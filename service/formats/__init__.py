@@ -7,6 +7,7 @@ from service.formats.bvh import Bvh
 from service.formats.format import Format
 from service.formats.htr import Htr
 from service.formats.recognition import UNSUPPORTED, recognise
+from service.formats.trc import Trc
 
 __all__ = ["FORMATS", "UNSUPPORTED", "find_format"]
 
@@ -14,6 +15,7 @@ FORMATS: dict[str, Format] = {
     "bvh": Bvh(),
     "asf-amc": AsfAmc(),
     "htr": Htr(),
+    "trc": Trc(),
 }
 """Every format that is read and written, by its name."""
 

@@ -11,7 +11,6 @@ from service.formats.format import Format
 
 UNSUPPORTED: Final[Mapping[str, str]] = {
     "c3d": "comes later (marker data, read by a well-kept library)",
-    "trc": "comes later (marker data)",
     "aoa": "Adaptive Optics: a tracker's raw points with no public grammar and no files to be found",
     "bva": "Biovision: global positions and angles of bones without hierarchy; every known file also exists as BVH",
     "ask-sdl": "Biovision/Alias: an Alias scene beside BVA, of a program that is no longer made",
@@ -23,10 +22,9 @@ UNSUPPORTED: Final[Mapping[str, str]] = {
 }
 """Formats that the founding paper names in its section 3 (and GTR) and that are not read, with the reason."""
 
-_LATER = "c3d", "trc"
+_LATER = ("c3d",)
 _EXTENSIONS = {
     ".c3d": "c3d",
-    ".trc": "trc",
     ".bva": "bva",
     ".ask": "ask-sdl",
     ".sdl": "ask-sdl",
@@ -36,8 +34,8 @@ _EXTENSIONS = {
     ".gtr": "gtr",
 }
 _LFS: Final = b"version https://git-lfs.github.com/spec/"
-_TITLES = {"c3d": "C3D", "trc": "TRC", "ask-sdl": "ASK/SDL", "skl-mot": "SKL/MOT"}
-_READ: Final = "Send BVH, ASF with AMC, HTR or MCML."
+_TITLES = {"c3d": "C3D", "ask-sdl": "ASK/SDL", "skl-mot": "SKL/MOT"}
+_READ: Final = "Send BVH, ASF with AMC, HTR, TRC or MCML."
 
 
 def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes) -> tuple[Format, str]:
@@ -67,8 +65,6 @@ def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes)
 def _unsupported_content(first_bytes: bytes) -> str | None:
     if first_bytes[1:2] == b"P" and first_bytes[:1] in (b"\x02", b"\x03", b"\x04", b"\x0b") and b"\0" in first_bytes:
         return "c3d"
-    if first_bytes.removeprefix(b"\xef\xbb\xbf").startswith(b"PathFileType"):
-        return "trc"
     if re.search(rb"(?im)^\s*FileType\s+gtr\b", first_bytes):
         return "gtr"
     return None
@@ -99,6 +95,7 @@ def _unknown(formats: Mapping[str, Format], file_name: str, first_bytes: bytes, 
         ".amc": "not an AMC file: expected a frame number or flags such as :DEGREES",
         ".htr": "HTR section [Header] is missing",
         ".htr2": "HTR section [Header] is missing",
+        ".trc": "not a TRC file: expected PathFileType",
     }
     for extension, what in expected.items():
         if file_name.lower().endswith(extension):

@@ -15,6 +15,7 @@ import numpy as np
 from service.errors import ConversionError, Notice
 from service.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
 from service.motion.hub import HubBlock, HubReader, Rest
+from service.motion.markers import as_markers
 from service.motion.plan_fixed import plan_fixed
 from service.motion.plans import FLIP, Plan, PlannedJoint, is_identity, is_within, plan_base, plan_listed, product_order
 from service.motion.resizing import scale, turn_up
@@ -34,16 +35,18 @@ def convert(clip: ClipStream, to: Convention, *, keep_translations: bool = False
 
     keep_translations: for FIXED, joints that move in their parent keep doing so (`dof tx ty tz`, which few programs
     read); else they stand still, with a notice.
-    Reads the frames once before, where joints may move in their parents. Raises ConversionError for markers, which have
-    no skeleton, and for several roots to FIXED.
+    Reads the frames once before, where joints may move in their parents. To MARKER: the positions of joints. Raises
+    ConversionError for markers to anything else, as they have no skeleton, and for several roots to FIXED.
     """
     conventions = {joint.convention for joint in clip.head.skeleton.joints}
     if conventions <= {to}:
         return clip
-    if Convention.MARKER in conventions | {to}:
+    if Convention.MARKER in conventions:
         raise ConversionError(
-            "markers have no skeleton: they cannot become joints, nor joints markers", remedy="Export them as MCML."
+            "markers have no skeleton: they cannot become joints", remedy="Export them as TRC, C3D or MCML."
         )
+    if to is Convention.MARKER:
+        return as_markers(clip)
     notices = clip.notices
     factor = float(clip.head.fields.get("scale_factor", "1"))
     if factor != 1.0:

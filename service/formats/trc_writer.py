@@ -1,0 +1,108 @@
+"""A clip of markers as TRC."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from service.errors import ConversionError, Notice
+from service.formats.lines import encoded
+from service.formats.number_text import rows_of_text
+from service.motion.clip import ClipHead, ClipStream, FrameBlock
+from service.motion.skeleton import CHANNEL_INDEX, CHANNELS, TRANSLATIONS, Array
+
+KEYWORDS = (
+    "DataRate",
+    "CameraRate",
+    "NumFrames",
+    "NumMarkers",
+    "Units",
+    "OrigDataRate",
+    "OrigDataStartFrame",
+    "OrigNumFrames",
+)
+_LONGEST_DECIMALS = 9
+
+
+def write_trc(clip: ClipStream) -> Iterator[bytes]:
+    """The file, row by row. ConversionError where nothing says how fast the frames follow.
+
+    Rates and counts that TRC repeats (CameraRate, OrigDataRate …) are the source's where it was TRC too.
+    """
+    head = clip.head
+    seconds = head.seconds_per_frame()
+    if seconds is None:
+        raise ConversionError(
+            "TRC says how fast frames follow, and the document does not", remedy="State its frame time first."
+        )
+    source = next((part for part in head.sources if part.part == "trc"), None)
+    said = dict(source.sections) if source else {}
+    codec = source.encoding if source else "utf-8"
+    frames = clip.frames if clip.frames is not None else sum(len(block) for block in clip.blocks())
+    text = _head(head, said, source.keywords if source else KEYWORDS, frames, seconds)
+    yield encoded(text, codec, clip.notices)
+    decimals, start = _time(said, seconds)
+    moving = [(joint, CHANNEL_INDEX[name]) for joint in range(len(head.skeleton)) for name in TRANSLATIONS]
+    if any(channel not in TRANSLATIONS for joint in head.skeleton.joints for channel in joint.channels):
+        other = {name for joint in head.skeleton.joints for name in joint.channels} - set(TRANSLATIONS)
+        clip.notices.append(Notice("warning", f"TRC has no place for {', '.join(sorted(other, key=CHANNELS.index))}"))
+    done = 0
+    for block in clip.blocks():
+        times: Array = start + np.arange(done, done + len(block), dtype=np.float64) * seconds
+        yield _rows(block, moving, head.number_style, times, decimals)
+        done += len(block)
+
+
+def _head(head: ClipHead, said: dict[str, str], keywords: tuple[str, ...], frames: int, seconds: float) -> str:
+    rate = head.fields.get("dataframe_rate") or repr(1 / seconds)
+    facts = {
+        "datarate": rate,
+        "camerarate": rate,
+        "numframes": str(frames),
+        "nummarkers": str(len(head.skeleton)),
+        "units": head.fields.get("calibration_unit", ""),
+        "origdatarate": rate,
+        "origdatastartframe": "1",
+        "orignumframes": str(frames),
+    }
+    texts = [said.get(word) or facts.get(word.lower(), "") for word in keywords]
+    labels = "\t".join(f"{joint.source_name}\t\t" for joint in head.skeleton.joints)
+    axes = "\t".join(f"X{number}\tY{number}\tZ{number}" for number in range(1, len(head.skeleton) + 1))
+    name = head.fields.get("filename", "")
+    lines = [
+        f"PathFileType\t{head.fields.get('version', '4')}\t{said.get('axes', '(X/Y/Z)')}\t{name}",
+        "\t".join(keywords),
+        "\t".join(texts),
+        f"Frame#\tTime\t{labels}",
+        f"\t\t{axes}",
+        "",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _time(said: dict[str, str], seconds: float) -> tuple[int, float]:
+    """(decimals, time of the first frame)."""
+    words = said.get("Time", "").split()
+    if len(words) == 2:
+        return int(words[0]), float(words[1])
+    text = f"{seconds:.{_LONGEST_DECIMALS}f}".rstrip("0")
+    return max(3, len(text.partition(".")[2])), 0.0
+
+
+def _rows(block: FrameBlock, moving: list[tuple[int, int]], style: str, times: Array, decimals: int) -> bytes:
+    place = {column: index for index, column in enumerate(block.columns)}
+    values = np.full((len(block), len(moving)), np.nan)
+    for index, column in enumerate(moving):
+        if column in place:
+            values[:, index] = block.values[:, place[column]]
+    missing = np.isnan(values)
+    texts = rows_of_text(np.where(missing, 0.0, values), style, "\t")
+    ids = block.ids if isinstance(block.ids, list) else block.ids.tolist()
+    lines = []
+    for row, (text, frame, time) in enumerate(zip(texts, ids, times.tolist(), strict=True)):
+        if missing[row].any():
+            cells = text.split(b"\t")
+            text = b"\t".join(b"" if gone else cell for cell, gone in zip(cells, missing[row].tolist(), strict=True))
+        lines.append(b"%s\t%.*f\t%s\n" % (str(frame).encode(), decimals, time, text))
+    return b"".join(lines)
