@@ -154,6 +154,21 @@ def laid_back(motion: Motion, up: str | None) -> Motion:
     return _turned(motion, None if turn is None else -turn, up)
 
 
+def scaled(motion: Motion, factor: float) -> Motion:
+    """The motion with every length multiplied, rest pose included."""
+    joints = tuple(
+        replace(
+            joint,
+            offset=triple(numbers(joint.offset) * factor),
+            end_sites=tuple(EndSite(triple(numbers(s.offset) * factor), s.name, s.before) for s in joint.end_sites),
+        )
+        for joint in motion.skeleton.joints
+    )
+    skeleton = replace(motion.skeleton, joints=joints)
+    metres = None if motion.metres is None else motion.metres / factor
+    return replace(motion, skeleton=skeleton, translations=motion.translations * factor, metres=metres)
+
+
 def _turned(motion: Motion, angles: Array | None, up: str | None) -> Motion:
     if angles is None:
         return motion if up == motion.up else replace(motion, up=up)

@@ -43,7 +43,8 @@ class Candidates:
 
     @property
     def beats(self) -> Frames:
-        return self.frames[self.verdicts == 0]
+        accepted: Frames = self.frames[self.verdicts == 0]
+        return accepted
 
 
 @dataclass(frozen=True)
@@ -159,8 +160,9 @@ def locate(speed: Array, beats: Frames, fps: float) -> Frames:
     """Beats (n,) moved to where the movement rests: midway between where its two flanks would come to a stand.
 
     Smoothing draws a minimum towards the side on which the body moves less, by up to half the Gaussian's width, and
-    in a rest it lies anywhere. Both flanks keep their place: each is the line through the speeds 0.15 and 0.4 of the mean
-    above the minimum, extended to 0. A beat stays where a flank is missing within w frames, and moves w / 4 at most.
+    in a rest it lies anywhere. Both flanks keep their place: each is the line through the speeds 0.15 and 0.4 of the
+    mean above the minimum, extended to 0. A beat stays where a flank is missing within w frames, and moves w / 4
+    at most.
     """
     window = window_of(fps)
     if not len(beats):

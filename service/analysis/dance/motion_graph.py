@@ -39,8 +39,13 @@ class Edges:
     def among(self, kept: NDArray[np.bool_]) -> Edges:
         """The edges between kept bars (B,)."""
         chosen = kept[self.first] & kept[self.second]
-        return Edges(*(part[chosen] for part in (self.first, self.second, self.distances, self.natural)),
-                     self.transforms[chosen])  # fmt: skip
+        return Edges(
+            self.first[chosen],
+            self.second[chosen],
+            self.distances[chosen],
+            self.natural[chosen],
+            self.transforms[chosen],
+        )
 
 
 @dataclass(frozen=True)
@@ -114,7 +119,8 @@ def nearest_jumps(
     """The `keep` nearest pairs of bars that are jumps, and those as near as the last of them, row by row.
 
     ends, starts: (B, K, 3). natural: (B,) the bar that follows in the source, -1 if none: no jump. size: body size, in
-    which distances are given. within: distances above it are left out. Memory O(B K + keep), never O(B^2). Time O(B^2 K).
+    which distances are given. within: distances above it are left out. Memory O(B K + keep), never O(B^2).
+    Time O(B^2 K).
     """
     rows: list[tuple[Indices, Indices, Array]] = []
     held, complete, limit = 0, True, within
@@ -149,7 +155,7 @@ def _nearest(
 
 
 def largest_component(count: int, first: Indices, second: Indices) -> NDArray[np.bool_]:
-    """(count,) whether a node is in the largest strongly connected component; of equal ones that with the lowest node."""
+    """(count,) nodes of the largest strongly connected component; of equal ones, that of the lowest node."""
     graph = csr_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
     _, labels = connected_components(graph, directed=True, connection="strong")
     sizes = np.bincount(labels)[labels]
@@ -191,8 +197,8 @@ def connect(
     """Edges between bars, and the threshold. Dance.md 7.
 
     threshold: body sizes; None: the least for which the jumps alone have a component of max(2, ceil(coverage B)) bars,
-    the greatest distance if none does. The pairs that this needs are guessed, and guessed anew, four times as many, where
-    they did not suffice.
+    the greatest distance if none does. How many pairs that needs is guessed; where they do not suffice, four times as
+    many are taken.
     """
     count = len(ends)
     everything = count * count

@@ -1,4 +1,4 @@
-"""A way through the graph of bars: what is possible under constraints, the cheapest without dull loops, or a random one.
+"""A way through the graph of bars: what constraints allow, the cheapest without dull loops, or a random one.
 
 Choi (2024) walks at random; the beam, its cost of repeats and the feasible sets: docs/analyses/dance.md.
 """
@@ -81,8 +81,8 @@ def beam_path(
 ) -> list[int]:
     """Bars (M) of least cost found by a beam of states by (cost to 9 decimals, path). Dance.md 10.
 
-    A step to B costs its edge and repeat_cost * sum over earlier visits of B of forgetting ** (steps since - 1). Not more
-    than `max_run` bars in source order, unless a state has no other way. reach: (M, B), no dead ends inside.
+    A step to B costs its edge and repeat_cost * sum over earlier visits of B of forgetting ** (steps since - 1). At
+    most `max_run` bars in source order, unless a state has no other way. reach: (M, B), no dead ends inside.
     """
     count = reach.shape[1]
     bars = np.flatnonzero(reach[0])[:width]

@@ -1,0 +1,141 @@
+"""Music: its beats, and the grid that they make.
+
+Beats are tracked by librosa (Ellis 2007), an optional extra: `audio`. Nothing else here needs it. Times in seconds.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from service.analysis.dance.time_warp import even_grid
+from service.analysis.interface import AnalysisError
+from service.errors import LimitError, UnsupportedError
+from service.motion.skeleton import Array
+
+LONGEST = 15 * 60.0
+LATENESS = 0.025
+"""Seconds by which tracked beats were measured to come after the clicks they belong to."""
+EVEN = 0.035
+"""Seconds: beats whose distance from a line is smaller than this (RMS) are one tempo."""
+SLOWEST, FASTEST = 40.0, 240.0
+FEWEST = 4
+
+
+@dataclass(frozen=True)
+class Tempo:
+    """Beats as a line: beat i is at start + i * period. residual: RMS distance from it. indices: (n,) of i."""
+
+    start: float
+    period: float
+    residual: float
+    indices: Array
+
+    @property
+    def bpm(self) -> float:
+        return 60.0 / self.period
+
+    @property
+    def even(self) -> bool:
+        """Whether the line stands for the beats."""
+        return self.residual <= EVEN
+
+
+def fit_tempo(beats: Sequence[float]) -> Tempo:
+    """The line through beat times by least squares over whole numbers, round(dt / median dt) apart. Dance.md 13.
+
+    beats: ascending. Raises AnalysisError `music-no-beats` for fewer than four.
+    """
+    times = np.asarray(beats, dtype=float)
+    steps = np.diff(times)
+    if len(times) < FEWEST or not np.isfinite(times).all() or (steps <= 0).any():
+        raise AnalysisError(
+            "music-no-beats",
+            f"The music has {len(times)} beats that can be used; a tempo needs {FEWEST}, one after the other.",
+            remedy="Give the tempo as bpm, or set the beats by hand.",
+        )
+    indices = np.concatenate([[0.0], np.cumsum(np.maximum(1.0, np.floor(steps / np.median(steps) + 0.5)))])
+    spread = indices - indices.mean()
+    period = float(spread @ times / (spread @ spread))
+    start = float(times.mean() - period * indices.mean())
+    residual = float(np.sqrt(np.mean((times - start - period * indices) ** 2)))
+    return Tempo(start, period, residual, indices)
+
+
+def music_grid(beats: Sequence[float], bars: int, downbeat: int = 0, factor: float = 1.0) -> Array:
+    """(4 bars + 1,) grid of music with these beats: the line if the tempo is even, else the beats themselves.
+
+    downbeat: index of the beat at which the first bar starts. factor: 2 or 1/2 for music that was tracked at half or
+    double its tempo. Raises AnalysisError `music-no-beats`, `too-many-bars`, `bpm-out-of-range`.
+    """
+    times = np.asarray(beats, dtype=float)
+    tempo = fit_tempo(beats)
+    if downbeat >= len(times):
+        raise AnalysisError(
+            "music-no-beats", f"The music has {len(times)} beats; the first bar cannot start at beat {downbeat + 1}.",
+            remedy="Choose an earlier downbeat.",
+        )  # fmt: skip
+    if tempo.even:
+        bpm = check_bpm(tempo.bpm * factor)
+        first = tempo.start + tempo.period * tempo.indices[downbeat]
+        return even_grid(bpm, bars, float(first))
+    check_bpm(tempo.bpm * factor)
+    index = np.arange(4 * bars + 1) / factor
+    own = np.arange(len(times) - downbeat)
+    if index[-1] > own[-1] + 1e-9:
+        raise AnalysisError(
+            "too-many-bars",
+            f"The music has beats for {int(own[-1] * factor) // 4} bars; {bars} were asked for.",
+            remedy="Ask for fewer bars; this music has no steady tempo that could go on.",
+            most=int(own[-1] * factor) // 4,
+        )
+    uneven: Array = np.interp(index, own, times[downbeat:])
+    return uneven
+
+
+def check_bpm(bpm: float) -> float:
+    """The tempo, if it is one. Raises AnalysisError `bpm-out-of-range`."""
+    if not (np.isfinite(bpm) and SLOWEST <= bpm <= FASTEST):
+        raise AnalysisError(
+            "bpm-out-of-range",
+            f"{bpm:g} beats a minute is not a tempo to dance to.",
+            remedy=f"Give a number from {SLOWEST:g} to {FASTEST:g}.",
+            least=SLOWEST,
+            most=FASTEST,
+        )
+    return bpm
+
+
+def track_beats(stream: BinaryIO, name: str = "music") -> Array:
+    """Beat times (n,) of WAV, FLAC or MP3.
+
+    Raises UnsupportedError without librosa, LimitError above 15 minutes, AnalysisError `music-undecodable`,
+    `music-no-beats`.
+    """
+    try:
+        librosa: Any = importlib.import_module("librosa")
+    except ImportError:
+        raise UnsupportedError(
+            "Beats of music are found by librosa, which is not installed here.",
+            remedy="Install the extra `audio`, or give the tempo as bpm.",
+        ) from None
+    try:
+        samples, rate = librosa.load(stream, sr=22050, mono=True, duration=LONGEST + 1)
+    except Exception as error:
+        raise AnalysisError(
+            "music-undecodable",
+            f"{name} cannot be decoded: {error or type(error).__name__}.",
+            remedy="Send WAV, FLAC or MP3.",
+        ) from error
+    if len(samples) > LONGEST * rate:
+        raise LimitError(f"{name} is longer than 15 minutes.", remedy="Cut it.")
+    if not len(samples):
+        raise AnalysisError("music-undecodable", f"{name} has no sound in it.", remedy="Send WAV, FLAC or MP3.")
+    _, found = librosa.beat.beat_track(y=samples, sr=rate, units="time", trim=False)
+    beats = np.maximum(0.0, np.asarray(found, dtype=float) - LATENESS)
+    fit_tempo(beats.tolist())
+    return beats
