@@ -103,15 +103,15 @@ def invert(x: Array, s: float, lam: float, degree: int) -> Inverse:
     except np.linalg.LinAlgError:
         return Inverse(np.full((len(x), len(matrix)), np.nan), np.inf)
     condition = float(np.abs(matrix).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max())
-    return Inverse(inverse[: len(x)], condition if np.isfinite(condition) else np.inf)
+    return Inverse(np.asarray(inverse[: len(x)], dtype=np.float64), condition if np.isfinite(condition) else np.inf)
 
 
 def nearest_distances(x: Array) -> Array:
     """(n,) distance of each point (n, d) to the nearest other one."""
     squares = squared_distances(x, x)
     np.fill_diagonal(squares, np.inf)
-    distances: Array = np.min(squares, axis=1)
-    return np.sqrt(distances)
+    distances: Array = np.sqrt(squares.min(axis=1).astype(np.float64))
+    return distances
 
 
 def groups_of(labels: Sequence[object]) -> Groups:
@@ -140,10 +140,11 @@ def left_out(inverse: Inverse, y: Array, groups: Groups) -> Array:
     radial = block @ y
     predicted = np.full(y.shape, np.nan)
     for rows in groups:
+        missed: Array
         if len(rows) == 1:
             missed = radial[rows] / block[rows, rows][:, None]
         else:
-            missed = np.linalg.solve(block[np.ix_(rows, rows)], radial[rows])
+            missed = np.linalg.solve(block[np.ix_(rows, rows)], radial[rows]).astype(np.float64)
         predicted[rows] = y[rows] - missed
     return predicted
 

@@ -37,6 +37,7 @@ from service.analysis.reach_blending.motion_spaces import (
     Track,
 )
 from service.analysis.reach_blending.options import Options
+from service.analysis.reach_blending.phases import angular_speed
 from service.analysis.reach_blending.principal_components import Components, principal_components
 from service.analysis.reach_blending.quaternion_tracks import aligned, mean_rotations, second_moments
 from service.analysis.reach_blending.selection import Selected, examples_needed, select
@@ -49,10 +50,12 @@ MIXED_UNITS = "unit-mismatch"
 
 @dataclass(frozen=True)
 class Excluded:
-    document: str
-    name: str
+    """A motion that the model does not use. code, reason: why. speed: (F,) of the phase joint, to look at."""
+
+    motion: Motion
     code: str
     reason: str
+    speed: Array
 
 
 @dataclass(frozen=True)
@@ -170,7 +173,9 @@ def _read(
                 error.what = f"{motion.name} ({motion.document}): {error.what}"
                 error.details["document"] = motion.document
                 raise
-            excluded.append(Excluded(motion.document, motion.name, error.code, error.what))
+            joint = np.nan_to_num(motion.rotations[:, kept[body.phase_joint]])
+            speed = angular_speed(joint, motion.fps, options.phase_method)
+            excluded.append(Excluded(motion, error.code, error.what, speed))
     return clips, excluded
 
 

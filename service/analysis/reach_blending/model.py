@@ -82,7 +82,7 @@ class Model:
 
     def phase_times(self, x: Array) -> Array:
         """(3,) t1, t2, end at x (d,), in frames at base_fps. Raises AnalysisError `time-order`."""
-        times = from_time_values(self.times(x[None]), self.log_times)[0]
+        times: Array = from_time_values(self.times(x[None]), self.log_times)[0]
         if not 0 < times[0] < times[1] < times[2]:
             raise AnalysisError(
                 "time-order",
