@@ -1,0 +1,213 @@
+"""Results as parts for people and programs. Frames count from 1 in tables, as in all answers; from 0 in arrays.
+
+A table has data `columns` (name, unit) and `rows`; a curve has `x` and `y` (name, unit), `series` and arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.analysis.dance.bar_graph import FAR, AllBars, BarGraph
+from service.analysis.dance.bars import held_frames
+from service.analysis.dance.choreography import Plan
+from service.analysis.dance.motion_beats import REASONS
+from service.analysis.dance.sources import Clip
+from service.analysis.interface import Part
+from service.motion.skeleton import Array
+
+SHOWN = 2000
+"""Values of a curve in its data; all are in the arrays."""
+LISTED = 20_000
+"""Rows of a table; what is left out is counted."""
+_UNITS = {
+    "fps": "1/s",
+    "mean_speed": "unit/s",
+    "period": "s",
+    "bpm": "1/min",
+    "seconds": "s",
+    "beat_seconds": "s",
+    "start": "s",
+    "end": "s",
+    "distance": "body size",
+    "dip": "mean speed",
+    "rest": "mean speed",
+    "speed_peak": "mean speed",
+    "foot_skate": "body size/s",
+}
+
+
+def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> Part:
+    """A table: columns with the units of their names, and rows of plain values."""
+    heads = [{"name": name, "unit": _UNITS.get(name.removeprefix("classic_"), "")} for name in columns]
+    data: dict[str, Any] = {"columns": heads, "rows": [list(row) for row in rows[:LISTED]]}
+    if len(rows) > LISTED:
+        data["left_out"] = len(rows) - LISTED
+    return Part("table", data)
+
+
+def clips_table(clips: Sequence[Clip]) -> Part:
+    """One row a clip: rate, mean speed, candidates by verdict, beats, period and its rivals, bars, which beats."""
+    columns = ["document", "name", "frames", "fps", "mean_speed", "candidates", *(f"refused_{r}" for r in REASONS[1:])]
+    columns += ["beats", "period", "bpm", "peaks", "bars", "beats_from", "support"]
+    rows = []
+    for clip in clips:
+        refused = [int((clip.candidates.verdicts == verdict).sum()) for verdict in range(1, len(REASONS))]
+        peaks = [{"period": p.seconds, "bpm": 60 / p.seconds, "power": p.power} for p in clip.peaks]
+        bpm = None if clip.period is None else 60 / clip.period
+        row = [clip.motion.document, clip.motion.name, len(clip.motion), clip.fps, float(clip.speed.mean())]
+        row += [len(clip.candidates.frames), *refused, len(clip.bars.beats), clip.period, bpm, peaks]
+        rows.append([*row, len(clip.bars.bars), clip.bars.source, clip.bars.support])
+    return table(columns, rows)
+
+
+def speed_curve(clips: Sequence[Clip]) -> Part:
+    """Speed of each clip, thinned in the data, whole in the arrays, with its beats and candidates."""
+    series = []
+    arrays: dict[str, NDArray[Any]] = {}
+    for clip in clips:
+        document, step = clip.motion.document, max(1, -(-len(clip.speed) // SHOWN))
+        series.append(
+            {
+                "document": document,
+                "name": clip.motion.name,
+                "fps": clip.fps,
+                "step": step,
+                "values": clip.speed[::step].tolist(),
+                "mean": float(clip.speed.mean()),
+                "beats": (clip.bars.beats / clip.fps).tolist(),
+            }
+        )
+        arrays[f"speed-{document}"] = clip.speed
+        arrays[f"beats-{document}"] = clip.bars.beats
+        arrays[f"candidates-{document}"] = clip.candidates.frames
+        arrays[f"verdicts-{document}"] = clip.candidates.verdicts
+    axes = {"x": {"name": "time", "unit": "s"}, "y": {"name": "speed", "unit": "unit/s"}}
+    return Part("curve", {**axes, "series": series}, arrays)
+
+
+def candidates_table(clips: Sequence[Clip]) -> Part:
+    """Every minimum with its verdict: beat, end, or the condition that it fails first."""
+    rows = []
+    for clip in clips:
+        found = clip.candidates
+        for frame, verdict, dip, rest in zip(found.frames, found.verdicts, found.dips, found.rests, strict=True):
+            time = float(frame / clip.fps)
+            rows.append([clip.motion.document, int(frame) + 1, time, REASONS[verdict], float(dip), float(rest)])
+    return table(["document", "frame", "seconds", "verdict", "dip", "rest"], rows)
+
+
+def beats_table(clips: Sequence[Clip]) -> Part:
+    """The beats that bars are made of."""
+    rows = [
+        [clip.motion.document, number + 1, int(frame) + 1, float(frame / clip.fps), bool(supported)]
+        for clip in clips
+        for number, (frame, supported) in enumerate(zip(clip.bars.beats, clip.bars.supported, strict=True))
+    ]
+    return table(["document", "beat", "frame", "seconds", "supported"], rows)
+
+
+def bars_table(clips: Sequence[Clip]) -> Part:
+    """Bars of each clip: beats, where the lead-in starts and the beat after ends, held frames, tempo."""
+    rows = []
+    for clip in clips:
+        bars = clip.bars
+        held = held_frames(bars.entries, bars.leaves, len(clip.motion))
+        for number, beats in enumerate(bars.bars):
+            seconds = float((beats[3] - beats[0]) / (3 * clip.fps))
+            ends = [int(bars.entries[number]) + 1, int(bars.leaves[number]) + 1, int(held[number])]
+            rows.append(
+                [clip.motion.document, number + 1, *(int(beat) + 1 for beat in beats), *ends, seconds, 60 / seconds]
+            )
+    return table(["document", "bar", "b0", "b1", "b2", "b3", "entry", "leave", "held", "beat_seconds", "bpm"], rows)
+
+
+def source_labels(clips: Sequence[Clip], wanted: Sequence[str]) -> Part:
+    """Motion names to write onto the clips: (document, name, first, last), frames from 1, both included."""
+    rows: list[list[Any]] = []
+    for clip in clips:
+        if "bars" in wanted:
+            rows += [
+                [clip.motion.document, f"bar-{number + 1}", int(beats[0]) + 1, int(beats[3]) + 1]
+                for number, beats in enumerate(clip.bars.bars)
+            ]
+        if "beats" in wanted:
+            rows += [[clip.motion.document, "beat", int(frame) + 1, int(frame) + 1] for frame in clip.bars.beats]
+    columns = [{"name": name, "unit": ""} for name in ("document", "name", "first", "last")]
+    return Part("table", {"columns": columns, "rows": rows})
+
+
+def graph_part(clips: Sequence[Clip], graph: BarGraph) -> Part:
+    """Nodes: bars numbered from 1. Edges: pairs with their distance. Transforms of the jumps are in the arrays."""
+    bars, edges = graph.bars, graph.edges
+    nodes = [
+        {
+            "id": bar + 1,
+            "document": clips[bars.owners[bar]].motion.document,
+            "bar": int(bars.numbers[bar]) + 1,
+            "first": int(bars.frames[bar, 0]) + 1,
+            "last": int(bars.frames[bar, 3]) + 1,
+            "beat_seconds": float(bars.seconds[bar]),
+            "kept": bool(graph.kept[bar]),
+        }
+        for bar in range(len(bars))
+    ]
+    listed = [
+        {"from": int(a) + 1, "to": int(b) + 1, "distance": float(d), "natural": bool(n)}
+        for a, b, d, n in zip(
+            edges.first[:LISTED], edges.second[:LISTED], edges.distances, edges.natural, strict=False
+        )
+    ]  # fmt: skip
+    data = {
+        "nodes": nodes,
+        "edges": listed,
+        "edges_in_all": len(edges),
+        "threshold": graph.threshold,
+        "kept": int(graph.kept.sum()),
+        "removed": [bar + 1 for bar in np.flatnonzero(~graph.kept).tolist()],
+    }
+    arrays = {
+        "pairs": np.stack([edges.first, edges.second], axis=1),
+        "distances": edges.distances,
+        "natural": edges.natural,
+        "transforms": edges.transforms,
+        "kept": graph.kept,
+    }
+    return Part("graph", data, arrays)
+
+
+def graph_warnings(graph: BarGraph) -> list[str]:
+    """What a user should know of a graph."""
+    if graph.threshold > FAR:
+        return [f"The threshold is {graph.threshold:.3f} body sizes: jumps above {FAR} slide visibly."]
+    return []
+
+
+def path_table(clips: Sequence[Clip], bars: AllBars, plan: Plan) -> Part:
+    """Bars of the dance in order: which, from where, when, and how it is reached."""
+    rows: list[list[Any]] = []
+    for place, bar in enumerate(plan.path):
+        clip = clips[bars.owners[bar]]
+        reached: list[Any] = [None, None]
+        if place:
+            reached = [float(plan.distances[place - 1]), bool(plan.natural[place - 1])]
+        span = [int(bars.frames[bar, 0]) + 1, int(bars.frames[bar, 3]) + 1]
+        stretch = float((plan.grid[4 * place + 3] - plan.grid[4 * place]) / (3 * bars.seconds[bar]))
+        times = [float(plan.grid[4 * place]), float(plan.grid[4 * place + 4])]
+        source = [bar + 1, clip.motion.document, int(bars.numbers[bar]) + 1]
+        rows.append([place + 1, *source, *span, *times, stretch, *reached])
+    columns = ["position", "node", "document", "bar", "first", "last", "start", "end", "stretch", "distance", "natural"]
+    return table(columns, rows)
+
+
+def dance_curve(speed: Array, beats: Array, grid: Array, fps: float) -> Part:
+    """Speed of the new dance with its beats and the grid."""
+    step = max(1, -(-len(speed) // SHOWN))
+    series = [{"name": "dance", "fps": fps, "step": step, "values": speed[::step].tolist(), "beats": beats.tolist()}]
+    axes = {"x": {"name": "time", "unit": "s"}, "y": {"name": "speed", "unit": "unit/s"}}
+    return Part(
+        "curve", {**axes, "series": series, "grid": grid.tolist()}, {"speed": speed, "beats": beats, "grid": grid}
+    )
