@@ -36,6 +36,8 @@ class Settings(BaseSettings):
     max_frames: int = Field(50_000_000, ge=1, description="Most frames in one document")
     max_values: int = Field(4_000_000_000, ge=1, description="Most motion values in one document")
     max_joints: int = Field(10_000, ge=1, description="Most joints in one skeleton")
+    read_seconds: float = Field(60.0, gt=0, description="Longest time a reader in a process of its own (C3D) may take")
+    read_memory_mib: int = Field(2048, ge=256, description="Most memory such a reader may take")
     query_seconds: float = Field(10.0, gt=0, description="Longest time one XPath query may take")
     query_memory_mib: int = Field(1024, ge=64, description="Most memory one projected XPath query may take")
     query_elements: int = Field(3_000_000, ge=1000, description="Most elements that a projected query may touch")

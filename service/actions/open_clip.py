@@ -53,7 +53,13 @@ def open_clip(
 
 
 def _limits(settings: Settings) -> Limits:
-    return Limits(joints=settings.max_joints, frames=settings.max_frames, values=settings.max_values)
+    return Limits(
+        joints=settings.max_joints,
+        frames=settings.max_frames,
+        values=settings.max_values,
+        seconds=settings.read_seconds,
+        memory=settings.read_memory_mib << 20,
+    )
 
 
 def _mcml_limits(settings: Settings) -> McmlLimits:

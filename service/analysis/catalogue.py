@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
 from service.analysis.interface import Analysis
+from service.analysis.reach_blending.analyses import REACH
 
-SUBJECTS: Mapping[str, Mapping[str, Analysis]] = {}
+SUBJECTS: Mapping[str, Mapping[str, Analysis]] = {
+    "reach": {"fit": REACH},
+    "dance": {"beats": BEATS, "graph": MOTION_GRAPH, "make": DANCE},
+}
 
 ANALYSES: Mapping[str, Analysis] = {
     analysis.name: analysis for verbs in SUBJECTS.values() for analysis in verbs.values()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from service.formats.asf_amc import AsfAmc
 from service.formats.bvh import Bvh
+from service.formats.c3d import C3d
 from service.formats.format import Format
 from service.formats.htr import Htr
 from service.formats.recognition import UNSUPPORTED, recognise
@@ -15,6 +16,7 @@ FORMATS: dict[str, Format] = {
     "bvh": Bvh(),
     "asf-amc": AsfAmc(),
     "htr": Htr(),
+    "c3d": C3d(),
     "trc": Trc(),
 }
 """Every format that is read and written, by its name."""

@@ -10,7 +10,6 @@ from service.errors import FormatError, McmlError, Place, UnsupportedError
 from service.formats.format import Format
 
 UNSUPPORTED: Final[Mapping[str, str]] = {
-    "c3d": "comes later (marker data, read by a well-kept library)",
     "aoa": "Adaptive Optics: a tracker's raw points with no public grammar and no files to be found",
     "bva": "Biovision: global positions and angles of bones without hierarchy; every known file also exists as BVH",
     "ask-sdl": "Biovision/Alias: an Alias scene beside BVA, of a program that is no longer made",
@@ -22,9 +21,7 @@ UNSUPPORTED: Final[Mapping[str, str]] = {
 }
 """Formats that the founding paper names in its section 3 (and GTR) and that are not read, with the reason."""
 
-_LATER = ("c3d",)
 _EXTENSIONS = {
-    ".c3d": "c3d",
     ".bva": "bva",
     ".ask": "ask-sdl",
     ".sdl": "ask-sdl",
@@ -34,8 +31,8 @@ _EXTENSIONS = {
     ".gtr": "gtr",
 }
 _LFS: Final = b"version https://git-lfs.github.com/spec/"
-_TITLES = {"c3d": "C3D", "ask-sdl": "ASK/SDL", "skl-mot": "SKL/MOT"}
-_READ: Final = "Send BVH, ASF with AMC, HTR, TRC or MCML."
+_TITLES = {"ask-sdl": "ASK/SDL", "skl-mot": "SKL/MOT"}
+_READ: Final = "Send BVH, ASF with AMC, HTR, C3D, TRC or MCML."
 
 
 def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes) -> tuple[Format, str]:
@@ -50,12 +47,12 @@ def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes)
     known = _unsupported_content(first_bytes)
     if known is not None:
         raise _not_read(known, at)
-    if b"\0" in first_bytes:
-        raise _binary(file_name, first_bytes, at)
     for format in formats.values():
         part = format.sniff(file_name, first_bytes)
         if part is not None:
             return format, part
+    if b"\0" in first_bytes:
+        raise _binary(file_name, first_bytes, at)
     for extension, name in _EXTENSIONS.items():
         if file_name.lower().endswith(extension):
             raise _not_read(name, at)
@@ -63,8 +60,6 @@ def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes)
 
 
 def _unsupported_content(first_bytes: bytes) -> str | None:
-    if first_bytes[1:2] == b"P" and first_bytes[:1] in (b"\x02", b"\x03", b"\x04", b"\x0b") and b"\0" in first_bytes:
-        return "c3d"
     if re.search(rb"(?im)^\s*FileType\s+gtr\b", first_bytes):
         return "gtr"
     return None
@@ -72,8 +67,7 @@ def _unsupported_content(first_bytes: bytes) -> str | None:
 
 def _not_read(name: str, at: Place) -> McmlError:
     title = _TITLES.get(name, name.upper())
-    later = " yet" if name in _LATER else ""
-    return UnsupportedError(f"{title} files are not read{later}: {UNSUPPORTED[name]}", at=at, remedy=_READ)
+    return UnsupportedError(f"{title} files are not read: {UNSUPPORTED[name]}", at=at, remedy=_READ)
 
 
 def _binary(file_name: str, first_bytes: bytes, at: Place) -> McmlError:

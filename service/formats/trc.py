@@ -138,9 +138,7 @@ def _read_head(lines: Lines, notices: list[Notice]) -> _Head:
         end = line.end
         lines.next()
     if "\t" not in labels.text:
-        note(
-            notices, "warning", "cells are separated by blanks: a missing sample cannot be seen", labels.at()
-        )
+        note(notices, "warning", "cells are separated by blanks: a missing sample cannot be seen", labels.at())
     facts = {key: value for key, value in zip(keys, values, strict=False) if key}
     return _Head(_cells(first), facts, cells[2:], end)
 
