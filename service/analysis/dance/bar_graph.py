@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.analysis.dance.figure import Figure, cloud_points
+from service.analysis.dance.motion_beats import half_up
 from service.analysis.dance.motion_graph import (
     Edges,
     Indices,
@@ -35,14 +36,15 @@ FAR = 0.15
 class AllBars:
     """Bars of all clips, clip by clip. owners: (B,) clips. numbers: (B,) from 0 in their clip. frames: (B, 4) beats.
 
-    entries, leaves: (B,) source frames. seconds: (B,) of a beat. natural: (B,) the bar that follows in the clip, or -1.
+    entries, leaves: (B,). These are instants: frames, or between them. seconds: (B,) of a beat. natural: (B,) the bar that
+    follows in the clip, or -1.
     """
 
     owners: Indices
     numbers: Indices
-    frames: Indices
-    entries: Indices
-    leaves: Indices
+    frames: Array
+    entries: Array
+    leaves: Array
     seconds: Array
     natural: NDArray[np.intp]
 
@@ -102,9 +104,9 @@ def all_bars(clips: Sequence[Clip]) -> AllBars:
     leaves = np.concatenate([clip.bars.leaves for clip in clips])
     rates = np.array([clip.fps for clip in clips])[owners]
     natural = np.full(count, -1, dtype=np.intp)
-    last = {(int(owner), int(beat)): bar for bar, (owner, beat) in enumerate(zip(owners, frames[:, 3], strict=True))}
+    last = {(int(owner), float(beat)): bar for bar, (owner, beat) in enumerate(zip(owners, frames[:, 3], strict=True))}
     for bar in range(count):
-        before = last.get((int(owners[bar]), int(entries[bar])))
+        before = last.get((int(owners[bar]), float(entries[bar])))
         if before is not None and before != bar:
             natural[before] = bar
     return AllBars(
@@ -143,12 +145,12 @@ def shared_points(clips: Sequence[Clip]) -> list[Figure]:
     ]
 
 
-def _clouds(clips: Sequence[Clip], figures: Sequence[Figure], bars: AllBars, middles: Indices) -> Array:
+def _clouds(clips: Sequence[Clip], figures: Sequence[Figure], bars: AllBars, middles: Array) -> Array:
     """(B, 7 P, 3) points about a frame of each bar, lengths in the clips' unit."""
     found = []
     for bar in range(len(bars)):
         clip = clips[bars.owners[bar]]
-        frames = cloud_frames(int(middles[bar]), clip.fps, len(clip.motion))
+        frames = cloud_frames(half_up(middles[bar]), clip.fps, len(clip.motion))
         motion = clip.motion
         points = cloud_points(figures[bars.owners[bar]], motion.translations[frames], motion.rotations[frames])
         found.append(points.reshape(-1, 3))

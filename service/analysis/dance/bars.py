@@ -12,7 +12,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from service.analysis.dance.motion_beats import Frames, window_means, window_of
+from service.analysis.dance.motion_beats import Frames, locate, window_means, window_of
 from service.motion.skeleton import Array
 
 Source = Literal["detected", "tracked", "auto"]
@@ -27,18 +27,18 @@ _SUPPORTED = 3
 
 @dataclass(frozen=True)
 class Bars:
-    """Beats of a clip and its bars. beats: (n,) frames. supported: (n,) whether there is a dip. bars: (m, 4) frames.
+    """Beats of a clip and its bars, in frames or between them. beats: (n,). supported: (n,) whether there is a dip.
 
-    source: which beats these are. entries, leaves: (m,) frames where the lead-in starts and the beat after ends; they
+    bars: (m, 4). source: which beats these are. entries, leaves: (m,) frames where the lead-in starts and the beat after ends; they
     may lie outside the clip, which then stands still.
     """
 
     source: Literal["detected", "tracked"]
-    beats: Frames
+    beats: Array
     supported: NDArray[np.bool_]
-    bars: Frames
-    entries: Frames
-    leaves: Frames
+    bars: Array
+    entries: Array
+    leaves: Array
 
     @property
     def support(self) -> float:
@@ -46,7 +46,7 @@ class Bars:
         return float(self.supported.mean()) if len(self.supported) else 0.0
 
 
-def good_intervals(beats: Frames, period: float, tolerance: Tolerance = 0.2, window: int = 0) -> NDArray[np.bool_]:
+def good_intervals(beats: Array, period: float, tolerance: Tolerance = 0.2, window: int = 0) -> NDArray[np.bool_]:
     """(n - 1,) whether successive beats are a period (frames) apart, within a part of it, or +- w frames ("window")."""
     allowed = window if tolerance == "window" else tolerance * period
     good: NDArray[np.bool_] = np.abs(np.diff(beats) - period) <= allowed
@@ -66,7 +66,7 @@ def group(good: NDArray[np.bool_], supported: NDArray[np.bool_], stride: int = 4
 
 
 def bars_of(
-    beats: Frames,
+    beats: Array,
     supported: NDArray[np.bool_],
     source: Literal["detected", "tracked"],
     period: float | None,
@@ -77,12 +77,11 @@ def bars_of(
 ) -> Bars:
     """Bars among beats, with entry and leave. Dance.md 5, 6. period: frames, None: no bars."""
     if period is None or len(beats) < ENOUGH:
-        none = np.empty(0, dtype=np.intp)
-        return Bars(source, beats, supported, np.empty((0, 4), dtype=np.intp), none, none)
+        return Bars(source, beats, supported, np.empty((0, 4)), np.empty(0), np.empty(0))
     good = good_intervals(beats, period, tolerance, window)
     first = group(good, supported, stride)
-    bars = np.array([beats[start : start + 4] for start in first], dtype=np.intp).reshape(-1, 4)
-    thirds = np.floor((bars[:, 3] - bars[:, 0]) / 3 + 0.5).astype(np.intp)
+    bars = np.array([beats[start : start + 4] for start in first]).reshape(-1, 4)
+    thirds = np.floor((bars[:, 3] - bars[:, 0]) / 3 + 0.5)
     entries, leaves = bars[:, 0] - thirds, bars[:, 3] + thirds
     for place, start in enumerate(first if lead_in == "beat" else []):
         if start > 0 and good[start - 1]:
@@ -96,17 +95,19 @@ def find_bars(
     speed: Array,
     fps: float,
     candidates: Frames,
-    beats: Frames,
+    beats: Array,
     period: float | None,
     which: Source = "auto",
     k2: float = 2 / 15,
     tolerance: Tolerance = 0.2,
     stride: int = 4,
     lead_in: LeadIn = "beat",
+    middle: bool = True,
 ) -> Bars:
     """Bars of a clip. speed: (F,). candidates, beats: frames. period: seconds of a beat, None where unknown.
 
     auto: detected beats; a clip that gives fewer than four bars is tracked, and the tracked bars kept if more.
+    middle: tracked beats, too, move to the middle of the rest.
     """
     window, step = window_of(fps), None if period is None else period * fps
     sure = np.ones(len(beats), dtype=bool)
@@ -115,7 +116,9 @@ def find_bars(
         return found
     strength = beat_strength(speed, candidates, window)
     path = track(strength, step)
-    tracked = bars_of(path, strength[path] >= k2, "tracked", step, window, tolerance, stride, lead_in)
+    supported = strength[path] >= k2
+    moved = np.where(supported, locate(speed, path, fps), path) if middle else path.astype(float)
+    tracked = bars_of(moved, supported, "tracked", step, window, tolerance, stride, lead_in)
     return tracked if which == "tracked" or len(tracked.bars) > len(found.bars) else found
 
 
@@ -159,13 +162,13 @@ def track(strength: Array, period: float) -> Frames:
     return np.array(path[::-1], dtype=np.intp)
 
 
-def held_frames(entries: Frames, leaves: Frames, frames: int) -> Frames:
+def held_frames(entries: Array, leaves: Array, frames: int) -> Array:
     """(m,) frames of each bar's lead-in and leave that lie outside the clip, where a pose is held."""
-    held: Frames = np.maximum(0, -entries) + np.maximum(0, leaves - (frames - 1))
+    held: Array = np.maximum(0, -entries) + np.maximum(0, leaves - (frames - 1))
     return held
 
 
-def bar_tempo(bars: Frames, fps: float) -> Array:
+def bar_tempo(bars: Array, fps: float) -> Array:
     """(m,) seconds a beat of each bar: a third of the time between its first and fourth beat."""
     seconds: Array = (bars[:, 3] - bars[:, 0]) / (3 * fps)
     return seconds

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from service.analysis.dance.assembly import Dance, assemble
 from service.analysis.dance.bar_graph import AllBars, BarGraph, keep_only, threshold_for_two
 from service.analysis.dance.blend import Blend, Placement
+from service.analysis.dance.motion_beats import half_up
 from service.analysis.dance.path import MAX_RUN, beam_path, feasible, first_impossible, random_path, successors
 from service.analysis.dance.sources import Clip
 from service.analysis.dance.time_warp import PULSES, Warp, choose_pulse, divides, frame_count, motion_grid, segments
@@ -191,7 +192,7 @@ def allowed_bars(
 def _labelled(clips: Sequence[Clip], bars: AllBars, label: str) -> NDArray[np.bool_]:
     found = np.zeros(len(bars), dtype=bool)
     for bar in range(len(bars)):
-        first, last = int(bars.frames[bar, 0]), int(bars.frames[bar, 3])
+        first, last = half_up(bars.frames[bar, 0]), half_up(bars.frames[bar, 3])
         covered = np.zeros(last - first + 1, dtype=bool)
         for name, start, end in clips[bars.owners[bar]].motion.labels:
             if name == label:

@@ -53,9 +53,8 @@ def watch(
     positions, _ = walked(figure.skeleton, translations, rotations)
     used = np.ascontiguousarray(positions[:, figure.used].transpose(1, 2, 0))
     speed, raw = mean_speed(used, fps, smooth), mean_speed(used, fps, 0.0)
-    beats = refine(speed, fps, k2, k3).beats
-    if located:
-        beats = locate(speed, beats, fps)
+    accepted = refine(speed, fps, k2, k3).beats
+    beats = locate(speed, accepted, fps) if located else accepted.astype(float)
     middle = used.mean(axis=0)
     size = figure.size or 1.0
     return Watched(

@@ -60,6 +60,12 @@ def half_up(value: float) -> int:
     return int(np.floor(value + 0.5))
 
 
+def whole(frames: Array) -> Frames:
+    """The frames (n,) that instants between frames are nearest to."""
+    nearest: Frames = np.floor(frames + 0.5).astype(np.intp)
+    return nearest
+
+
 def window_of(fps: float) -> int:
     """w, frames: a third of a second, which admits beats up to 180 a minute."""
     return half_up(fps / 3)
@@ -156,8 +162,8 @@ def refine(speed: Array, fps: float, k2: float = 2 / 15, k3: float = 1.0) -> Can
     return Candidates(frames, verdicts, dips, rests)
 
 
-def locate(speed: Array, beats: Frames, fps: float) -> Frames:
-    """Beats (n,) moved to where the movement rests: midway between where its two flanks would come to a stand.
+def locate(speed: Array, beats: Frames, fps: float) -> Array:
+    """Beats (n,), between frames, where the movement rests: midway between where its two flanks would come to a stand.
 
     Smoothing draws a minimum towards the side on which the body moves less, by up to half the Gaussian's width, and
     in a rest it lies anywhere. Both flanks keep their place: each is the line through the speeds 0.15 and 0.4 of the
@@ -166,7 +172,7 @@ def locate(speed: Array, beats: Frames, fps: float) -> Frames:
     """
     window = window_of(fps)
     if not len(beats):
-        return beats
+        return np.empty(0)
     away = np.arange(window + 1)
     below, above = _FLANK[0] * speed.mean(), _FLANK[1] * speed.mean()
     move, whole = np.zeros(len(beats)), np.ones(len(beats), dtype=bool)
@@ -177,7 +183,7 @@ def locate(speed: Array, beats: Frames, fps: float) -> Frames:
         run = np.where(high > low, high - low, 0.0)
         move += side / 2 * (np.where(whole, low, 0.0) - (flank[:, 0] + below) * run / (above - below))
     move = np.where(whole, np.clip(move, -(window // 4), window // 4), 0.0)
-    moved: Frames = np.clip(beats + np.floor(move + 0.5).astype(np.intp), 0, len(speed) - 1)
+    moved: Array = np.clip(beats + move, 0, len(speed) - 1)
     return moved
 
 
@@ -191,19 +197,20 @@ def _crossing(flank: Array, level: Array) -> Array:
     return np.where(above.any(axis=1), column - part, -1.0)
 
 
-def beat_wave(beats: Frames, frames: int) -> Array:
-    """s (frames,): a cosine whose crests are the beats, 0 outside them. Kim et al. (2003), sect. 3.2."""
+def beat_wave(beats: Array, frames: int) -> Array:
+    """s (frames,): a cosine whose crests are the beats (n,), frames or between; 0 outside. Kim et al. (2003)."""
     wave = np.zeros(frames)
     if len(beats) < 2:
         return wave
-    time = np.arange(beats[0], beats[-1])
+    first, last = int(np.ceil(beats[0])), int(np.ceil(beats[-1]))
+    time = np.arange(first, last)
     interval = np.searchsorted(beats, time, side="right") - 1
     start, end = beats[interval], beats[interval + 1]
-    wave[beats[0] : beats[-1]] = np.cos(2 * np.pi * (time - start) / (end - start))
+    wave[first:last] = np.cos(2 * np.pi * (time - start) / (end - start))
     return wave
 
 
-def periods(beats: Frames, frames: int, fps: float, count: int = 3) -> list[Period]:
+def periods(beats: Array, frames: int, fps: float, count: int = 3) -> list[Period]:
     """The highest peaks of the power spectrum of `beat_wave` between 30 and 180 a minute, the highest first.
 
     Dance.md 4. Empty with fewer than two beats or without a peak. Of peaks within 1e-9 of the highest the faster one

@@ -13,7 +13,6 @@ from service.analysis.dance.figure import Figure, check_finite, figure_of, scale
 from service.analysis.dance.motion_beats import (
     Candidates,
     Difference,
-    Frames,
     Period,
     locate,
     periods,
@@ -51,7 +50,8 @@ class Search:
 
 @dataclass(frozen=True)
 class Clip:
-    """A clip with its beats. motion: Y up. speed: (F,), units a second. detected: (n,) beats after refinement.
+    """A clip with its beats. motion: Y up. speed: (F,), units a second. detected: (n,) beats after refinement, frames
+    or between them.
 
     period: seconds a beat that the bars are held to, None where unknown. peaks: of the spectrum.
     """
@@ -60,7 +60,7 @@ class Clip:
     figure: Figure
     speed: Array
     candidates: Candidates
-    detected: Frames
+    detected: Array
     peaks: tuple[Period, ...]
     period: float | None
     bars: Bars
@@ -94,7 +94,7 @@ def read_clip(motion: Motion, search: Search) -> Clip:
     figure = figure_of(motion.skeleton, motion.translations)
     speed = speed_signal(figure, motion.translations, motion.rotations, fps, search.smooth, search.difference)
     candidates = refine(speed, fps, search.k2, search.k3)
-    detected = locate(speed, candidates.beats, fps) if search.locate else candidates.beats
+    detected = locate(speed, candidates.beats, fps) if search.locate else candidates.beats.astype(float)
     if search.own_beats is not None:
         detected = _own(search.own_beats, fps, frames)
     peaks = tuple(periods(detected, frames, fps))
@@ -105,13 +105,13 @@ def read_clip(motion: Motion, search: Search) -> Clip:
         bars = bars_of(detected, sure, "detected", step, window_of(fps), *options)
     else:
         usable = candidates.frames[candidates.verdicts != 1]
-        bars = find_bars(speed, fps, usable, detected, period, search.beats, search.k2, *options)
+        bars = find_bars(speed, fps, usable, detected, period, search.beats, search.k2, *options, search.locate)
     return Clip(motion, figure, speed, candidates, detected, peaks, period, bars)
 
 
-def _own(beats: Sequence[float], fps: float, frames: int) -> Frames:
-    found: Frames = np.unique(np.floor(np.asarray(beats) * fps + 0.5).astype(np.intp))
-    return found[(found >= 0) & (found < frames)]
+def _own(beats: Sequence[float], fps: float, frames: int) -> Array:
+    found: Array = np.unique(np.asarray(beats, dtype=float) * fps)
+    return found[found <= frames - 1]
 
 
 def on_one_skeleton(clips: Sequence[Clip]) -> tuple[list[Clip], list[str]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from service.analysis.dance.bar_graph import FAR, AllBars, BarGraph
 from service.analysis.dance.bars import held_frames
 from service.analysis.dance.choreography import Plan
-from service.analysis.dance.motion_beats import REASONS
+from service.analysis.dance.motion_beats import REASONS, half_up, whole
 from service.analysis.dance.sources import Clip
 from service.analysis.interface import Part
 from service.motion.skeleton import Array
@@ -103,7 +103,7 @@ def candidates_table(clips: Sequence[Clip]) -> Part:
 def beats_table(clips: Sequence[Clip]) -> Part:
     """The beats that bars are made of."""
     rows = [
-        [clip.motion.document, number + 1, int(frame) + 1, float(frame / clip.fps), bool(supported)]
+        [clip.motion.document, number + 1, half_up(frame) + 1, float(frame / clip.fps), bool(supported)]
         for clip in clips
         for number, (frame, supported) in enumerate(zip(clip.bars.beats, clip.bars.supported, strict=True))
     ]
@@ -118,9 +118,9 @@ def bars_table(clips: Sequence[Clip]) -> Part:
         held = held_frames(bars.entries, bars.leaves, len(clip.motion))
         for number, beats in enumerate(bars.bars):
             seconds = float((beats[3] - beats[0]) / (3 * clip.fps))
-            ends = [int(bars.entries[number]) + 1, int(bars.leaves[number]) + 1, int(held[number])]
+            ends = [half_up(bars.entries[number]) + 1, half_up(bars.leaves[number]) + 1, half_up(held[number])]
             rows.append(
-                [clip.motion.document, number + 1, *(int(beat) + 1 for beat in beats), *ends, seconds, 60 / seconds]
+                [clip.motion.document, number + 1, *(half_up(beat) + 1 for beat in beats), *ends, seconds, 60 / seconds]
             )
     return table(["document", "bar", "b0", "b1", "b2", "b3", "entry", "leave", "held", "beat_seconds", "bpm"], rows)
 
@@ -131,11 +131,11 @@ def source_labels(clips: Sequence[Clip], wanted: Sequence[str]) -> Part:
     for clip in clips:
         if "bars" in wanted:
             rows += [
-                [clip.motion.document, f"bar-{number + 1}", int(beats[0]) + 1, int(beats[3]) + 1]
+                [clip.motion.document, f"bar-{number + 1}", half_up(beats[0]) + 1, half_up(beats[3]) + 1]
                 for number, beats in enumerate(clip.bars.bars)
             ]
         if "beats" in wanted:
-            rows += [[clip.motion.document, "beat", int(frame) + 1, int(frame) + 1] for frame in clip.bars.beats]
+            rows += [[clip.motion.document, "beat", frame + 1, frame + 1] for frame in whole(clip.bars.beats).tolist()]
     columns = [{"name": name, "unit": ""} for name in ("document", "name", "first", "last")]
     return Part("table", {"columns": columns, "rows": rows})
 
@@ -148,8 +148,8 @@ def graph_part(clips: Sequence[Clip], graph: BarGraph) -> Part:
             "id": bar + 1,
             "document": clips[bars.owners[bar]].motion.document,
             "bar": int(bars.numbers[bar]) + 1,
-            "first": int(bars.frames[bar, 0]) + 1,
-            "last": int(bars.frames[bar, 3]) + 1,
+            "first": half_up(bars.frames[bar, 0]) + 1,
+            "last": half_up(bars.frames[bar, 3]) + 1,
             "beat_seconds": float(bars.seconds[bar]),
             "kept": bool(graph.kept[bar]),
         }
@@ -194,7 +194,7 @@ def path_table(clips: Sequence[Clip], bars: AllBars, plan: Plan) -> Part:
         reached: list[Any] = [None, None]
         if place:
             reached = [float(plan.distances[place - 1]), bool(plan.natural[place - 1])]
-        span = [int(bars.frames[bar, 0]) + 1, int(bars.frames[bar, 3]) + 1]
+        span = [half_up(bars.frames[bar, 0]) + 1, half_up(bars.frames[bar, 3]) + 1]
         stretch = float((plan.grid[4 * place + 3] - plan.grid[4 * place]) / (3 * bars.seconds[bar]))
         times = [float(plan.grid[4 * place]), float(plan.grid[4 * place + 4])]
         source = [bar + 1, clip.motion.document, int(bars.numbers[bar]) + 1]

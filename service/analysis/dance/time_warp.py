@@ -12,7 +12,6 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from service.analysis.dance.motion_beats import half_up
@@ -74,9 +73,9 @@ class Segment:
 def segments(
     path: Sequence[int],
     natural: Sequence[bool],
-    bars: NDArray[np.intp],
-    entries: NDArray[np.intp],
-    leaves: NDArray[np.intp],
+    bars: Array,
+    entries: Array,
+    leaves: Array,
     grid: Array,
     warp: Warp = "beats",
     play_on: bool = False,
