@@ -136,13 +136,15 @@ def reach_clips(
     young: Sequence[int] = YOUNG,
     old: Sequence[int] = OLD,
     noise: bool = True,
+    deviations: float = 1.0,
 ) -> list[ReachClip]:
     """185 clips of 41 people, or of as many as `young` and `old` have trials for each.
 
     fps: frames a second; the same seed gives the same movements at any rate. noise: of the measurement.
+    deviations: of people and trials from what their attributes say, as a share; 0: the law alone.
     """
     rng = np.random.default_rng(seed)
-    drawn = _draw(rng, young, old)
+    drawn = _draw(rng, young, old, deviations)
     postures = _postures(drawn)
     times = _times(drawn, postures.need)
     clips = []
@@ -172,17 +174,17 @@ def reach_clips(
     return clips
 
 
-def _draw(rng: np.random.Generator, young: Sequence[int], old: Sequence[int]) -> _Drawn:
+def _draw(rng: np.random.Generator, young: Sequence[int], old: Sequence[int], deviations: float) -> _Drawn:
     people = len(young) + len(old)
     is_old = np.arange(people) >= len(young)
     age = np.where(is_old, rng.integers(60, 80, people), rng.integers(20, 30, people)).astype(float)
     height = np.clip(rng.normal(np.where(is_old, 163.0, 170.0), 7.0), 148.0, 190.0).round(1)
-    person = rng.normal(size=(people, 6))
-    posture = rng.normal(0.0, 3.0, (people, len(_JOINTS), 3))
+    person = deviations * rng.normal(size=(people, 6))
+    posture = deviations * rng.normal(0.0, 3.0, (people, len(_JOINTS), 3))
     subject = np.repeat(np.arange(people), [*young, *old])
     count = len(subject)
     hbp = np.clip(265 + 2 * (height[subject] - 168) + rng.normal(0.0, 40.0, count), 150.0, 420.0).round()
-    trial = rng.normal(size=(count, 9))
+    trial = deviations * rng.normal(size=(count, 9))
     return _Drawn(
         subject=subject,
         age=age[subject],
@@ -192,9 +194,9 @@ def _draw(rng: np.random.Generator, young: Sequence[int], old: Sequence[int]) ->
         side=1.5 * person[subject, 1] + 0.8 * trial[:, 1],
         elbow=5.0 * person[subject, 2] + 2.0 * trial[:, 2],
         head=4.0 * person[subject, 3] + 2.0 * trial[:, 3],
-        posture=posture[subject] + rng.normal(0.0, 1.0, (count, len(_JOINTS), 3)),
-        sway=rng.normal(0.0, 0.3, (count, len(_JOINTS), 3, 2)),
-        belt=BELT + rng.normal(0.0, 0.8, (count, 3)),
+        posture=posture[subject] + deviations * rng.normal(0.0, 1.0, (count, len(_JOINTS), 3)),
+        sway=deviations * rng.normal(0.0, 0.3, (count, len(_JOINTS), 3, 2)),
+        belt=BELT + deviations * rng.normal(0.0, 0.8, (count, 3)),
         prepare=np.exp(0.06 * person[subject, 4] + 0.12 * trial[:, 4]),
         reach=np.exp(0.06 * person[subject, 5] + 0.04 * trial[:, 5]),
         length=0.12 * trial[:, 6],

@@ -35,8 +35,9 @@ class AttributeSpace:
         return mapped
 
     def attributes(self, coordinates: Array) -> Array:
-        """(n, A): the attributes nearest to the mean that have these coordinates (n, d)."""
-        back: Array = self.mean + coordinates @ np.linalg.pinv(self.matrix)
+        """(n, A): the attributes, among those that the examples span, that have these coordinates (n, d)."""
+        # In deviations the kept axes are orthogonal, so that the pseudoinverse stays in their plane.
+        back: Array = self.mean + coordinates @ np.linalg.pinv(self.scale[:, None] * self.matrix) * self.scale
         return back
 
     def off_plane(self, attributes: Array) -> Array:
