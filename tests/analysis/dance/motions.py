@@ -44,7 +44,7 @@ def generated(style: Style = "groove", document: str = "1", **options: float | i
 
 
 def read_file(path: Path, document: str = "1") -> Motion:
-    """A BVH or AMC file; an AMC with the skeleton whose name begins like its own. Without a rate: 120 frames a second."""
+    """A BVH or AMC file; an AMC with the skeleton whose name begins like its own. No rate: 120 frames a second."""
     data = path.read_bytes()
     format, part = find_format(path.name, data[:4096])
     files = {part: path}

@@ -1,0 +1,134 @@
+"""Paths: what is possible, the beam against one with plain lists, the random walk."""
+
+from __future__ import annotations
+
+from itertools import pairwise, product
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from service.analysis.dance import path as paths
+from service.analysis.dance.motion_graph import Edges
+
+COUNT = 6
+
+
+def edges_of(seed: int, density: float = 0.5) -> Edges:
+    rng = np.random.default_rng(seed)
+    pairs = [(a, b) for a in range(COUNT) for b in range(COUNT) if b == a + 1 or (a != b and rng.random() < density)]
+    first, second = np.array(pairs, dtype=np.intp).T
+    natural = second == first + 1
+    distances = np.where(natural, 0.0, np.round(rng.random(len(pairs)), 2))
+    return Edges(first, second, distances, natural, np.zeros((len(pairs), 3)))
+
+
+def allowed_of(seed: int, length: int) -> np.ndarray:
+    return np.random.default_rng(seed + 1).random((length, COUNT)) < 0.7
+
+
+@given(seed=st.integers(0, 9999), length=st.integers(1, 4))
+def test_feasible_bars_are_those_of_some_whole_path(seed: int, length: int) -> None:
+    edges, allowed = edges_of(seed, 0.2), allowed_of(seed, length)
+    steps = set(zip(edges.first.tolist(), edges.second.tolist(), strict=True))
+    whole = [
+        way
+        for way in product(range(COUNT), repeat=length)
+        if all(allowed[place, bar] for place, bar in enumerate(way)) and all(p in steps for p in pairwise(way))
+    ]
+    reach = paths.feasible(COUNT, edges, allowed)
+    assert (paths.first_impossible(edges, allowed) is None) == bool(whole)
+    assert set(np.flatnonzero(reach[0]).tolist()) == {way[0] for way in whole}
+    for way in whole:
+        assert all(reach[place, bar] for place, bar in enumerate(way))
+
+
+def test_the_first_impossible_position_is_named() -> None:
+    edges = edges_of(1)
+    allowed = np.ones((5, COUNT), dtype=bool)
+    allowed[3] = False
+    assert paths.first_impossible(edges, allowed) == 3
+    allowed[0] = False
+    assert paths.first_impossible(edges, allowed) == 0
+
+
+def beam_slowly(edges: Edges, threshold: float, reach: np.ndarray, width: int, cost: float, max_run: int) -> list[int]:
+    steps = {
+        (int(a), int(b)): (float(d), bool(n))
+        for a, b, d, n in zip(edges.first, edges.second, edges.distances, edges.natural, strict=True)
+    }
+    states = [(0.0, [int(bar)], 1) for bar in np.flatnonzero(reach[0])][:width]
+    for position in range(1, len(reach)):
+        grown = []
+        for total, way, run in states:
+            ways = [
+                (bar, *steps[way[-1], bar]) for bar in range(COUNT) if (way[-1], bar) in steps and reach[position, bar]
+            ]
+            short = [step for step in ways if not (step[2] and run >= max_run)]
+            for bar, d, natural in short or ways:
+                visits = sum(0.8 ** (position - place - 1) for place, seen in enumerate(way) if seen == bar)
+                grown.append((total + d / threshold + cost * visits, [*way, bar], run + 1 if natural else 1))
+        states = sorted(grown, key=lambda state: (round(state[0], 9), state[1]))[:width]
+    return states[0][1]
+
+
+@given(
+    seed=st.integers(0, 9999),
+    length=st.integers(1, 9),
+    width=st.sampled_from([1, 3, 64]),
+    cost=st.sampled_from([0.0, 1.0]),
+    max_run=st.integers(1, 3),
+)
+def test_the_beam_is_a_beam_of_lists(seed: int, length: int, width: int, cost: float, max_run: int) -> None:
+    edges = edges_of(seed)
+    reach = paths.feasible(COUNT, edges, allowed_of(seed, length) | (np.arange(COUNT) == 0))
+    if reach[0].any():
+        ways = paths.successors(COUNT, edges, 0.7)
+        found = paths.beam_path(ways, reach, cost, max_run=max_run, width=width)
+        assert found == beam_slowly(edges, 0.7, reach, width, cost, max_run)
+
+
+def test_without_a_cost_of_repeats_the_cheapest_loop_repeats() -> None:
+    pairs = [(a, b) for a in range(COUNT) for b in range(COUNT) if a != b]
+    first, second = np.array(pairs, dtype=np.intp).T
+    distances = np.where(first + second == 1, 0.1, 0.5)
+    edges = Edges(first, second, distances, np.zeros(len(pairs), dtype=bool), np.zeros((len(pairs), 3)))
+    ways, reach = paths.successors(COUNT, edges, 0.5), np.ones((30, COUNT), dtype=bool)
+    assert set(paths.beam_path(ways, reach, 0.0)) == {0, 1}
+    assert set(paths.beam_path(ways, reach, 1.0)) == set(range(COUNT))
+
+
+@pytest.mark.parametrize("max_run", [1, 2, 4])
+def test_bars_in_source_order_are_not_more_than_asked(max_run: int) -> None:
+    ways = paths.successors(COUNT, edges_of(4, 1.0), 0.5)
+    found = paths.beam_path(ways, np.ones((40, COUNT), dtype=bool), max_run=max_run)
+    run = longest = 1
+    for a, b in pairwise(found):
+        run = run + 1 if b == a + 1 else 1
+        longest = max(longest, run)
+    assert longest == max_run
+
+
+def test_where_there_is_no_other_way_the_source_goes_on() -> None:
+    first = np.arange(COUNT - 1)
+    chain = Edges(first, first + 1, np.zeros(5), np.ones(5, dtype=bool), np.zeros((5, 3)))
+    reach = paths.feasible(COUNT, chain, np.ones((COUNT, COUNT), dtype=bool))
+    assert paths.beam_path(paths.successors(COUNT, chain, 0.0), reach, max_run=2) == list(range(COUNT))
+
+
+def test_a_random_walk_takes_each_successor_alike_and_the_same_by_seed() -> None:
+    edges = edges_of(7, 0.6)
+    reach = paths.feasible(COUNT, edges, np.ones((400, COUNT), dtype=bool))
+    ways = paths.successors(COUNT, edges, 1.0)
+    found = paths.random_path(ways, reach, np.random.default_rng(3))
+    assert found == paths.random_path(ways, reach, np.random.default_rng(3))
+    assert found != paths.random_path(ways, reach, np.random.default_rng(4))
+    steps = set(zip(edges.first.tolist(), edges.second.tolist(), strict=True))
+    taken = list(pairwise(found))
+    assert set(taken) <= steps
+    for bar in range(COUNT):
+        counts = np.bincount([b for a, b in taken if a == bar], minlength=COUNT)
+        following = [b for a, b in steps if a == bar and reach[5, b]]
+        if counts.sum() > 60:
+            assert all(counts[b] > 0.3 * counts.sum() / len(following) for b in following)
