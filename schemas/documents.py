@@ -49,7 +49,7 @@ class Property(BaseModel):
     model_config = ConfigDict(json_schema_extra=shown(PROPERTY))
 
     name: str = Field(min_length=1, max_length=256)
-    value: str = Field(max_length=4096)
+    value: str = Field(max_length=262_144)
     unit: str = Field("", max_length=64)
 
 

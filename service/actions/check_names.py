@@ -10,6 +10,9 @@ from service.mcml.lexical import is_decimal
 from service.mcml.vocabulary import PROPERTY
 from service.motion.clip import ClipHead
 
+LONGEST_VALUE = 1 << 18
+"""Characters of a property: room for the provenance of a motion made from thousands of documents."""
+
 NAME_BYTES = 1024
 """Of a name in UTF-8: PostgreSQL indexes no longer rows than 2,700 bytes."""
 
@@ -63,11 +66,11 @@ def check_head(document: Element, head: ClipHead, max_joints: int) -> None:
 
 
 def check_property(name: str, value: str, unit: str) -> None:
-    """Properties are searched, so they are short. DocumentError."""
-    if not 0 < len(name) <= 256 or len(value) > 4096 or len(unit) > 64:
+    """DocumentError for one that is too long."""
+    if not 0 < len(name) <= 256 or len(value) > LONGEST_VALUE or len(unit) > 64:
         raise DocumentError(
             f"The property {name[:80]!r} is too long.",
-            remedy="A name has 1 to 256 characters, a value up to 4096, a unit up to 64.",
+            remedy=f"A name has 1 to 256 characters, a value up to {LONGEST_VALUE}, a unit up to 64.",
         )
 
 

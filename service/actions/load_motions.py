@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.actions.read_clip import read_clip
-from service.analysis.interface import Motion
+from service.analysis.interface import Motion, Progress, silent
 from service.errors import DocumentError
 from service.motion.clip import ClipStream, FrameBlock
 from service.motion.conventions import convert
@@ -22,9 +22,13 @@ Input = dict[str, Any]
 """{"document": uuid, "revision": number}: a clip that an analysis reads, and at which revision."""
 
 
-def load_motions(tx: Transaction, inputs: Sequence[Input]) -> list[Motion]:
+def load_motions(tx: Transaction, inputs: Sequence[Input], progress: Progress = silent) -> list[Motion]:
     """The clips in the order of their document ids. DocumentError for a clip without frames or frame time."""
-    return [_motion(tx, item) for item in sorted(inputs, key=lambda item: str(item["document"]))]
+    motions = []
+    for item in sorted(inputs, key=lambda item: str(item["document"])):
+        progress("reading clips", len(motions) / len(inputs))
+        motions.append(_motion(tx, item))
+    return motions
 
 
 def _motion(tx: Transaction, item: Input) -> Motion:

@@ -67,9 +67,9 @@ def demo(
     database: DatabaseOption = None,
     seed: Annotated[int, typer.Option(help="Another seed makes other clips")] = 1,
 ) -> None:
-    """Add a small library of generated clips: walks, reaches, dance steps, faces, with their motion names."""
+    """Add a small library of generated clips: walks, reaches, dances, faces, with their motion names and properties."""
     count = _load_demo(database, seed)
-    console.print(f"Added {count} generated clips to the project [bold]demo[/bold].")
+    console.print(f"Added {count} generated clips to the projects [bold]demo[/bold], demo-reach and demo-dance.")
 
 
 def _load_demo(database: str | None, seed: int = 1) -> int:

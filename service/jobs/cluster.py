@@ -57,11 +57,13 @@ class Cluster:
         )
         return Client(cluster, set_as_default=False, security=security)
 
-    def kill(self, key: str) -> None:
+    def kill(self, future: Any) -> None:
         """End the process of the worker that has a task, whatever it is doing."""
         client = self.client()
         with suppress(OSError, TimeoutError, ValueError):
-            busy = [worker for worker, keys in client.processing().items() if key in map(str, keys)]
+            busy = [worker for worker, keys in client.processing().items() if future.key in map(str, keys)]
+            # Forgotten first, or it would be given to the worker that takes the place of the killed one.
+            future.cancel(force=True)
             if busy:
                 client.restart_workers(busy, timeout=30, raise_for_error=False)
 

@@ -119,8 +119,7 @@ class Runner:
         ended = threading.Event()
         future.add_done_callback(lambda _: ended.set())
         try:
-            if not self._watch(job, client, key, ended):
-                future.cancel(force=True)
+            if not self._watch(job, client, future, ended):
                 if not self._stopping.is_set():
                     self._end(job, "cancelled")
                 return
@@ -128,12 +127,12 @@ class Runner:
         finally:
             future.release()
 
-    def _watch(self, job: StoredJob, client: Any, key: str, ended: threading.Event) -> bool:
+    def _watch(self, job: StoredJob, client: Any, future: Any, ended: threading.Event) -> bool:
         """Pass news on until the work has ended; False where it was given up."""
         last, told, cancelled_at = ("starting a worker", 0.0), time.monotonic(), None
         while not ended.wait(NEWS_SECONDS):
             if self._stopping.is_set():
-                self._cluster.kill(key)
+                self._cluster.kill(future)
                 return False
             events = client.get_events(job.uuid)
             news = (events[-1][1]["stage"], events[-1][1]["share"]) if events else last
@@ -143,7 +142,7 @@ class Runner:
             if not self._tell(job, *news) and cancelled_at is None:
                 cancelled_at = time.monotonic()
             if cancelled_at is not None and time.monotonic() - cancelled_at > KILL_SECONDS:
-                self._cluster.kill(key)
+                self._cluster.kill(future)
                 return False
         return True
 

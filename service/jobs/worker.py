@@ -44,9 +44,8 @@ def perform(
     """
     chosen = find_analysis(analysis)
     try:
-        progress("reading clips", 0.0)
         with database.read() as tx:
-            motions = load_motions(tx, inputs)
+            motions = load_motions(tx, inputs, lambda stage, share: progress(stage, LOADING * share))
         checked = chosen.parameters.model_validate(parameters)
         return chosen.run(motions, checked, lambda stage, share: progress(stage, LOADING + (1 - LOADING) * share))
     except McmlError as error:
