@@ -14,7 +14,7 @@ from schemas.examples import DOCUMENT, shown
 
 _TIMES = {"t1": 6.4, "t2": 30.2, "end": 70}
 _ATTRIBUTES = {"age": 23, "height": 175, "hbp": 355}
-_WARNING = {"code": "in-gap", "what": "No example has age near the one asked for.", "clip": None}
+_WARNING = {"code": "in-gap", "what": "No example has age near the one asked for."}
 _CLIP = {"document": DOCUMENT, "revision": 1, "name": "reach_01_001", "subject": "S01"}
 
 Fps = Annotated[float, Field(gt=0, le=1000)]
@@ -262,7 +262,6 @@ class ReachPhases(BaseModel):
                 "document": DOCUMENT,
                 "name": "reach_01_001",
                 "used": True,
-                "reason": None,
                 "fps": 30.0,
                 "speed": [0.1, 0.12, 0.4],
                 "components": [[-0.4, 0.1, 0.0]],
@@ -277,7 +276,7 @@ class ReachPhases(BaseModel):
     document: str = Field(description="Its id", examples=[DOCUMENT])
     name: str = Field(description="Its name when the model was fitted", examples=["reach_01_001"])
     used: bool = Field(description="Whether the model uses it", examples=[True])
-    reason: str | None = Field(description="Why not", examples=["peak-at-border"])
+    reason: str | None = Field(None, description="Why not", examples=["peak-at-border"])
     fps: float = Field(description="Frames a second", examples=[30.0])
     speed: list[float] = Field(
         description="Radians a second of the phase joint, a value a frame: since the frame before",
@@ -287,7 +286,7 @@ class ReachPhases(BaseModel):
         description="Three principal components of the arm's rotations, a row a frame: only to look at",
         examples=[[[-0.4, 0.1, 0.0]]],
     )
-    t1: ReachMoment | None = Field(description="The reach begins; null for a clip that is not used")
-    t2: ReachMoment | None = Field(description="The reach ends")
-    end: ReachMoment | None = Field(description="The last moment that counts")
+    t1: ReachMoment | None = Field(None, description="The reach begins; null for a clip that is not used")
+    t2: ReachMoment | None = Field(None, description="The reach ends")
+    end: ReachMoment | None = Field(None, description="The last moment that counts")
     flags: list[str] = Field(description="What had to be guessed", examples=[["no-preparation"]])
