@@ -12,6 +12,7 @@ from pathlib import Path
 BENCHMARKS = {
     "formats": "reading and writing BVH, against pybvh, simdjson, numpy.savetxt",
     "layouts": "ways to lay frames out in SQLite, against each other",
+    "reach": "reach models: fit, synthesis, memory, growth",
     "share": "generated XPath expressions answered without projection",
     "store": "loading, sizes, label counts, edits, against BaseX and lxml",
     "xpath": "questions on three sizes of library, against BaseX, lxml, PostgreSQL's xpath()",

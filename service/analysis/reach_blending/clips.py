@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from service.analysis.interface import AnalysisError, Motion
 from service.analysis.reach_blending.options import Options
 from service.analysis.reach_blending.phases import Phases, angular_speed, find_phases, given_phases
-from service.analysis.reach_blending.quaternion_tracks import continuous, fill_gaps, jumps, unit
+from service.analysis.reach_blending.principal_components import principal_components
+from service.analysis.reach_blending.quaternion_tracks import continuous, fill_gaps, jumps, second_moments, unit
 from service.motion.skeleton import Array, Convention, Joint, Skeleton
 from service.motion.units import UNITS
 
@@ -30,19 +31,26 @@ SIMILAR = 0.20
 class Clip:
     """A motion as far as the analysis uses it.
 
-    subject: who moves; the document's id where nobody said. attributes: (A,). root: (F, 3). rotations: (F, J, 4),
-    continuous. speed: (F,) of the phase joint, rad/s. offsets: (J, 3) of each joint in its parent.
+    places: (J,) of the joints in the motion. subject: who moves; the document's id where nobody said. attributes: (A,).
+    speed: (F,) of the phase joint, rad/s. offsets: (J, 3) of each joint in its parent. moments: (J, 4, 4), see
+    `second_moments`. arm: (F, 3) principal components of the joints from above the phase joint to the hand.
     """
 
     motion: Motion
     subject: str
     attributes: Array
-    root: Array
-    rotations: Array
     speed: Array
     phases: Phases
     offsets: Array
+    moments: Array
+    arm: Array
     warnings: tuple[tuple[str, str], ...]
+    places: NDArray[np.intp]
+
+    def tracks(self) -> tuple[Array, Array]:
+        """Root (F, 3) and continuous rotations (F, J, 4): made when asked for, as thousands of clips have many."""
+        rotations, translations, _ = _filled(self.motion, self.places)
+        return translations[:, 0], continuous(unit(rotations))
 
 
 @dataclass(frozen=True)
@@ -104,13 +112,8 @@ def named_joint(skeleton: Skeleton, name: str, code: str) -> int:
 def read_clip(motion: Motion, places: NDArray[np.intp], body: Body, options: Options) -> Clip:
     """One motion as a clip. Raises AnalysisError with the reason why it cannot be used."""
     warnings: list[tuple[str, str]] = []
-    rotations, translations = motion.rotations[:, places], motion.translations[:, places]
-    missing: NDArray[np.bool_] = ~np.isfinite(np.concatenate([rotations, translations], axis=2)).all(axis=2)
-    if motion.present is not None:
-        missing = missing | ~motion.present[:, places].astype(bool)
-    if missing.any():
-        rotations, translations = fill_gaps(rotations, missing), fill_gaps(translations, missing)
-        count = int(missing.any(axis=1).sum())
+    rotations, translations, count = _filled(motion, places)
+    if count:
         warnings.append(("gap-filled", f"{motion.name}: samples of {count} frames were missing and are filled in"))
     rotations = continuous(unit(rotations))
     found = jumps(rotations)
@@ -132,13 +135,32 @@ def read_clip(motion: Motion, places: NDArray[np.intp], body: Body, options: Opt
         motion=motion,
         subject=subject or motion.document,
         attributes=attributes,
-        root=np.ascontiguousarray(translations[:, 0]),
-        rotations=rotations,
         speed=angular_speed(joint_rotations, motion.fps, options.phase_method),
         phases=phases,
         offsets=offsets,
+        moments=second_moments(rotations),
+        arm=_arm(rotations, body),
         warnings=tuple(warnings),
+        places=places,
     )
+
+
+def _filled(motion: Motion, places: NDArray[np.intp]) -> tuple[Array, Array, int]:
+    """Rotations (F, J, 4) and translations (F, J, 3) of some joints, and in how many frames samples were filled in."""
+    rotations, translations = motion.rotations[:, places], motion.translations[:, places]
+    missing: NDArray[np.bool_] = ~np.isfinite(np.concatenate([rotations, translations], axis=2)).all(axis=2)
+    if motion.present is not None:
+        missing = missing | ~motion.present[:, places].astype(bool)
+    if not missing.any():
+        return rotations, translations, 0
+    return fill_gaps(rotations, missing), fill_gaps(translations, missing), int(missing.any(axis=1).sum())
+
+
+def _arm(rotations: Array, body: Body) -> Array:
+    place = body.chain.index(body.phase_joint) if body.phase_joint in body.chain else 0
+    joints = list(body.chain[max(place - 1, 0) :])
+    found = principal_components(rotations[:, joints].reshape(len(rotations), -1), 3).coefficients
+    return np.concatenate([found, np.zeros((len(found), 3 - found.shape[1]))], axis=1)
 
 
 def attribute_of(motion: Motion, name: str) -> float:

@@ -17,7 +17,7 @@ from service.analysis.reach_blending.attribute_space import (
     gaps,
     same_place,
 )
-from service.analysis.reach_blending.blend import fit_blend, nearest_distances
+from service.analysis.reach_blending.blend import fit_blend
 from service.analysis.reach_blending.clips import (
     Body,
     Clip,
@@ -39,7 +39,7 @@ from service.analysis.reach_blending.motion_spaces import (
 from service.analysis.reach_blending.options import Options
 from service.analysis.reach_blending.phases import angular_speed
 from service.analysis.reach_blending.principal_components import Components, principal_components
-from service.analysis.reach_blending.quaternion_tracks import aligned, mean_rotations, second_moments
+from service.analysis.reach_blending.quaternion_tracks import aligned, mean_rotations
 from service.analysis.reach_blending.selection import Selected, examples_needed, select
 from service.analysis.reach_blending.time_normalisation import Knots, instants, mean_knots, read_rotations, read_values
 from service.motion.hub import rest_of
@@ -108,14 +108,14 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
     times = np.array([np.array(clip.phases.times) * options.base_fps / clip.motion.fps for clip in clips])
     knots = options.knots or mean_knots(times)
     progress("sampling", 0.3)
-    reference = mean_rotations(sum((second_moments(clip.rotations) for clip in clips), np.zeros(())))
+    reference = mean_rotations(sum((clip.moments for clip in clips), np.zeros(())))
     sampled = _sampled(clips, reference, knots)
     ruler = Ruler(body.phase_joint, body.chain, offsets[_middle(x)])
     progress("components", 0.4)
     motion_space, vectors, shares = _vectors(clips, reference, knots, sampled, offsets, options)
     if isinstance(motion_space, TangentSpace) and motion_space.farthest(vectors) > 2.8:
         warnings.append(("far-from-reference", "A joint turns by over 160° from its mean: its blends may go round."))
-    components = principal_components(vectors, options.components, options.variance)
+    components = principal_components(vectors, options.components, options.variance, in_place=True)
     del vectors
     progress("cross-validation", 0.6)
     selected = select(
@@ -140,7 +140,7 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
         attribute_space=space,
         example_of=example_of,
         gaps=tuple(tuple(gaps(column)) for column in attributes.T),
-        neighbour=float(nearest_distances(selected.centres).mean()) if len(selected.centres) > 1 else 0.0,
+        neighbour=selected.neighbour,
         motion_space=motion_space,
         mean=components.mean,
         basis=components.basis,
@@ -226,7 +226,8 @@ def _labels(clips: Sequence[Clip], options: Options) -> list[str] | None:
 
 def _tracks(clips: Sequence[Clip], reference: Array, knots: Knots) -> Iterator[Track]:
     for clip in clips:
-        yield Track(clip.root, aligned(clip.rotations, reference), instants(knots, clip.phases.times))
+        root, rotations = clip.tracks()
+        yield Track(root, aligned(rotations, reference), instants(knots, clip.phases.times))
 
 
 def _sampled(clips: Sequence[Clip], reference: Array, knots: Knots) -> Sampled:

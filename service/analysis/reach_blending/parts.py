@@ -15,11 +15,9 @@ from service.analysis.interface import Part, Parts
 from service.analysis.reach_blending.accuracy import Errors
 from service.analysis.reach_blending.attribute_space import duplicates
 from service.analysis.reach_blending.blend import Choice
-from service.analysis.reach_blending.clips import Clip
 from service.analysis.reach_blending.evaluation import Prediction, predictions, reconstruction
 from service.analysis.reach_blending.fit import Fitted
 from service.analysis.reach_blending.options import Options
-from service.analysis.reach_blending.principal_components import principal_components
 from service.analysis.reach_blending.stored import to_arrays, to_values
 from service.motion.skeleton import Array
 
@@ -165,22 +163,11 @@ def _clips(fitted: Fitted) -> Part:
 def _speed(fitted: Fitted) -> Part:
     """Speeds of all clips end to end, those left out too; `first` says where each begins."""
     speeds = [clip.speed for clip in fitted.clips] + [left.speed for left in fitted.excluded]
-    arms = [_arm_components(clip, fitted) for clip in fitted.clips] + [
-        np.zeros((len(left.speed), 3)) for left in fitted.excluded
-    ]
+    arms = [clip.arm for clip in fitted.clips] + [np.zeros((len(left.speed), 3)) for left in fitted.excluded]
     documents = [clip.motion.document for clip in fitted.clips] + [left.motion.document for left in fitted.excluded]
     first = np.concatenate([[0], np.cumsum([len(speed) for speed in speeds])]).astype(np.int64)
     data = {"x": {"name": "frame", "unit": ""}, "y": {"name": "speed", "unit": "rad/s"}, "documents": documents}
     return Part("curve", data, {"speed": np.concatenate(speeds), "components": np.concatenate(arms), "first": first})
-
-
-def _arm_components(clip: Clip, fitted: Fitted) -> Array:
-    """(F, 3) principal components of the joints from above the phase joint to the hand."""
-    chain = fitted.body.chain
-    place = chain.index(fitted.body.phase_joint) if fitted.body.phase_joint in chain else 0
-    arm = list(chain[max(place - 1, 0) :])
-    found = principal_components(clip.rotations[:, arm].reshape(len(clip.rotations), -1), 3).coefficients
-    return np.concatenate([found, np.zeros((len(found), 3 - found.shape[1]))], axis=1)
 
 
 def _variance(cumulative: Array, what: str, each: Array | None = None) -> Part:

@@ -26,15 +26,19 @@ class Components:
 
 
 def principal_components(
-    data: Array, count: int, variance: float | None = None, *, fix_signs: bool = True
+    data: Array, count: int, variance: float | None = None, *, fix_signs: bool = True, in_place: bool = False
 ) -> Components:
     """The first components of rows (n, D).
 
     count: how many at most. variance: instead, as many as hold this share. At most min(n - 1, D) exist. Variances are
     S^2 / n. The largest entry of each component is positive; without fix_signs its sign is what the library gives.
+    in_place: the rows may be spoiled, which spares a copy.
     """
     mean = data.mean(axis=0)
-    left, sizes, right = svd(data - mean, full_matrices=False, overwrite_a=True, check_finite=False)
+    centred = np.subtract(data, mean, out=data if in_place else None)
+    # Transposed, rows in C order are columns in Fortran's, which LAPACK takes without a copy.
+    right, sizes, left = svd(centred.T, full_matrices=False, overwrite_a=True, check_finite=False)
+    right, left = right.T, left.T
     existing = max(min(len(data) - 1, data.shape[1]), 0)
     variances = sizes[:existing] ** 2 / len(data)
     kept = min(count, existing)

@@ -34,7 +34,7 @@ class Selected:
 
     groups: the clips of each example. centres: (n, d). coefficients: (n, K). time_values: (n, 3). subjects: groups of
     examples of one person, those that can be left out; None where nobody is told apart. alone: the same of each
-    example. condition: of the saddle matrix. choice, time_choice: what was tried, None where nothing was.
+    example. neighbour: mean distance of different examples to the nearest. condition: of the saddle matrix. choice, time_choice: what was tried, None where nothing was.
     """
 
     groups: list[list[int]]
@@ -49,6 +49,7 @@ class Selected:
     time_condition: float
     subjects: Groups | None
     alone: Groups
+    neighbour: float
     choice: Choice | None
     time_choice: Choice | None
     warnings: tuple[tuple[str, str], ...]
@@ -114,8 +115,7 @@ def select(
         # An example of several people's clips stands for all of them.
         names = ["+".join(sorted({labels[row] for row in rows})) for rows in groups]
         subjects = leavable(centres, options.degree, groups_of(names)) or None
-    distinct = np.unique(np.round(centres, 12), axis=0)
-    neighbours = nearest_distances(distinct)
+    neighbours = nearest_distances(np.unique(np.round(centres, 9), axis=0))
     widths, ridges = _candidates(neighbours, options)
     choice = time_choice = None
     if len(widths) * len(ridges) > 1:
@@ -166,6 +166,7 @@ def select(
         time_condition=time_condition,
         subjects=subjects,
         alone=alone,
+        neighbour=float(neighbours.mean()),
         choice=choice,
         time_choice=time_choice,
         warnings=warnings,

@@ -1,0 +1,67 @@
+"""Reaches of HDM05, three actors, to the floor and high up: blended over the target."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from service.analysis.interface import AnalysisError, Motion
+from service.analysis.reach_blending.fit import fit
+from service.analysis.reach_blending.options import options_of
+from service.analysis.reach_blending.synthesis import Wish, synthesize
+from service.motion.units import inches_of_asf
+from tests.analysis.reach.hdm05 import read_reaches
+
+INCHES = inches_of_asf(0.45)
+"""Metres of a value."""
+
+
+@pytest.fixture(scope="module")
+def reaches(shared: Path) -> list[Motion]:
+    folder = shared / "asfamc" / "hdm05_reach"
+    if not folder.is_dir():
+        pytest.skip("the reach clips of HDM05 are not here")
+    return read_reaches(folder)
+
+
+def test_most_clips_are_used_and_the_others_say_why(reaches: list[Motion]) -> None:
+    found = fit(reaches, options_of(attributes=("target",)))
+    assert len(reaches) == 34
+    assert len(found.clips) >= 20
+    assert {left.code for left in found.excluded} <= {"no-clear-peak", "peak-at-border"}
+    for clip in found.clips:
+        t1, t2, end = clip.phases.times
+        assert 0 < t1 < t2 < end
+
+
+def test_few_eigenposes_hold_a_clip_and_few_eigenmotions_the_set(reaches: list[Motion]) -> None:
+    paper = fit(reaches, options_of("paper", attributes=("target",), duplicates="mean"))
+    assert paper.pose_shares[:, -1].min() > 0.98
+    robust = fit(reaches, options_of(attributes=("target",)))
+    for found in (paper, robust):
+        assert found.components.cumulative()[9] > 0.779
+
+
+@pytest.mark.parametrize("space", ["tangent", "eigenposes"])
+def test_the_hand_rises_with_the_target(reaches: list[Motion], space: str) -> None:
+    found = fit(reaches, options_of(attributes=("target",), space=space))
+    template = found.model.sources[0].document
+    heights = []
+    for target in (0.0, 0.25, 0.5, 0.75, 1.0):
+        made = synthesize(found.model, Wish({"target": target}, template=template))
+        clip = made.clip
+        motion = Motion("made", 1, "made", clip.skeleton, clip.frame_time, clip.rotations, clip.translations)
+        heights.append(motion.walk()[0][:, found.body.hand, 1] * INCHES)
+        assert made.support == ("gap" if 0 < target < 1 else "inside")
+    assert np.all(np.diff([height.mean() for height in heights]) > 0)
+    # Measured hands go to 0.1 m and to 1.6 m; means of people who move at different times go less far.
+    assert heights[0].min() < 0.5
+    assert heights[-1].max() > 1.2
+
+
+def test_two_targets_are_equal_attributes_to_the_paper(reaches: list[Motion]) -> None:
+    with pytest.raises(AnalysisError) as error:
+        fit(reaches, options_of("paper", attributes=("target",)))
+    assert error.value.code == "duplicate-attributes"
