@@ -1,0 +1,129 @@
+"""Beats of music as a line or as they are, and what happens to files that are no music."""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+import sys
+import wave
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from service.analysis.dance import music
+from service.analysis.interface import AnalysisError
+from service.errors import UnsupportedError
+
+
+@given(bpm=st.floats(60, 190), start=st.floats(0, 2), seed=st.integers(0, 999))
+def test_the_tempo_of_quantised_beats_is_found(bpm: float, start: float, seed: int) -> None:
+    """Trackers give times in steps of 23 ms: the line averages them out."""
+    true = start + np.arange(200) * 60 / bpm
+    heard = np.round(true / 0.0232) * 0.0232
+    heard = np.delete(heard, np.random.default_rng(seed).integers(1, 199, 5))
+    tempo = music.fit_tempo(heard.tolist())
+    assert abs(tempo.bpm - bpm) < 0.02
+    assert tempo.even
+    assert abs(tempo.start - start) < 0.01
+
+
+def test_the_line_is_the_least_squares_line() -> None:
+    beats = [0.1, 0.6, 1.15, 2.1, 2.6]
+    tempo = music.fit_tempo(beats)
+    assert tempo.indices.tolist() == [0, 1, 2, 4, 5]
+    slope, start = np.polyfit([0, 1, 2, 4, 5], beats, 1)
+    assert (tempo.period, tempo.start) == (pytest.approx(slope), pytest.approx(start))
+
+
+@pytest.mark.parametrize("beats", [[], [1.0, 2.0, 3.0], [1.0, 2.0, 2.0, 3.0], [1.0, float("nan"), 3.0, 4.0]])
+def test_too_few_beats_are_named(beats: list[float]) -> None:
+    with pytest.raises(AnalysisError) as error:
+        music.fit_tempo(beats)
+    assert error.value.code == "music-no-beats"
+
+
+def test_even_music_goes_on_as_its_line() -> None:
+    beats = (0.4 + np.arange(20) * 0.5).tolist()
+    grid = music.music_grid(beats, 10, downbeat=3)
+    assert len(grid) == 41
+    assert grid[0] == pytest.approx(1.9)
+    assert np.allclose(np.diff(grid), 0.5)
+    assert np.allclose(np.diff(music.music_grid(beats, 4, factor=2.0)), 0.25)
+    assert np.allclose(np.diff(music.music_grid(beats, 4, factor=0.5)), 1.0)
+
+
+def test_uneven_music_keeps_its_beats_and_ends_with_them() -> None:
+    beats = np.cumsum(np.linspace(0.4, 0.8, 30)).tolist()
+    assert not music.fit_tempo(beats).even
+    grid = music.music_grid(beats, 5, downbeat=2)
+    assert np.allclose(grid, beats[2:23])
+    assert np.allclose(music.music_grid(beats, 5, factor=2.0)[::2], beats[:11])
+    with pytest.raises(AnalysisError) as error:
+        music.music_grid(beats, 9)
+    assert (error.value.code, error.value.details["most"]) == ("too-many-bars", 7)
+
+
+def test_a_downbeat_after_the_last_beat_is_refused() -> None:
+    with pytest.raises(AnalysisError, match="beat 21"):
+        music.music_grid((np.arange(20) * 0.5).tolist(), 2, downbeat=20)
+
+
+@pytest.mark.parametrize("bpm", [39.9, 240.1, 0.0, -10.0, float("nan"), float("inf")])
+def test_tempi_out_of_range_are_named(bpm: float) -> None:
+    with pytest.raises(AnalysisError) as error:
+        music.check_bpm(bpm)
+    assert error.value.code == "bpm-out-of-range"
+
+
+def test_without_librosa_the_way_out_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "librosa", None)
+    with pytest.raises(UnsupportedError) as error:
+        music.track_beats(io.BytesIO(b"RIFF"), "song.wav")
+    assert "audio" in (error.value.remedy or "")
+
+
+class Broken:
+    """A decoder that finds nothing it can decode, or nothing at all."""
+
+    def __init__(self, samples: np.ndarray | None) -> None:
+        self.samples = samples
+
+    def load(self, stream: object, **options: object) -> tuple[np.ndarray, int]:
+        if self.samples is None:
+            raise RuntimeError("Format not recognised.")
+        return self.samples, 22050
+
+
+@pytest.mark.parametrize("samples", [None, np.zeros(0)])
+def test_what_is_no_music_is_named(samples: np.ndarray | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "librosa", Broken(samples))
+    with pytest.raises(AnalysisError) as error:
+        music.track_beats(io.BytesIO(b"nothing"), "song.wav")
+    assert error.value.code == "music-undecodable"
+
+
+def clicks(bpm: float, seconds: float) -> io.BytesIO:
+    rate = 22050
+    sound = np.zeros(int(seconds * rate))
+    tick = np.sin(2 * np.pi * 1000 * np.arange(800) / rate) * np.exp(-np.arange(800) / 100)
+    for beat in np.arange(0.5, seconds - 0.1, 60 / bpm):
+        start = int(beat * rate)
+        sound[start : start + 800] += tick[: len(sound) - start]
+    file = io.BytesIO()
+    with wave.open(file, "wb") as target:
+        target.setparams((1, 2, rate, 0, "NONE", ""))
+        target.writeframes((sound * 20000).astype("<i2").tobytes())
+    file.seek(0)
+    return file
+
+
+@pytest.mark.skipif(
+    importlib.util.find_spec("librosa") is None, reason="librosa, of the extra `audio`, is not installed"
+)
+def test_clicks_give_their_tempo() -> None:
+    tempo = music.fit_tempo(music.track_beats(clicks(128.0, 30.0)).tolist())
+    assert abs(tempo.bpm - 128) < 0.2
+    late = (tempo.start - 0.5) % (60 / 128)
+    assert min(late, 60 / 128 - late) < 0.02
