@@ -34,7 +34,8 @@ class Selected:
 
     groups: the clips of each example. centres: (n, d). coefficients: (n, K). time_values: (n, 3). subjects: groups of
     examples of one person, those that can be left out; None where nobody is told apart. alone: the same of each
-    example. neighbour: mean distance of different examples to the nearest. condition: of the saddle matrix. choice, time_choice: what was tried, None where nothing was.
+    example. neighbour: mean distance of different examples to the nearest. condition: of the saddle matrix. choice,
+    time_choice: what was tried, None where nothing was.
     """
 
     groups: list[list[int]]
