@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Sequence
 
+import c3d
 import numpy as np
 from fastapi.testclient import TestClient
 
@@ -200,3 +201,35 @@ def upload(client: TestClient, files: dict[str, bytes], **form: object) -> dict[
 
 def lines_of(content: Iterator[bytes]) -> list[bytes]:
     return b"".join(content).splitlines()
+
+
+TRC = b"""PathFileType\t4\t(X/Y/Z)\thand.trc
+DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames
+120.00\t120.00\t4\t3\tmm\t120.00\t1\t4
+Frame#\tTime\tR.Wrist\t\t\t*0\t\t\tR.Wrist\t\t
+\t\tX1\tY1\tZ1\tX2\tY2\tZ2\tX3\tY3\tZ3
+
+11\t0.083\t273.71817\t-56.52052\t1296.20001\t1.00000\t2.00000\t3.00000\t-0.00000\t5.00000\t6.00000
+12\t0.092\t273.71816\t-56.52053\t1296.20002\t\t\t\t4.00000\t5.00000\t6.00000
+13\t0.100\t\t\t\t1.50000\t2.00000\t3.00000\t4.00000\t5.00000\t6.00000
+14\t0.108\t273.71814\t-56.52054\t1296.20003\t1.00000\t2.00000\t3.00000\t\t\t
+"""
+
+
+def c3d_file(frames: int = 6, points: int = 3, rate: float = 120.0, first: int = 11, seed: int = 0) -> bytes:
+    """Points that wander, some samples missing, some residuals stated, analog channels beside them."""
+    rng = np.random.default_rng(seed)
+    writer = c3d.Writer(point_rate=rate, analog_rate=2 * rate, point_scale=-0.25, point_units="mm  ")
+    writer.set_point_labels([f"marker {number}" for number in range(points)])
+    writer.set_analog_labels(["force"])
+    table = np.zeros((frames, points, 5), dtype=np.float32)
+    table[..., :3] = np.cumsum(rng.normal(0, 3, (frames, points, 3)), axis=0)
+    table[..., 3] = 0.25 * rng.integers(0, 40, (frames, points))
+    table[rng.random((frames, points)) < 0.2, 3] = -1
+    table[0, :, 3] = 1.5
+    for frame in table:
+        writer.add_frames([(frame, np.zeros((1, 2), dtype=np.float32))])
+    writer.set_start_frame(first)
+    content = io.BytesIO()
+    writer.write(content)
+    return content.getvalue()

@@ -19,6 +19,8 @@ _HELD_BY_SOURCE = {
     "bvh": {"frame_time"},
     "asf-amc": set[str](),
     "htr": {"unit", "up", "frame_time"},
+    "c3d": {"unit", "up", "frame_time"},
+    "trc": {"unit", "frame_time"},
     "mcml": {"unit", "up", "frame_time", "description", "properties"},
 }
 """Facts that the source format itself holds: after such a change an export may no longer answer the kept bytes."""

@@ -19,7 +19,7 @@ from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console
 from service.errors import McmlError, UnsupportedError
 from service.storage.documents import DocumentFilter
 
-EXTENSIONS = {".bvh", ".asf", ".amc", ".htr", ".htr2", ".mcml", ".xml", ".zip"}
+EXTENSIONS = {".bvh", ".asf", ".amc", ".htr", ".htr2", ".c3d", ".trc", ".mcml", ".xml", ".zip"}
 
 
 def add_to(app: typer.Typer) -> None:
@@ -182,7 +182,7 @@ def show(
 
 def export(
     ids: Annotated[list[str], typer.Argument(help="Documents")],
-    format: Annotated[str, typer.Option(help="bvh, asf-amc, asf, amc, htr, mcml or csv")] = "bvh",
+    format: Annotated[str, typer.Option(help="bvh, asf-amc, asf, amc, htr, c3d, trc, mcml or csv")] = "bvh",
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="File or folder; default this folder, - prints")
     ] = None,

@@ -78,8 +78,7 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     if unmeasured:
         notices.append(Notice("guess", "every residual says that there is no sample; the coordinates count"))
     labels = _labels(about, notices)
-    for label in labels:
-        limits.check_name(label)
+    limits.check_points(labels)
     skeleton = marker_skeleton(labels, residual=bool((residuals > 0).any()))
     clip_head = ClipHead(
         "c3d",
@@ -188,7 +187,7 @@ def _write(clip: ClipStream) -> Iterator[bytes]:
     unit = head.fields.get("calibration_unit", "")
     writer = c3d.Writer(point_rate=rate, point_scale=-scale, point_units=unit.ljust(4))
     labels = [_label(joint.source_name, clip.notices) for joint in head.skeleton.joints]
-    writer.set_point_labels(labels)
+    _set_labels(writer, labels)
     up = head.fields.get("global_axis_of_gravity", "")
     if up in ("Y", "Z"):
         writer.set_screen_axis("+X", f"+{up}")
@@ -209,6 +208,16 @@ def _write(clip: ClipStream) -> Iterator[bytes]:
         warnings.simplefilter("ignore")
         writer.write(buffer)
     yield buffer.getvalue()
+
+
+def _set_labels(writer: Any, labels: list[str]) -> None:
+    """LABELS, LABELS2 …: the sizes of a parameter are bytes, so that it has no more than 255 texts."""
+    for start in range(0, len(labels), 255):
+        some = labels[start : start + 255]
+        text, longest = writer.pack_labels(some)
+        number = "" if not start else str(start // 255 + 1)
+        writer.point_group.add_str(f"LABELS{number}", "Point labels.", text, longest, len(some))
+        writer.point_group.add_str(f"DESCRIPTIONS{number}", "Point descriptions.", " " * len(some), 1, len(some))
 
 
 def _label(text: str, notices: list[Notice]) -> str:

@@ -2,8 +2,8 @@
 
 Run as a program: `python -P c3d_worker.py MEMORY_BYTES MOST_VALUES < FILE > ANSWER` (without -P, `c3d` would be the
 module beside it). It imports nothing of the service. The answer begins with a line of JSON, {"error": …} or what the
-file says of its points; then for each frame and point x y z and the residual as float32, little-endian, a residual of -1
-where there is no sample; at last a line of JSON {"frames", "warnings"}.
+file says of its points; then for each frame and point x y z and the residual as float32, little-endian, a residual
+of -1 where there is no sample; at last a line of JSON {"frames", "warnings"}.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import BinaryIO, Protocol
 
@@ -51,6 +51,15 @@ class Limits:
                 at=at,
                 remedy="Write joint names in letters, digits and punctuation.",
             )
+
+    def check_points(self, names: Sequence[str]) -> None:
+        """Raises as `check_name` for the label of a point, and LimitError for too many points."""
+        if len(names) > self.joints or self.depth < 1:
+            raise LimitError(
+                f"the file has {len(names)} points, the limit is {self.joints}", remedy="Keep those that matter."
+            )
+        for name in names:
+            self.check_name(name)
 
     def check_size(self, frames: int, channels: int, at: Place | None = None) -> None:
         """Raises LimitError where a motion of that size is more than allowed."""

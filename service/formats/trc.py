@@ -81,9 +81,10 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     fields = {"filetype": "PathFileType", "version": _cell(head.file_type, 1), "filename": _cell(head.file_type, 3)}
     fields |= {"dataframe_rate": rate} if usable else {}
     fields |= {"calibration_unit": known["units"]} if known.get("units") else {}
-    rows = Rows(stream, head.data, skeleton, encoding, declared, float(rate) if usable else None)
+    rows = Rows(stream, head.data, skeleton, encoding.start, declared, float(rate) if usable else None, limits)
     sections = [("axes", _cell(head.file_type, 2))] if _cell(head.file_type, 2) else []
-    sections += [(name, text) for name, text in head.facts.items() if name not in _FACTS]
+    known_facts = _FACTS if usable else _FACTS[1:]
+    sections += [(name, text) for name, text in head.facts.items() if name not in known_facts]
     if rows.time is not None:
         sections.append(("Time", f"{rows.time.decimals} {rows.time.first!r}"))
     part = SourcePart(
@@ -164,10 +165,7 @@ def _labels(stream: BinaryIO, head: _Head, limits: Limits, notices: list[Notice]
     found = [cell for cell in head.labels if cell]
     said = next((text for name, text in head.facts.items() if name.lower() == "nummarkers"), "")
     wanted = int(said) if is_whole(said) and int(said) >= 0 else None
-    for label in found:
-        limits.check_name(label)
-    if max(len(found), wanted or 0) > limits.joints:
-        limits.check_size(1, limits.values + 1)
+    limits.check_points(found)
     if wanted == len(found):
         return found
     stream.seek(head.data)
@@ -179,6 +177,7 @@ def _labels(stream: BinaryIO, head: _Head, limits: Limits, notices: list[Notice]
         return found
     if points == wanted:
         note(notices, "warning", f"NumMarkers says {wanted}, {len(found)} labels follow: the rows have {points} points")
+        limits.check_points([""] * wanted)
         return [*found[:wanted], *["unnamed"] * (wanted - len(found))]
     raise FormatError(
         f"NumMarkers says {wanted}, {len(found)} labels follow, the first row has {points} points",

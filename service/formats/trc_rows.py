@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.errors import FormatError, LimitError, Notice, Place
-from service.formats.format import note
-from service.formats.lines import Encoding, blocks_of, line_and_column, shown
+from service.formats.format import Limits, note
+from service.formats.lines import blocks_of, line_and_column, shown
 from service.formats.numbers import is_number, parse_numbers, what_is_wrong
 from service.motion.clip import FrameBlock, Shape, full_shape
 from service.motion.skeleton import Array, Skeleton
@@ -34,7 +34,8 @@ class TimeColumn:
 class Rows:
     """Frames of a file from a byte offset on, read anew each time.
 
-    declared: NumFrames. rate: frames a second, to compare the times with. time: None where there is no first row.
+    text_start: byte offset of the first line. declared: NumFrames. rate: frames a second, to compare the times with.
+    time: None where there is no first row.
     """
 
     def __init__(
@@ -42,13 +43,15 @@ class Rows:
         stream: BinaryIO,
         start: int,
         skeleton: Skeleton,
-        encoding: Encoding,
+        text_start: int,
         declared: int | None,
         rate: float | None,
+        limits: Limits,
     ) -> None:
         self._stream = stream
         self._start = start
-        self._text_start = encoding.start
+        self._text_start = text_start
+        self._limits = limits
         self._columns = skeleton.columns()
         self._joints = len(skeleton)
         self._width = 2 + len(self._columns)
@@ -64,18 +67,25 @@ class Rows:
         known = [time.decode("latin-1") for time in times if is_number(time.decode("latin-1"))]
         if not known:
             return None
-        return TimeColumn(max(len(text.partition(".")[2].lower().partition("e")[0]) for text in known), float(known[0]))
+        decimals = max(len(text.partition(".")[2].lower().partition("e")[0]) for text in known)
+        first = float(known[0])
+        if self._rate is not None:
+            # 0.083 at 120 Hz is ten frames, rounded: so are the times that follow.
+            whole = round(first * self._rate) / self._rate
+            first = whole if abs(whole - first) <= 0.5001 * 10.0**-decimals else first
+        return TimeColumn(decimals, first)
 
     def blocks(self, notices: list[Notice]) -> Iterator[FrameBlock]:
         """All frames. FormatError with line, frame and marker for a bad cell."""
         done = 0
         for text, offset in self._pieces():
             read = self._read_quickly(text)
-            ids, times, values = self._read_slowly(text, offset) if read is None else read
+            ids, times, values = self._read_slowly(text, offset, done) if read is None else read
             if not len(values):
                 continue
             self._compare_times(times, done, notices)
             done += len(values)
+            self._limits.check_size(done, len(self._columns))
             shapes, shape_of = self._shapes(values)
             yield FrameBlock(values, self._columns, shapes, ids, shape_of)
         if self._declared is not None and done != self._declared:
@@ -117,7 +127,7 @@ class Rows:
             return None
         return table[:, 0].astype(np.int64), table[:, 1], np.ascontiguousarray(table[:, 2:])
 
-    def _read_slowly(self, text: bytes, offset: int) -> tuple[NDArray[np.int64], Array, Array]:
+    def _read_slowly(self, text: bytes, offset: int, done: int) -> tuple[NDArray[np.int64], Array, Array]:
         ids, times, rows = [], [], []
         for match in _ROW.finditer(text):
             cells = [cell.strip() for cell in self._cells(match.group())]
@@ -131,10 +141,11 @@ class Rows:
             number = int(cells[0])
             while len(cells) > self._width and not cells[-1]:
                 cells.pop()
-            cut_off = offset + match.end() == offset + len(text) and len(cells) < self._width
-            if len(cells) > self._width or cut_off:
+            # Rows may lack the tabs of what is missing at their end, but the last line of a file may have been cut off.
+            whole = match.end() < len(text) or (done + len(rows) + 1 == self._declared and (len(cells) - 2) % 3 == 0)
+            if not 2 <= len(cells) <= self._width or (len(cells) < self._width and not whole):
                 raise FormatError(
-                    f"frame {number} has {len(cells) - 2} coordinates, the head says {self._width - 2}",
+                    f"frame {number} has {max(0, len(cells) - 2)} coordinates, the head says {self._width - 2}",
                     at=at,
                     remedy="Leave a cell empty where a sample is missing.",
                 )
@@ -163,7 +174,7 @@ class Rows:
         if self._rate is None or self.time is None:
             return
         expected = self.time.first + np.arange(done, done + len(times)) / self._rate
-        allowed = 10.0**-self.time.decimals + 1e-9 * np.abs(expected)
+        allowed = 0.5001 * 10.0**-self.time.decimals + 1e-9 * np.abs(expected)
         if (np.abs(times - expected) > allowed).any() or np.isnan(times).any():
             note(notices, "warning", "the times do not follow from DataRate, which is all that the document holds")
 

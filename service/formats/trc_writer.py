@@ -31,17 +31,18 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
     Rates and counts that TRC repeats (CameraRate, OrigDataRate …) are the source's where it was TRC too.
     """
     head = clip.head
+    source = next((part for part in head.sources if part.part == "trc"), None)
+    said = dict(source.sections) if source else {}
     seconds = head.seconds_per_frame()
-    if seconds is None:
+    if seconds is None and "DataRate" not in said:
         raise ConversionError(
             "TRC says how fast frames follow, and the document does not", remedy="State its frame time first."
         )
-    source = next((part for part in head.sources if part.part == "trc"), None)
-    said = dict(source.sections) if source else {}
     codec = source.encoding if source else "utf-8"
     frames = clip.frames if clip.frames is not None else sum(len(block) for block in clip.blocks())
     text = _head(head, said, source.keywords if source else KEYWORDS, frames, seconds)
     yield encoded(text, codec, clip.notices)
+    seconds = seconds or 0.0
     decimals, start = _time(said, seconds)
     moving = [(joint, CHANNEL_INDEX[name]) for joint in range(len(head.skeleton)) for name in TRANSLATIONS]
     if any(channel not in TRANSLATIONS for joint in head.skeleton.joints for channel in joint.channels):
@@ -55,7 +56,7 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
 
 
 def _head(head: ClipHead, said: dict[str, str], keywords: tuple[str, ...], frames: int, seconds: float) -> str:
-    rate = head.fields.get("dataframe_rate") or repr(1 / seconds)
+    rate = head.fields.get("dataframe_rate") or (repr(1 / seconds) if seconds else "")
     facts = {
         "datarate": rate,
         "camerarate": rate,

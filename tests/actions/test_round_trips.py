@@ -18,13 +18,15 @@ from service.mcml.dtd import violations
 from service.motion.clip import ClipStream, FrameBlock
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import ASF, HTR, amc, bvh, store
+from tests.builders import ASF, HTR, TRC, amc, bvh, c3d_file, store
 from tests.conftest import shared_folder
 
 SMALL = {
     "bvh": {"chain.bvh": bvh(700)},
     "asf-amc": {"leg.asf": ASF, "leg.amc": amc(5)},
     "htr": {"two.htr": HTR},
+    "trc": {"hand.trc": TRC},
+    "c3d": {"hand.c3d": c3d_file()},
 }
 
 

@@ -1,0 +1,246 @@
+"""C3D: against another reader, in a process that may die, and back."""
+
+from __future__ import annotations
+
+import io
+import json
+import random
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import ezc3d
+import numpy as np
+import pytest
+
+from service.errors import ConversionError, FormatError, LimitError, McmlError
+from service.formats import FORMATS, isolated
+from service.formats.format import Limits, ReadOptions
+from service.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
+from service.motion.conventions import convert
+from service.motion.markers import marker_skeleton
+from service.motion.skeleton import Convention
+from tests.builders import bvh, c3d_file
+from tests.formats.contract import frames, read, written
+
+C3D = FORMATS["c3d"]
+REFUSED_BY_EZC3D = {"Dance.c3d", "Eb015si.c3d", "Eb015sr.c3d"}
+"""One has an OFFSET that is no whole number, two are of MIPS machines, which ezc3d does not read."""
+
+MISREAD_BY_EZC3D = {"type1.C3D"}
+"""ezc3d believes ANALOG:USED (0) and not the header (6 samples a frame), so it loses its place."""
+
+DAMAGED = {"mocap36.c3d", "badParameterOffset.c3d", "bad_parameter_section.c3d", "Empty.c3d"}
+
+
+def clip_of(content: bytes, limits: Limits | None = None) -> ClipStream:
+    return read(C3D, {"c3d": content}, ReadOptions(limits=limits or Limits()))
+
+
+def table(clip: ClipStream) -> tuple[np.ndarray, np.ndarray]:
+    """(points (F, M, 3), residuals (F, M)), NaN where missing; residuals 0 where the clip has none."""
+    blocks = list(clip.blocks())
+    values = np.concatenate([block.values for block in blocks]).reshape(
+        sum(map(len, blocks)), len(clip.head.skeleton), -1
+    )
+    residuals = values[..., 3] if values.shape[2] == 4 else np.where(np.isnan(values[..., 0]), np.nan, 0.0)
+    return values[..., :3], residuals
+
+
+def test_keeps_what_the_file_says() -> None:
+    clip = clip_of(c3d_file())
+    assert clip.head.skeleton.names == ("marker 0", "marker 1", "marker 2")
+    assert clip.head.skeleton.joints[0].channels == ("Tx", "Ty", "Tz", "residual")
+    assert clip.head.fields["dataframe_rate"] == "120"
+    assert clip.head.fields["calibration_unit"] == "mm"
+    (block,) = clip.blocks()
+    assert block.ids.tolist() == list(range(11, 17))  # type: ignore[union-attr]
+    assert block.values[0, 3] == 1.5
+    missing = [shape for shape in block.shapes if any(not bits for _, bits in shape)]
+    assert missing
+    assert any("1 analog channels are not in the document" in notice.what for notice in clip.notices)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_leaves_with_the_same_numbers(seed: int) -> None:
+    clip = clip_of(c3d_file(frames=40, points=5, seed=seed))
+    again = clip_of(written(C3D, clip)["c3d"])
+    assert frames(again) == frames(clip)
+    assert again.head.skeleton == clip.head.skeleton
+    assert again.head.fields == clip.head.fields
+
+
+def test_many_labels_go_on_in_labels2() -> None:
+    names = [f"marker{number}" for number in range(600)]
+    clip = ClipStream(
+        ClipHead("trc", marker_skeleton(names), {"dataframe_rate": "100"}),
+        lambda: iter([FrameBlock(np.ones((2, 1800)), columns, (full_shape(columns),), np.arange(1, 3))]),
+        2,
+    )
+    columns = clip.head.skeleton.columns()
+    again = clip_of(written(C3D, clip)["c3d"])
+    assert again.head.skeleton.names == tuple(names)
+    assert ezc3d_points(written(C3D, clip)["c3d"])[0].shape == (2, 600, 3)
+
+
+def test_single_precision_is_said() -> None:
+    body = convert(read(FORMATS["bvh"], {"bvh": bvh(5)}), Convention.MARKER)
+    clip = clip_of(written(C3D, body)["c3d"])
+    assert any("single precision" in notice.what for notice in body.notices)
+    exact = np.concatenate([block.values for block in body.blocks()]).reshape(5, -1, 3)
+    assert np.array_equal(table(clip)[0], exact.astype(np.float32).astype(np.float64))
+    # A reader of other makers understands what was written.
+    assert np.array_equal(ezc3d_points(written(C3D, body)["c3d"])[0], table(clip)[0])
+
+
+def test_no_frames_no_file() -> None:
+    with pytest.raises(ConversionError, match="without frames"):
+        written(C3D, convert(read(FORMATS["bvh"], {"bvh": bvh(0)}), Convention.MARKER))
+
+
+def ezc3d_points(content: bytes) -> tuple[np.ndarray, np.ndarray, object]:
+    """(points (F, M, 3) NaN where missing, camera and residual bytes as one word, parameters) by ezc3d."""
+    with tempfile.NamedTemporaryFile(suffix=".c3d") as file:
+        file.write(content)
+        file.flush()
+        found = ezc3d.c3d(file.name)
+    points = found["data"]["points"][:3].transpose(2, 1, 0).copy()
+    points[np.isnan(points).any(axis=2)] = np.nan
+    return points, found["data"]["meta_points"], found["parameters"]["POINT"]
+
+
+def real(shared: Path) -> list[Path]:
+    return [path for path in sorted((shared / "c3d").rglob("*")) if path.suffix.lower() == ".c3d"]
+
+
+def test_every_real_file_against_ezc3d(shared: Path) -> None:
+    compared, unlike = 0, set()
+    for path in real(shared):
+        if path.name in DAMAGED | REFUSED_BY_EZC3D:
+            continue
+        clip = clip_of(path.read_bytes())
+        points, residuals = table(clip)
+        other, meta, about = ezc3d_points(path.read_bytes())
+        if path.name in MISREAD_BY_EZC3D:
+            continue
+        assert points.shape == other.shape, path.name
+        # Whole numbers times a scale: ezc3d multiplies in double precision, the file's own is single.
+        assert np.allclose(points, other, rtol=3e-7, atol=0, equal_nan=True), path.name
+        labels = [joint.source_name for joint in clip.head.skeleton.joints]
+        assert labels == [label.strip() for label in about["LABELS"]["value"]][: len(labels)], path.name  # type: ignore[index]
+        assert float(clip.head.fields["dataframe_rate"]) == pytest.approx(about["RATE"]["value"][0], rel=1e-7)  # type: ignore[index]
+        # The fourth word of a point is camera bits and residual. ezc3d takes the two bytes the other way round (those
+        # of Optotrak.c3d are 1 and 127, of scale 7.87: a residual of 999), and keeps seven bits of the residual.
+        scale = abs(about["SCALE"]["value"][0])  # type: ignore[index]
+        bits = meta["camera_masks"].transpose(2, 1, 0)  # type: ignore[index]
+        low = (bits * 2 ** np.arange(7)).sum(axis=2) * scale
+        seen = ~np.isnan(residuals)
+        if np.allclose(residuals[seen], low[seen], rtol=1e-6):
+            compared += 1
+        else:
+            unlike.add(path.name)
+    assert compared >= 12
+    assert unlike <= {"HDM_dg_06-03_03_120.c3d"}
+
+
+def test_six_encodings_of_one_trial_are_alike(shared: Path) -> None:
+    tables = [table(clip_of(path.read_bytes())) for path in sorted((shared / "c3d/encodings").glob("*.c3d"))]
+    assert len(tables) == 6
+    points, residuals = tables[0]
+    for other, others in tables[1:]:
+        # Whole numbers and floats of three makes of machine; one part in 16 million is single precision.
+        assert np.allclose(points, other, rtol=1.2e-7, atol=1e-4, equal_nan=True)
+        assert np.allclose(residuals, others, rtol=1e-6, equal_nan=True)
+
+
+def test_real_files_leave_with_the_same_numbers(shared: Path) -> None:
+    checked = 0
+    for path in real(shared):
+        if path.name not in DAMAGED and path.stat().st_size < 400_000:
+            clip = clip_of(path.read_bytes())
+            assert frames(clip_of(written(C3D, clip)["c3d"])) == frames(clip), path.name
+            checked += 1
+    assert checked >= 9
+
+
+def test_damaged_real_files_are_refused(shared: Path) -> None:
+    found = [path for path in real(shared) if path.name in DAMAGED]
+    assert len(found) == len(DAMAGED)
+    for path in found:
+        with pytest.raises(FormatError) as caught:
+            clip_of(path.read_bytes())
+        assert caught.value.at is not None
+        assert caught.value.at.file
+
+
+def test_a_file_cut_anywhere_is_refused_or_shorter() -> None:
+    whole = c3d_file(frames=60)
+    chance = random.Random(3)
+    for end in [0, 1, 100, 511, 512, *sorted(chance.sample(range(512, len(whole)), 12))]:
+        try:
+            clip = clip_of(whole[:end])
+        except FormatError:
+            continue
+        assert len(frames(clip)) <= 60
+        if len(frames(clip)) < 60:
+            assert any("these count" in notice.what for notice in clip.notices)
+
+
+def test_any_byte_may_be_wrong() -> None:
+    whole = c3d_file()
+    chance = random.Random(4)
+    for _ in range(25):
+        spoilt = bytearray(whole)
+        for _ in range(6):
+            spoilt[chance.randrange(2, 1400)] = chance.randrange(256)
+        try:
+            frames(clip_of(bytes(spoilt)))
+        except McmlError:
+            continue
+
+
+def test_limits() -> None:
+    content = c3d_file()
+    for limits in (Limits(joints=2), Limits(frames=3), Limits(name=3)):
+        with pytest.raises(LimitError):
+            clip_of(content, limits)
+
+
+def program(folder: Path, text: str) -> Path:
+    path = folder / "program.py"
+    path.write_text(text)
+    return path
+
+
+def test_what_takes_too_long_is_killed(tmp_path: Path) -> None:
+    endless = program(tmp_path, "while True: pass")
+    with pytest.raises(LimitError, match=r"longer than 0\.5 seconds"):
+        isolated.run(endless, [], io.BytesIO(b"x"), Limits(seconds=0.5))
+
+
+def test_what_takes_too_much_memory_ends(tmp_path: Path) -> None:
+    greedy = program(
+        tmp_path,
+        "import resource\nresource.setrlimit(resource.RLIMIT_AS, (2**28, 2**28))\nx = [bytearray(2**20)]\n"
+        "while True: x.append(bytearray(2**20))",
+    )
+    with pytest.raises(LimitError, match="memory"):
+        isolated.run(greedy, [], io.BytesIO(b"x"), Limits())
+
+
+def test_what_crashes_is_a_damaged_file(tmp_path: Path) -> None:
+    crashing = program(tmp_path, "import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)")
+    with pytest.raises(FormatError, match="crashed"):
+        isolated.run(crashing, [], io.BytesIO(b"x"), Limits())
+
+
+def test_the_worker_needs_nothing_of_the_service(tmp_path: Path) -> None:
+    worker = Path(isolated.__file__).with_name("c3d_worker.py")
+    (tmp_path / "file").write_bytes(c3d_file())
+    with (tmp_path / "file").open("rb") as source:
+        done = subprocess.run(
+            [sys.executable, "-P", str(worker), str(2 << 30), "1000000"],
+            stdin=source, capture_output=True, cwd=tmp_path, env={"PATH": ""}, check=True,
+        )  # fmt: skip
+    assert json.loads(done.stdout.split(b"\n", 1)[0])["points"] == 3

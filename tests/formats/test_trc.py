@@ -1,0 +1,185 @@
+"""TRC: the contract, and every quirk of formats.md 6 and 9."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from service.errors import ConversionError, FormatError
+from service.formats import FORMATS
+from service.motion.clip import ClipStream
+from service.motion.conventions import convert
+from service.motion.kinematics import Walker
+from service.motion.skeleton import Convention
+from tests.builders import ASF, TRC, amc, bvh
+from tests.formats.contract import FormatContract, frames, read, written
+
+TEXT = TRC.decode()
+HEAD, ROWS = TEXT.split("\n\n")
+
+
+def clip_of(text: str = TEXT) -> ClipStream:
+    return read(FORMATS["trc"], {"trc": text.encode()})
+
+
+def notices(text: str) -> str:
+    clip = clip_of(text)
+    frames(clip)
+    return "\n".join(notice.what for notice in clip.notices)
+
+
+def table(clip: ClipStream) -> np.ndarray:
+    return np.concatenate([block.values for block in clip.blocks()])
+
+
+class TestTrc(FormatContract):
+    name = "trc"
+    samples: ClassVar = {
+        "gaps": {"trc": TRC},
+        "none": {"trc": (HEAD + "\n\n" + ROWS.splitlines()[0] + "\n").encode()},
+        "exponents": {"trc": TEXT.replace("273.71817", "2.7371817e+002").encode()},
+        "partly missing": {"trc": TEXT.replace("\t-56.52052\t", "\t\t").encode()},
+        "no frame": {"trc": (HEAD + "\n\n").replace("\t4\t3\tmm", "\t0\t3\tmm").encode()},
+        "latin": {"trc": TEXT.replace("R.Wrist", "für").encode("latin-1")},
+    }
+
+
+def test_keeps_what_the_file_says() -> None:
+    clip = clip_of()
+    assert [joint.source_name for joint in clip.head.skeleton.joints] == ["R.Wrist", "*0", "R.Wrist"]
+    assert clip.head.skeleton.names == ("R.Wrist", "*0", "R.Wrist#2")
+    assert {joint.convention for joint in clip.head.skeleton.joints} == {Convention.MARKER}
+    fields = clip.head.fields
+    assert (fields["dataframe_rate"], fields["calibration_unit"], fields["filename"]) == ("120.00", "mm", "hand.trc")
+    assert clip.head.number_style == "fixed:5"
+    (block,) = clip.blocks()
+    assert block.ids.tolist() == [11, 12, 13, 14]  # type: ignore[union-attr]
+    assert np.isnan(block.values[1, 3:6]).all()
+    assert np.isnan(block.values[2, :3]).all()
+    assert not np.isnan(block.values[0]).any()
+    assert clip.notices == []
+
+
+def test_leaves_as_it_came() -> None:
+    assert written(FORMATS["trc"], clip_of()) == {"trc": TRC}
+
+
+@pytest.mark.parametrize("missing", ["nan", "NaN", "NAN", " "])
+def test_words_for_missing(missing: str) -> None:
+    other = TEXT.replace("\t\t\t\t4.00000", f"\t{missing}\t{missing}\t{missing}\t4.00000")
+    assert other != TEXT
+    assert frames(clip_of(other)) == frames(clip_of())
+
+
+def test_a_gap_is_never_closed() -> None:
+    """Split on single tabs: on runs of white space the next marker's numbers would move into the gap."""
+    values = table(clip_of())
+    assert values[1, 6:].tolist() == [4.0, 5.0, 6.0]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("\t4\t3\tmm", "\t9\t3\tmm"), "NumFrames says 9, the file has 4 rows: these count"),
+        (("\t4\t3\tmm", "\t4\t4\tmm"), "NumMarkers says 4, there are 3 labels: these count"),
+        (("0.100", "0.200"), "the times do not follow from DataRate"),
+        (("120.00\t120.00\t4", "0\t120.00\t4"), "how fast the frames follow is unknown"),
+    ],
+)
+def test_says_what_does_not_fit(change: tuple[str, str], said: str) -> None:
+    other = TEXT.replace(*change, 1)
+    assert other != TEXT
+    assert said in notices(other)
+    assert np.array_equal(table(clip_of(other)), table(clip_of()), equal_nan=True)
+
+
+def test_trailing_tabs_labels_two_columns_apart_and_blanks() -> None:
+    plain = frames(clip_of())
+    trailing = "\n".join(line + "\t" if line else line for line in TEXT.split("\n"))
+    assert frames(clip_of(trailing)) == plain
+    narrow = TEXT.replace("Time\tR.Wrist\t\t\t*0\t\t\tR.Wrist\t\t", "Time\t\tR.Wrist\t\t*0\t\tR.Wrist")
+    assert frames(clip_of(narrow)) == plain
+    row = ROWS.splitlines()[0]
+    blanks = (HEAD + "\n" + row).replace("\t", " ").replace("hand.trc", "h") + "\n"
+    assert frames(clip_of(blanks)) == plain[:1]
+    assert "a missing sample cannot be seen" in notices(blanks)
+
+
+@pytest.mark.parametrize(
+    ("text", "said", "line"),
+    [
+        (TEXT.replace("PathFileType", "FileType"), "expected PathFileType", 1),
+        (TEXT.replace("DataRate\tCamera", "Rate\tCamera", 1), "does not name DataRate", 2),
+        (HEAD.split("Frame#")[0], "ends before the labels", 3),
+        (TEXT.replace("Frame#", "Bild"), "expected Frame#, Time", 4),
+        (TEXT.replace("-56.52053", "abc"), "frame 12, R.Wrist Y: 'abc' is not a finite number", 8),
+        (TEXT.replace("-56.52053", "-56,52053"), "decimal comma", 8),
+        (TEXT.replace("-56.52053", "inf"), "'inf' is not a finite number", 8),
+        (TEXT.replace("12\t0.092", "x\t0.092"), "'x' is no frame number", 8),
+        (TEXT.replace("6.00000\n13", "6.00000\t7.0\n13"), "frame 12 has 10 coordinates, the head says 9", 8),
+    ],
+)
+def test_refuses_with_the_line(text: str, said: str, line: int) -> None:
+    assert text != TEXT
+    with pytest.raises(FormatError, match=said.replace(".", r"\.")) as caught:
+        frames(clip_of(text))
+    assert caught.value.at is not None
+    assert caught.value.at.line == line
+
+
+def test_without_a_rate_nothing_is_written() -> None:
+    clip = read(FORMATS["asf-amc"], {"asf": ASF, "amc": amc()})
+    with pytest.raises(ConversionError, match="how fast"):
+        written(FORMATS["trc"], convert(clip, Convention.MARKER))
+
+
+def test_joints_of_a_body_become_markers() -> None:
+    body = read(FORMATS["bvh"], {"bvh": bvh(20)})
+    positions = np.concatenate(
+        [Walker(body.head.skeleton).poses(block)[0].reshape(len(block), -1) for block in body.blocks()]
+    )
+    out = written(FORMATS["trc"], convert(body, Convention.MARKER))
+    again = read(FORMATS["trc"], out)
+    assert again.head.skeleton.names == ("Hips", "Spine", "Head")
+    assert np.array_equal(table(again), positions)
+    assert again.head.seconds_per_frame() == pytest.approx(0.0083333, rel=1e-9)
+
+
+def test_markers_become_no_body() -> None:
+    with pytest.raises(ConversionError, match="no skeleton"):
+        convert(clip_of(), Convention.LISTED)
+
+
+def obvious(path: Path) -> np.ndarray:
+    """The cells of a real file by the csv module, missing ones NaN."""
+    rows = list(csv.reader(io.StringIO(path.read_text(encoding="latin-1"), newline=""), delimiter="\t"))
+    markers = len([cell for cell in rows[3][2:] if cell.strip()])
+    found = []
+    for row in rows[4:]:
+        if row and row[0].strip().isdigit():
+            cells = [cell.strip().lower() for cell in row[2 : 2 + 3 * markers]]
+            found.append([float(cell) if cell not in ("", "nan") else np.nan for cell in cells])
+    return np.array(found)
+
+
+def test_real_files_by_another_reader(shared: Path) -> None:
+    paths = [path for folder in ("trc", "trc_facial") for path in sorted((shared / folder).rglob("*.trc"))]
+    compared = 0
+    for path in paths:
+        if "malformed" in path.parts:
+            continue
+        values = table(read(FORMATS["trc"], {"trc": path.read_bytes()}))
+        assert np.array_equal(values, obvious(path), equal_nan=True), path.name
+        compared += 1
+    assert compared >= 13
+
+
+def test_damaged_real_files_are_refused(shared: Path) -> None:
+    for path in sorted((shared / "trc/malformed").glob("*.trc")):
+        with pytest.raises(FormatError):
+            frames(read(FORMATS["trc"], {"trc": path.read_bytes()}))
