@@ -36,8 +36,8 @@ FAR = 0.15
 class AllBars:
     """Bars of all clips, clip by clip. owners: (B,) clips. numbers: (B,) from 0 in their clip. frames: (B, 4) beats.
 
-    entries, leaves: (B,). These are instants: frames, or between them. seconds: (B,) of a beat. natural: (B,) the bar that
-    follows in the clip, or -1.
+    entries, leaves: (B,). These are instants: frames, or between them. seconds: (B,) of a beat. natural: (B,) the bar
+    that follows in the clip, or -1.
     """
 
     owners: Indices

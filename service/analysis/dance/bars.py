@@ -29,8 +29,8 @@ _SUPPORTED = 3
 class Bars:
     """Beats of a clip and its bars, in frames or between them. beats: (n,). supported: (n,) whether there is a dip.
 
-    bars: (m, 4). source: which beats these are. entries, leaves: (m,) frames where the lead-in starts and the beat after ends; they
-    may lie outside the clip, which then stands still.
+    bars: (m, 4). source: which beats these are. entries, leaves: (m,) where the lead-in starts and the beat after
+    ends; they may lie outside the clip, which then stands still.
     """
 
     source: Literal["detected", "tracked"]

@@ -24,7 +24,7 @@ REASONS = ("beat", "end", "F1", "F2", "F3")
 
 BAND = (0.5, 3.0)
 """Hz: 30 to 180 beats a minute."""
-_FLANK = (0.15, 0.4)
+_FLANK, _BELOW = (0.2, 0.5), 0.05
 _BLOCK = 8192
 _CUT = 4.0
 
@@ -163,38 +163,49 @@ def refine(speed: Array, fps: float, k2: float = 2 / 15, k3: float = 1.0) -> Can
 
 
 def locate(speed: Array, beats: Frames, fps: float) -> Array:
-    """Beats (n,), between frames, where the movement rests: midway between where its two flanks would come to a stand.
+    """Beats (n,), between frames, where the movement rests: midway between where its two flanks come to a stand.
 
     Smoothing draws a minimum towards the side on which the body moves less, by up to half the Gaussian's width, and
-    in a rest it lies anywhere. Both flanks keep their place: each is the line through the speeds 0.15 and 0.4 of the
-    mean above the minimum, extended to 0. A beat stays where a flank is missing within w frames, and moves w / 4
-    at most.
+    in a rest it lies anywhere. The flanks keep their place: each is the line through 0.2 and 0.5 of the way from the
+    minimum to the lower of the two crests within w frames, followed down to 0, but no further than 0.05 s below the
+    minimum. A beat without crests is the vertex of the parabola through its three frames. None moves more than w / 4.
     """
-    window = window_of(fps)
     if not len(beats):
         return np.empty(0)
+    window = window_of(fps)
     away = np.arange(window + 1)
-    below, above = _FLANK[0] * speed.mean(), _FLANK[1] * speed.mean()
-    move, whole = np.zeros(len(beats)), np.ones(len(beats), dtype=bool)
-    for side in (-1, 1):
-        flank = speed[np.clip(beats[:, None] + side * away, 0, len(speed) - 1)]
-        low, high = _crossing(flank, flank[:, 0] + below), _crossing(flank, flank[:, 0] + above)
-        whole &= high > low
-        run = np.where(high > low, high - low, 0.0)
-        move += side / 2 * (np.where(whole, low, 0.0) - (flank[:, 0] + below) * run / (above - below))
-    move = np.where(whole, np.clip(move, -(window // 4), window // 4), 0.0)
-    moved: Array = np.clip(beats + move, 0, len(speed) - 1)
-    return moved
+    least = speed[beats]
+    flanks = [speed[np.clip(beats[:, None] + side * away, 0, len(speed) - 1)] for side in (-1, 1)]
+    height = np.minimum(flanks[0].max(axis=1), flanks[1].max(axis=1)) - least
+    rises = height > 1e-9 * speed.mean()
+    scale = np.where(rises, height, 1.0)
+    move = np.zeros(len(beats))
+    for side, flank in zip((-1, 1), flanks, strict=True):
+        low, high = (_crossing(flank, least + part * scale) for part in _FLANK)
+        pace = (high - low) / ((_FLANK[1] - _FLANK[0]) * scale)
+        move += side / 2 * (low - _FLANK[0] * scale * pace - np.minimum(least * pace, _BELOW * fps))
+    move = np.where(rises, move, _vertex(speed, beats))
+    located: Array = np.clip(beats + np.clip(move, -(window // 4), window // 4), 0, len(speed) - 1)
+    return located
+
+
+def _vertex(speed: Array, beats: Frames) -> Array:
+    """(n,) frames from a minimum to the vertex of the parabola through it and its neighbours."""
+    before = speed[np.maximum(beats - 1, 0)]
+    after = speed[np.minimum(beats + 1, len(speed) - 1)]
+    curve = before - 2 * speed[beats] + after
+    vertex: Array = np.where(curve > 0, 0.5 * (before - after) / np.where(curve > 0, curve, 1.0), 0.0)
+    return vertex
 
 
 def _crossing(flank: Array, level: Array) -> Array:
-    """(n,) where rows (n, k) first reach their level, between columns; -1 where they do not."""
+    """(n,) where rows (n, k) first reach their level, between columns; 0 where they do not."""
     above = flank >= level[:, None]
     column = above.argmax(axis=1)
     rows = np.arange(len(flank))
     reached, before = flank[rows, column], flank[rows, np.maximum(column - 1, 0)]
     part = (reached - level) / np.where(reached > before, reached - before, 1.0)
-    return np.where(above.any(axis=1), column - part, -1.0)
+    return np.where(above.any(axis=1), column - part, 0.0)
 
 
 def beat_wave(beats: Array, frames: int) -> Array:

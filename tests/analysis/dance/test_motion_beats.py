@@ -16,7 +16,7 @@ from service.motion.skeleton import Convention, EndSite, Joint, Skeleton
 from tests.analysis.dance.motions import generated
 
 levels = arrays(np.float64, st.integers(0, 60), elements=st.sampled_from([0.0, 1.0, 2.0, 3.0, 5.0]))
-curves = arrays(np.float64, st.integers(40, 160), elements=st.floats(0.0, 10.0))
+curves = arrays(np.float64, st.integers(40, 160), elements=st.integers(0, 1000).map(lambda level: level / 100))
 
 
 def mean_speed_slowly(positions: np.ndarray, fps: float, smooth: float, difference: str) -> list[float]:
@@ -159,7 +159,7 @@ def test_a_beat_moves_to_the_middle_of_a_rest_and_to_the_foot_of_uneven_flanks()
     found = beats.refine(drawn, fps).beats
     true = np.round(found / 50) * 50
     assert np.abs(found - true).max() >= 1
-    assert np.abs(beats.locate(drawn, found, fps) - true).mean() < 0.5 * np.abs(found - true).mean()
+    assert np.abs(beats.locate(drawn, found, fps) - true).mean() < 0.65 * np.abs(found - true).mean()
 
 
 @given(speed=curves, fps=st.sampled_from([24.0, 60.0]))
@@ -170,9 +170,40 @@ def test_located_beats_stay_in_order_and_near(speed: np.ndarray, fps: float) -> 
     assert (np.diff(located) > 0).all()
 
 
-def test_beats_without_flanks_stay() -> None:
-    speed = np.concatenate([np.linspace(5, 0, 50), np.full(50, 0.01)])
-    assert beats.locate(speed, np.array([49]), 30.0).tolist() == [49.0]
+def test_beats_without_crests_stay_or_stand_on_their_parabola() -> None:
+    falling = np.concatenate([np.linspace(5, 0, 50), np.full(50, 0.0)])
+    assert beats.locate(falling, np.array([60]), 30.0).tolist() == [60.0]
+    flat = np.full(60, 3.0)
+    flat[28:33] = [1.5, 0.5, 0.1, 0.3, 1.1]
+    assert beats.locate(np.minimum(flat, flat[::-1]), np.array([30]), 30.0)[0] == pytest.approx(30, abs=0.6)
+
+
+def locate_slowly(speed: np.ndarray, beat: int, fps: float) -> float:
+    window = beats.window_of(fps)
+    left, right = (
+        [float(speed[min(max(beat + side * k, 0), len(speed) - 1)]) for k in range(window + 1)] for side in (-1, 1)
+    )
+    least, height = float(speed[beat]), min(max(left), max(right)) - float(speed[beat])
+    if height <= 1e-9 * speed.mean():
+        curve = left[1] - 2 * least + right[1]
+        return beat + (0.5 * (left[1] - right[1]) / curve if curve > 0 else 0.0)
+    feet = []
+    for flank in (left, right):
+        crossings = []
+        for part in (0.2, 0.5):
+            level = least + part * height
+            place = next(k for k, value in enumerate(flank) if value >= level)
+            crossings.append(place - (flank[place] - level) / (flank[place] - flank[place - 1]))
+        slope = 0.3 * height / (crossings[1] - crossings[0])
+        feet.append(crossings[0] - 0.2 * height / slope - min(least / slope, 0.05 * fps))
+    return beat + float(np.clip((feet[1] - feet[0]) / 2, -(window // 4), window // 4))
+
+
+@given(speed=curves, fps=st.sampled_from([24.0, 60.0]))
+def test_all_beats_at_once_are_located_as_one_by_one(speed: np.ndarray, fps: float) -> None:
+    accepted = beats.refine(speed, fps).beats
+    expected = [locate_slowly(speed, int(beat), fps) for beat in accepted]
+    assert np.allclose(beats.locate(speed, accepted, fps), np.clip(expected, 0, len(speed) - 1), atol=1e-7)
 
 
 def wave_slowly(times: np.ndarray, frames: int) -> list[float]:
