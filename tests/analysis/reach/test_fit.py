@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from service.actions.store_clip import clip_file
 from service.analysis.interface import Motion
 from service.analysis.reach_blending.accuracy import Ruler
 from service.analysis.reach_blending.blend import fit_blend, linear_left_out, nearest_left_out
@@ -19,7 +21,11 @@ from service.analysis.reach_blending.options import options_of
 from service.analysis.reach_blending.quaternion_tracks import angle_between
 from service.analysis.reach_blending.stored import to_arrays
 from service.analysis.reach_blending.synthesis import Wish, synthesize
+from service.formats import FORMATS
+from service.formats.format import ReadOptions, SourceFile
+from service.motion.hub import HubReader
 from service.motion.rotations import to_euler
+from service.motion.skeleton import Skeleton
 from tests.analysis.reach.reach_motions import fitted, generated, on_grid
 
 WISH = Wish({"age": 25.0, "height": 168.0, "hbp": 270.0})
@@ -184,6 +190,39 @@ def test_made_motions_are_sound(method: str, fps: float) -> None:
             assert np.allclose(clip.translations[:, index], [float(text) for text in joint.offset or ()])
 
 
+@settings(max_examples=40)
+@given(st.floats(0, 120), st.floats(50, 250), st.floats(0, 2000), st.sampled_from(["robust", "global"]))
+def test_any_wish_gives_unit_rotations_and_ordered_times(age: float, height: float, hbp: float, way: str) -> None:
+    model = fitted(**({"space": "global"} if way == "global" else {})).model
+    made = synthesize(model, Wish({"age": age, "height": height, "hbp": hbp}, clamp=True))
+    assert np.abs(np.linalg.norm(made.clip.rotations, axis=2) - 1).max() < 1e-12
+    assert (np.sum(made.clip.rotations[1:] * made.clip.rotations[:-1], axis=2) > 0).all()
+    assert 0 < made.times[0] < made.times[1] < made.times[2]
+    assert made.in_hull
+
+
+@pytest.mark.parametrize("order", ["XYZ", "ZXY"])
+def test_bvh_of_a_made_motion_has_the_templates_channels(order: str) -> None:
+    def other(motion: Motion) -> Motion:
+        turns = tuple(f"R{letter.lower()}" for letter in order)
+        joints = (
+            replace(joint, channels=(*joint.channels[:-3], *turns), rotation_order=order)
+            for joint in motion.skeleton.joints
+        )
+        return replace(motion, skeleton=Skeleton(tuple(joints)))
+
+    made = synthesize(fit([other(motion) for motion in generated()[0]], options_of()).model, WISH).clip
+    _, _, text = clip_file(made, "bvh")
+    names = " ".join(f"{letter}rotation" for letter in order)
+    lines = [line.split(maxsplit=2) for line in text.decode().splitlines() if "CHANNELS" in line]
+    assert len(lines) == 23
+    assert all(line[2].endswith(names) for line in lines)
+    clip = FORMATS["bvh"].read({"bvh": SourceFile("made.bvh", io.BytesIO(text))}, ReadOptions())
+    frames = HubReader(clip.head.skeleton).read(next(iter(clip.blocks())))
+    assert angle_between(frames.rotations, made.rotations).max() < 1e-4
+    assert np.allclose(frames.translations, made.translations, atol=1e-6)
+
+
 def test_the_body_is_the_nearest_clips_or_the_one_named() -> None:
     model = fitted().model
     made = synthesize(model, WISH)
@@ -193,13 +232,10 @@ def test_the_body_is_the_nearest_clips_or_the_one_named() -> None:
     named = synthesize(model, replace(WISH, template=model.sources[3].document))
     assert named.template == 3
     first = next(motion for motion in generated()[0] if motion.document == model.sources[3].document)
-    assert named.clip.skeleton.joints == tuple(
-        replace(made_joint, offset=joint.offset, end_sites=joint.end_sites)
-        for made_joint, joint in zip(named.clip.skeleton.joints, first.skeleton.joints, strict=True)
-    ) or np.allclose(
-        [[float(v) for v in joint.offset or ()] for joint in named.clip.skeleton.joints[1:]],
-        [[float(v) for v in joint.offset or ()] for joint in first.skeleton.joints[1:]],
-    )
+    for joint, own in zip(named.clip.skeleton.joints[1:], first.skeleton.joints[1:], strict=True):
+        assert [float(text) for text in joint.offset or ()] == [float(text) for text in own.offset or ()]
+        for site, own_site in zip(joint.end_sites, own.end_sites, strict=True):
+            assert [float(text) for text in site.offset] == [float(text) for text in own_site.offset]
 
 
 def test_people_between_the_ages_are_in_a_gap_though_inside() -> None:
