@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 BENCHMARKS = {
+    "dance": "beats of an hour, a graph of 500 bars, three minutes of dance",
     "formats": "reading and writing BVH, against pybvh, simdjson, numpy.savetxt",
     "layouts": "ways to lay frames out in SQLite, against each other",
     "reach": "reach models: fit, synthesis, memory, growth",

@@ -18,6 +18,8 @@ from service.motion.skeleton import Array
 
 Indices = NDArray[np.intp]
 Told = Callable[[float], None]
+_ROUNDING = 1e-9
+"""Of the mean square of coordinates: what rounding may do to `rough_squares`, with a wide margin."""
 REACH = 3
 """Samples at a thirtieth of a second on either side of a cloud's middle."""
 
@@ -79,20 +81,38 @@ def align(end: Array, starts: Array, weights: Array) -> tuple[Array, Array]:
     Unit of length of the clouds. Memory O(B K).
     """
     x, z = end[:, 0], end[:, 2]
-    moments = np.stack([weights, weights * x, weights * z], axis=1)
-    x2, z2 = starts[..., 0], starts[..., 2]
-    mean_x2, by_x_x2, by_z_x2 = (x2 @ moments).T
-    mean_z2, by_x_z2, by_z_z2 = (z2 @ moments).T
-    mean_x, mean_z = float(weights @ x), float(weights @ z)
-    theta = np.arctan2(
-        by_x_z2 - by_z_x2 - (mean_x * mean_z2 - mean_x2 * mean_z),
-        by_x_x2 + by_z_z2 - (mean_x * mean_x2 + mean_z * mean_z2),
-    )
+    means, across, along = _moments(end, np.moveaxis(starts, -1, 0), weights)
+    theta = np.arctan2(across, along)
     cosine, sine = np.cos(theta), np.sin(theta)
-    x0 = mean_x - mean_x2 * cosine - mean_z2 * sine
-    z0 = mean_z + mean_x2 * sine - mean_z2 * cosine
+    x0 = float(weights @ x) - means[0] * cosine - means[1] * sine
+    z0 = float(weights @ z) + means[0] * sine - means[1] * cosine
     transforms = np.stack([theta, x0, z0], axis=1)
     return np.sqrt(squared_differences(end, starts, transforms) @ weights), transforms
+
+
+def _moments(end: Array, planes: Array, weights: Array) -> tuple[tuple[Array, Array], Array, Array]:
+    """Weighted means (B,) of x' and z', and the two arguments of the arc tangent. planes: (3, B, K) x', y', z'."""
+    x, z = end[:, 0], end[:, 2]
+    moments = np.stack([weights, weights * x, weights * z], axis=1)
+    mean_x2, by_x_x2, by_z_x2 = (planes[0] @ moments).T
+    mean_z2, by_x_z2, by_z_z2 = (planes[2] @ moments).T
+    mean_x, mean_z = float(weights @ x), float(weights @ z)
+    across = by_x_z2 - by_z_x2 - (mean_x * mean_z2 - mean_x2 * mean_z)
+    along = by_x_x2 + by_z_z2 - (mean_x * mean_x2 + mean_z * mean_z2)
+    return (mean_x2, mean_z2), across, along
+
+
+def rough_squares(end: Array, planes: Array, norms: Array, weights: Array) -> Array:
+    """(B,) squared distances of `align` from moments alone: fast, and wrong by rounding where clouds nearly agree.
+
+    planes: (3, B, K). norms: (B,) weighted means of |p'|^2.
+    """
+    (mean_x2, mean_z2), across, along = _moments(end, planes, weights)
+    middle = weights @ end
+    spread = float(weights @ np.einsum("kc,kc->k", end, end)) - middle[0] ** 2 - middle[2] ** 2
+    heights = planes[1] @ (weights * end[:, 1])
+    rough: Array = spread + norms - mean_x2**2 - mean_z2**2 - 2 * heights - 2 * np.hypot(across, along)
+    return rough
 
 
 def squared_differences(end: Array, starts: Array, transforms: Array) -> Array:
@@ -120,19 +140,26 @@ def nearest_jumps(
 
     ends, starts: (B, K, 3). natural: (B,) the bar that follows in the source, -1 if none: no jump. size: body size, in
     which distances are given. within: distances above it are left out. Memory O(B K + keep), never O(B^2).
-    Time O(B^2 K).
+    Time O(B^2 K); what is surely too far by `rough_squares` is not looked at closely.
     """
+    planes = np.ascontiguousarray(np.moveaxis(starts, -1, 0))
+    norms = np.einsum("cbk,cbk,k->b", planes, planes, weights)
     rows: list[tuple[Indices, Indices, Array]] = []
     held, complete, limit = 0, True, within
     for bar in range(len(ends)):
-        distances = align(ends[bar], starts, weights)[0] / size
-        allowed = distances <= limit
+        allowed = np.ones(len(starts), dtype=bool)
+        if np.isfinite(limit):
+            slack = _ROUNDING * (norms + float(weights @ np.einsum("kc,kc->k", ends[bar], ends[bar])))
+            allowed = rough_squares(ends[bar], planes, norms, weights) <= (limit * size) ** 2 + slack
         if natural[bar] >= 0:
             allowed[natural[bar]] = False
         if not allow_repeat:
             allowed[bar] = False
         second = np.flatnonzero(allowed)
-        rows.append((np.full(len(second), bar), second, distances[second]))
+        distances = align(ends[bar], starts[second], weights)[0] / size
+        near = distances <= limit
+        second, distances = second[near], distances[near]
+        rows.append((np.full(len(second), bar), second, distances))
         held += len(second)
         if held > 2 * keep:
             rows, limit = _nearest(rows, keep)

@@ -42,6 +42,16 @@ def test_alignment_is_the_best_turn_and_shift(seed: int) -> None:
         assert least - 1e-3 <= found <= least + 1e-9
 
 
+@given(seed=st.integers(0, 9999), far=st.sampled_from([0.0, 30.0]))
+def test_rough_distances_are_the_distances_but_for_rounding(seed: int, far: float) -> None:
+    ends, starts, weights = clouds(seed)
+    ends, starts = ends + far, starts - far
+    planes = np.moveaxis(starts, -1, 0)
+    norms = ((starts**2).sum(axis=-1) * weights).sum(axis=-1)
+    rough = graph.rough_squares(ends[0], planes, norms, weights)
+    assert rough == pytest.approx(graph.align(ends[0], starts, weights)[0] ** 2, abs=1e-9 * (1 + far**2))
+
+
 @given(seed=st.integers(0, 9999), theta=st.floats(-3.1, 3.1), shift=st.floats(-9, 9))
 def test_a_cloud_that_was_moved_is_brought_back(seed: int, theta: float, shift: float) -> None:
     """All of the circle: an arc tangent of a quotient would lose half of it."""

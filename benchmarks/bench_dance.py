@@ -1,0 +1,223 @@
+"""Beats of an hour of motion, a graph of 500 bars, three minutes of dance: seconds and memory.
+
+`python -m benchmarks.bench_dance` prints the tables of docs/analyses/dance.md instead: generated clips that no test
+uses, and the real dance clips beside the repository.
+"""
+
+from __future__ import annotations
+
+import os
+import tracemalloc
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.timing import median_seconds, report
+from schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
+from service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
+from service.analysis.dance.metrics import nearest
+from service.analysis.interface import Motion, Part, Parts, silent
+from service.demo.dance_clips import BEAT_STYLES, STYLES, Style, Truth
+from tests.analysis.dance.motions import generated, read_file, resampled
+
+REPEAT = 3
+
+
+def run() -> dict[str, object]:
+    hour = _hour()
+    bars = [generated("step", f"{seed}", bars=50, seed=seed, tempo=100.0 + 3 * seed)[0] for seed in range(10)]
+    dance = DanceParameters.model_validate({"bpm": 120, "bars": 90})
+    frames = len(DANCE.run(bars[:2], dance, silent)["speed"].arrays["speed"])
+    tasks: dict[str, tuple[str, Callable[[], object], str]] = {
+        "beats": (
+            f"beats of an hour at 120 Hz, {len(hour):,} frames: s",
+            lambda: BEATS.run([hour], BeatsParameters(), silent),
+            "<= 10",
+        ),
+        "graph": ("graph of 500 bars: s", lambda: MOTION_GRAPH.run(bars, GraphParameters(), silent), "<= 5"),
+        "dance": (
+            f"three minutes of dance with all figures, {frames:,} frames: s",
+            lambda: DANCE.run(bars[:2], dance, silent),
+            "<= 3",
+        ),
+    }
+    figures: dict[str, object] = {}
+    for name, (what, task, target) in tasks.items():
+        figures[name] = report(what, median_seconds(task, REPEAT), target)
+        figures[f"{name}_megabytes"] = report("   peak of memory above its clips: MB", _peak(task))
+    return figures
+
+
+def _hour() -> Motion:
+    """One clip of ten minutes, six times after itself."""
+    motion, _ = generated("step", fps=120.0, bars=280, tempo=112.0)
+    rotations = np.concatenate([motion.rotations] * 6)[: 3600 * 120]
+    translations = np.concatenate([motion.translations] * 6)[: 3600 * 120]
+    return replace(motion, rotations=rotations, translations=translations)
+
+
+def _peak(task: Callable[[], object]) -> float:
+    tracemalloc.start()
+    task()
+    peak = tracemalloc.get_traced_memory()[1] / 1e6
+    tracemalloc.stop()
+    return peak
+
+
+def _records(part: Part) -> list[dict[str, object]]:
+    names = [column["name"] for column in part.data["columns"]]
+    return [dict(zip(names, row, strict=True)) for row in part.data["rows"]]
+
+
+def _hits(motion: Motion, truth: Truth) -> tuple[float, float, float]:
+    """Precision, recall within a frame or a sixtieth of a second, and the error of the period."""
+    parts = BEATS.run([motion], BeatsParameters(), silent)
+    found = np.array([row["seconds"] for row in _records(parts["beats"])])
+    within = max(1 / motion.fps, 1 / 60) + 1e-9
+    met = int((nearest(truth.beats, found) <= within).sum())
+    period = _records(parts["clips"])[0]["period"]
+    return met / len(found), met / len(truth.beats), abs(float(str(period)) / truth.period - 1)
+
+
+def generated_table() -> str:
+    """Beats of clips of seeds and dancers that no test and no choice of a parameter has seen: 10 clips a cell."""
+    lines = ["| style | precision, least of 9 cells | recall, least | period, greatest error |", "|---|---|---|---|"]
+    for style in STYLES:
+        cells = []
+        for fps in (30.0, 60.0, 120.0):
+            for tempo in (80.0, 110.0, 145.0):
+                clips = [generated(style, fps=fps, tempo=tempo, bars=12, seed=s, dancer=s) for s in range(100, 110)]
+                cells.append([_hits(motion, truth) for motion, truth in clips])
+        measured = np.array(cells)
+        precision, recall = measured[..., 0].mean(axis=1).min(), measured[..., 1].mean(axis=1).min()
+        lines.append(f"| `{style}` | {precision:.3f} | {recall:.3f} | {100 * measured[..., 2].max():.2f} % |")
+    return "\n".join(lines)
+
+
+def synthesis_table() -> str:
+    """New dances of generated clips: beats on the grid, beats inside transitions."""
+    head = (
+        "| style | inner beats within a frame | held beat, greatest distance s | beats in transitions, hold | classic |"
+    )
+    lines = [head, "|---|---|---|---|---|"]
+    for style in BEAT_STYLES:
+        inner, held, inside = [], [], np.zeros(2, dtype=int)
+        for fps in (30.0, 60.0, 120.0):
+            for bpm in (90.0, 120.0, 140.0):
+                parts = _random_dance(style, fps, bpm)
+                grid, found = parts["speed"].arrays["grid"], parts["speed"].arrays["beats"]
+                inner += (nearest(np.concatenate([grid[1::4], grid[2::4]]), found) <= 1 / fps + 1e-6).tolist()
+                jumps = [int(str(row["position"])) - 1 for row in _records(parts["transitions"])]
+                held += nearest(grid[4 * np.array(jumps) - 1], found).tolist()
+                metrics = dict(parts["metrics"].data["rows"])
+                inside += [metrics["beats_in_transitions"], metrics["classic_beats_in_transitions"]]
+        lines.append(f"| `{style}` | {np.mean(inner):.3f} | {max(held):.3f} | {inside[0]} | {inside[1]} |")
+    return "\n".join(lines)
+
+
+def _random_dance(style: Style, fps: float, bpm: float) -> Parts:
+    clips = [
+        generated(style, "1", fps=fps, bars=12, seed=101, dancer=7)[0],
+        generated(style, "2", fps=fps, bars=12, seed=102, dancer=7, tempo=126.0)[0],
+    ]
+    parameters = {"bpm": bpm, "bars": 40, "strategy": "random", "seed": 1}
+    return DANCE.run(clips, DanceParameters.model_validate(parameters), silent)
+
+
+def real_clips() -> list[Motion]:
+    """The dance clips of the data folder; none where it is not here."""
+    stated = os.environ.get("MCML_SHARED")
+    data = (Path(stated) if stated else Path(__file__).resolve().parents[2] / "shared") / "data"
+    paths = [
+        *sorted((data / "bvh" / "dance").glob("*.bvh")),
+        *sorted((data / "bvh" / "exporters").glob("rokoko_jesse_dance.bvh")),
+        *sorted((data / "asfamc" / "dance").glob("*.amc")),
+        *sorted((data / "asfamc" / "cmu131_dance").glob("*.amc")),
+    ]
+    return [read_file(path, f"{number:02}") for number, path in enumerate(paths)]
+
+
+def real_table(clips: list[Motion]) -> str:
+    """Beats, periods, bars and agreement with itself at 30 frames a second of each clip."""
+    lines = [
+        "| clip | s | fps | minima | refused F1, F2, F3 | beats | tempo, rivals | bars detected | tracked | auto "
+        "| same at 30 fps |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for motion in clips:
+        ways = {
+            which: BEATS.run([motion], BeatsParameters.model_validate({"beats_from": which}), silent)
+            for which in ("detected", "tracked", "auto")
+        }
+        row = {which: _records(parts["clips"])[0] for which, parts in ways.items()}
+        own = row["detected"]
+        refused = ", ".join(str(own[f"refused_{name}"]) for name in ("F1", "F2", "F3"))
+        peaks = own["peaks"]
+        tempi = ", ".join(f"{peak['bpm']:.1f}" for peak in peaks) if isinstance(peaks, list) else ""
+        slow = BEATS.run([resampled(motion, 30.0)], BeatsParameters(beats_from="detected"), silent)
+        one, other = (
+            np.array([r["seconds"] for r in _records(p["beats"])], dtype=float) for p in (ways["detected"], slow)
+        )
+        same = min((nearest(one, other) <= 1 / 30).sum(), (nearest(other, one) <= 1 / 30).sum()) if len(other) else 0
+        bars = " | ".join(str(row[which]["bars"]) for which in ("detected", "tracked"))
+        lines.append(
+            f"| {motion.name} | {len(motion) / motion.fps:.1f} | {motion.fps:.0f} | {own['candidates']} | {refused} "
+            f"| {own['beats']} | {tempi} | {bars} | {row['auto']['bars']} {row['auto']['beats_from']} "
+            f"| {same} of {max(len(one), len(other))} |"
+        )
+    return "\n".join(lines)
+
+
+def blend_table(clips: list[Motion]) -> str:
+    """Speed variance, peak, beats and foot skate inside transitions of both blends, on random dances of one clip each.
+
+    Bars overlap and beats are tracked, so that short clips have bars at all.
+    """
+    lines = [
+        "| clip | bars kept | threshold | jumps | variance hold / classic | lower | peak hold / classic | lower "
+        "| beats inside | skate hold / classic / outside |",
+        "|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for motion in clips:
+        options = {"beats_from": "tracked", "stride": 1}
+        graph = _graph_of(motion, options)
+        if graph is None or graph.data["kept"] < 2:
+            continue
+        bpm = 60 / float(np.median([node["beat_seconds"] for node in graph.data["nodes"]]))
+        while bpm < 60:
+            bpm *= 2
+        wish = {**options, "bpm": bpm, "bars": 64, "strategy": "random", "seed": 1}
+        parts = DANCE.run([motion], DanceParameters.model_validate(wish), silent)
+        rows, metrics = _records(parts["transitions"]), dict(parts["metrics"].data["rows"])
+        variance, peak = (
+            np.array([[row[name], row[f"classic_{name}"]] for row in rows], dtype=float)
+            for name in ("speed_variance", "speed_peak")
+        )
+        skate = [metrics[f"{name}foot_skate_in_transitions"] for name in ("", "classic_")]
+        lines.append(
+            f"| {motion.name} | {graph.data['kept']} | {graph.data['threshold']:.3f} | {len(rows)} "
+            f"| {variance[:, 0].mean():.3f} / {variance[:, 1].mean():.3f} | {_share(variance)} "
+            f"| {peak[:, 0].mean():.2f} / {peak[:, 1].mean():.2f} | {_share(peak)} "
+            f"| {metrics['beats_in_transitions']} / {metrics['classic_beats_in_transitions']} "
+            f"| {skate[0]:.3f} / {skate[1]:.3f} / {metrics['foot_skate_outside']:.3f} |"
+        )
+    return "\n".join(lines)
+
+
+def _graph_of(motion: Motion, options: dict[str, object]) -> Part | None:
+    if not BEATS.run([motion], BeatsParameters.model_validate(options), silent)["bars"].data["rows"]:
+        return None
+    return MOTION_GRAPH.run([motion], GraphParameters.model_validate(options), silent)["graph"]
+
+
+def _share(pairs: np.ndarray) -> str:
+    """How often the first of a pair is the smaller."""
+    return f"{100 * (pairs[:, 0] < pairs[:, 1]).mean():.0f} %"
+
+
+if __name__ == "__main__":
+    real = real_clips()
+    for table in (generated_table(), synthesis_table(), real_table(real), blend_table(real)):
+        print(table, end="\n\n")
