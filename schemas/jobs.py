@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.analyses.dance import Music
 from schemas.examples import CURSOR, DOCUMENT, JOB, PROJECT, RESULT, TIME, shown
 from schemas.problem import Problem
 
@@ -232,3 +233,25 @@ class ClipMotion(BaseModel):
     joints: list[str]
     parents: list[int]
     positions: list[list[list[float]]] | None = Field(None, description="Of every joint in every frame, if asked for")
+
+
+class MusicBeats(BaseModel):
+    """The beats of a piece of music. Correct `music` and give it to the analysis `dance`."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "music": {"beats": [0.5, 1.0, 1.5, 2.0, 2.5]},
+                "bpm": 120.0,
+                "even": True,
+                "residual_seconds": 0.004,
+                "bars": 1,
+            }
+        )
+    )
+
+    music: Music = Field(description="As the parameter `music` of the analysis takes it")
+    bpm: float = Field(description="Beats a minute, of the line through the beats")
+    even: bool = Field(description="Whether the line stands for the beats: then the dance keeps to it exactly")
+    residual_seconds: float = Field(description="How far the beats are from the line, root mean square")
+    bars: int = Field(description="Whole bars of four beats")

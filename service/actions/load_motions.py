@@ -24,7 +24,7 @@ Input = dict[str, Any]
 
 def load_motions(tx: Transaction, inputs: Sequence[Input], progress: Progress = silent) -> list[Motion]:
     """The clips in the order of their document ids. DocumentError for a clip without frames or frame time."""
-    motions = []
+    motions: list[Motion] = []
     for item in sorted(inputs, key=lambda item: str(item["document"])):
         progress("reading clips", len(motions) / len(inputs))
         motions.append(_motion(tx, item))

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 
+from service.actions.change_document import add_labels
 from service.actions.store_clip import store_clip
 from service.analysis.interface import Part, Parts
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.jobs import StoredJob
+
+LABELS = "labels"
+"""The part whose rows become motion names of the documents that were read."""
 
 LIBRARIES = ("mcml-repository", "numpy", "scipy")
 
@@ -29,12 +34,37 @@ def save_results(database: Database, settings: Settings, job: StoredJob, runner:
         if part.clip is not None
     }
     with database.write(job.owner) as tx:
+        if LABELS in parts:
+            parts = {**parts, LABELS: write_labels(tx, parts[LABELS], job)}
         key, uuid = tx.results.add(
             job.project_key, job.analysis, job.name, job.owner, job.inputs, job.parameters, made_with()
         )
         add_parts(tx, key, parts, documents)
         tx.jobs.end(job.uuid, runner, "done", result_key=key)
     return uuid
+
+
+def write_labels(tx: Transaction, part: Part, job: StoredJob) -> Part:
+    """Name frames of the documents that were read, as the rows (document, name, first, last) of the part say.
+
+    A document that was edited since has other frames perhaps: it is left alone, and listed as such in the part.
+    """
+    wanted: dict[str, list[tuple[str, int, int]]] = {}
+    for uuid, name, first, last in part.data["rows"]:
+        wanted.setdefault(uuid, []).append((name, first, last))
+    read = {item["document"]: item["revision"] for item in job.inputs}
+    written, left = [], []
+    for uuid, labels in wanted.items():
+        stored = tx.documents.find(uuid)
+        if stored is not None:
+            tx.documents.lock(stored.key)
+            stored = tx.documents.find(uuid)
+        if stored is None or stored.revision != read[uuid]:
+            left.append(uuid)
+            continue
+        add_labels(tx, stored, labels)
+        written.append(uuid)
+    return replace(part, data={**part.data, "written": written, "edited_meanwhile": left})
 
 
 def add_parts(tx: Transaction, key: int, parts: Parts, documents: Mapping[str, str]) -> None:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Request, Response
+from fastapi import APIRouter, File, Path, Request, Response, UploadFile
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from schemas.examples import JOB, PROJECT, shown
-from schemas.jobs import AnalysisInfo, AnalysisList, Job, Selection
+from schemas.jobs import AnalysisInfo, AnalysisList, Job, MusicBeats, Selection
 from service.actions.describe_job import analysis_answer, job_answer
+from service.actions.read_music import read_music
 from service.actions.start_analysis import find_analysis, start_analysis
 from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import Analysis
 from service.api.dependencies import AuthorDep, DatabaseDep, QueriesDep, SettingsDep
+from service.formats.format import SourceFile
 
 router = APIRouter(tags=["analyses"])
 
@@ -28,6 +30,15 @@ def list_analyses() -> AnalysisList:
 def get_analysis(name: str = Path(description="Name of the analysis", examples=["beats"])) -> AnalysisInfo:
     """An analysis with its parameters as JSON schema."""
     return analysis_answer(find_analysis(name))
+
+
+@router.post("/music", operation_id="read_music")
+def post_music(
+    settings: SettingsDep,
+    file: Annotated[UploadFile, File(description="WAV, FLAC or MP3, at most 15 minutes", examples=["song.mp3"])],
+) -> MusicBeats:
+    """The beats of music, to be corrected and danced to. Needs the extra `audio`; nothing is kept."""
+    return read_music(SourceFile(file.filename or "music", file.file), settings)
 
 
 def _request(analysis: Analysis) -> type[BaseModel]:

@@ -50,7 +50,8 @@ from service.storage.documents import DocumentFilter
 router = APIRouter(tags=["documents"])
 
 Files = Annotated[
-    list[UploadFile], File(description="BVH, ASF and AMC, HTR, C3D, TRC, MCML, or zips of them", examples=[["walk.bvh"]])
+    list[UploadFile],
+    File(description="BVH, ASF and AMC, HTR, C3D, TRC, MCML, or zips of them", examples=[["walk.bvh"]]),
 ]
 
 

@@ -51,7 +51,9 @@ def export(
     id: DocumentId,
     request: Request,
     database: DatabaseDep,
-    format: Annotated[str, Query(description="bvh, asf-amc (a zip), asf, amc, htr, c3d, trc, mcml or csv", examples=["htr"])],
+    format: Annotated[
+        str, Query(description="bvh, asf-amc (a zip), asf, amc, htr, c3d, trc, mcml or csv", examples=["htr"])
+    ],
     revision: RevisionQuery = None,
     first: First = 1,
     last: Last = None,

@@ -14,11 +14,13 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from schemas.jobs import Job, PartSummary, Result, Selection
 from service.actions.check_names import file_name
+from service.actions.read_music import read_music
 from service.analysis.catalogue import SUBJECTS
 from service.analysis.interface import Analysis, Operation
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, print_json, table
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, chosen_settings, console, print_json, table
 from service.cli.work import open_work
 from service.errors import McmlError
+from service.formats.format import SourceFile
 
 Assignments = Annotated[
     list[str] | None, typer.Argument(metavar="[NAME=VALUE]...", help="Parameters; values as JSON or plain text")
@@ -38,6 +40,8 @@ def add_to(app: typer.Typer) -> None:
         for name, operation in operations.items():
             group.command(name, help=_help(operation.description, operation.parameters))(_use(name))
         analyse.add_typer(group, name=subject)
+        if subject == "dance":
+            group.command("music")(music)
     analyse.command("results")(results)
     analyse.command("delete")(delete)
     app.add_typer(analyse, name="analyse")
@@ -182,6 +186,12 @@ def _use(operation: str) -> Callable[..., None]:
         console.print(f"wrote    {target}")
 
     return command
+
+
+def music(file: Annotated[Path, typer.Argument(help="WAV, FLAC or MP3")], database: DatabaseOption = None) -> None:
+    """Find the beats of music, as JSON: what to correct, and to give to `make` as music=…"""
+    with file.open("rb") as stream:
+        print_json(read_music(SourceFile(file.name, stream), chosen_settings(database)))
 
 
 def results(

@@ -128,7 +128,9 @@ class Rows:
         return table[:, 0].astype(np.int64), table[:, 1], np.ascontiguousarray(table[:, 2:])
 
     def _read_slowly(self, text: bytes, offset: int, done: int) -> tuple[NDArray[np.int64], Array, Array]:
-        ids, times, rows = [], [], []
+        ids: list[int] = []
+        times: list[float] = []
+        rows: list[list[float]] = []
         for match in _ROW.finditer(text):
             cells = [cell.strip() for cell in self._cells(match.group())]
             if not any(cells):

@@ -40,7 +40,8 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
         )
     codec = source.encoding if source else "utf-8"
     frames = clip.frames if clip.frames is not None else sum(len(block) for block in clip.blocks())
-    text = _head(head, said, source.keywords if source else KEYWORDS, frames, seconds)
+    keywords = source.keywords if source else KEYWORDS
+    text = _head(head, said, keywords, frames, seconds)
     yield encoded(text, codec, clip.notices)
     seconds = seconds or 0.0
     decimals, start = _time(said, seconds)
@@ -55,7 +56,7 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
         done += len(block)
 
 
-def _head(head: ClipHead, said: dict[str, str], keywords: tuple[str, ...], frames: int, seconds: float) -> str:
+def _head(head: ClipHead, said: dict[str, str], keywords: tuple[str, ...], frames: int, seconds: float | None) -> str:
     rate = head.fields.get("dataframe_rate") or (repr(1 / seconds) if seconds else "")
     facts = {
         "datarate": rate,

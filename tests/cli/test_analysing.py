@@ -1,0 +1,164 @@
+"""Analyses, jobs, results and tables of properties on the command line: on a store, and through a server."""
+
+from __future__ import annotations
+
+import json
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from service.actions.load_demo import REACHES, _add_all
+from service.demo.dance_clips import dance_clip
+from service.demo.reach_clips import reach_clips
+from service.settings import Settings
+from service.storage.database import Database
+from tests.cli.test_cli import environment
+
+Run = Callable[..., tuple[int, str, str]]
+WISH = ("attributes.age=40", "attributes.height=172", "attributes.hbp=320")
+
+
+@pytest.fixture
+def mcml(tmp_path: Path) -> Run:
+    """Runs `mcml` on a store with twelve reaches and two dances; answers (exit code, output, errors)."""
+    database = Database(f"sqlite:///{tmp_path / 'store.db'}")
+    database.migrate()
+    reaches = [item.clip for item in reach_clips(3, young=(2, 2, 2), old=(2, 2, 2))]
+    _add_all(database, Settings(), REACHES, reaches, (), "")
+    dances = [dance_clip("groove", tempo=tempo, bars=8, name=f"dance_{tempo}").clip for tempo in (110, 120)]
+    _add_all(database, Settings(), "dances", dances, (), "")
+    database.close()
+
+    def run(*words: str) -> tuple[int, str, str]:
+        done = subprocess.run(
+            [sys.executable, "-m", "service.cli", *words],
+            capture_output=True,
+            text=True,
+            cwd=tmp_path,
+            env=environment(tmp_path) | {"MCML_DATABASE": f"sqlite:///{tmp_path / 'store.db'}"},
+        )
+        assert "Traceback" not in done.stderr, done.stderr
+        return done.returncode, done.stdout, done.stderr
+
+    return run
+
+
+@pytest.fixture
+def server(mcml: Run, tmp_path: Path) -> Iterator[str]:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "service.cli", "serve", "--port", str(port)],
+        env=environment(tmp_path) | {"MCML_DATABASE": f"sqlite:///{tmp_path / 'store.db'}"},
+    )
+    address = f"http://127.0.0.1:{port}"
+    try:
+        while process.poll() is None:
+            try:
+                urllib.request.urlopen(f"{address}/readyz")
+                break
+            except OSError:
+                time.sleep(0.05)
+        yield address
+    finally:
+        process.terminate()
+        assert process.wait(30) is not None
+
+
+def fitted(mcml: Run, *where: str) -> str:
+    code, output, errors = mcml("analyse", "reach", "fit", "--project", REACHES, "components=4", "--json", *where)
+    assert code == 0, errors
+    job = json.loads(output)
+    assert (job["state"], len(job["inputs"]), job["parameters"]["components"]) == ("done", 12, 4)
+    return str(job["result"])
+
+
+@pytest.mark.parametrize("place", ["here", "server"])
+def test_reach_from_fit_to_file(mcml: Run, tmp_path: Path, place: str, request: pytest.FixtureRequest) -> None:
+    where = ("--server", request.getfixturevalue("server")) if place == "server" else ()
+    result = fitted(mcml, *where)
+    assert result in mcml("analyse", "results", *where)[1]
+    shown = mcml("analyse", "reach", "info", result, *where)[1]
+    assert "synthesize" in shown
+    code, output, _ = mcml("analyse", "reach", "synthesize", result, *WISH, *where)
+    assert code == 0
+    assert json.loads(output)["value"]["support"] in ("inside", "gap", "outside")
+    code, output, errors = mcml("analyse", "reach", "synthesize", result, *WISH, "-o", "made.bvh", "--save", *where)
+    assert (code, output.split()[0]) == (0, "wrote"), errors
+    assert (tmp_path / "made.bvh").read_text().startswith("HIERARCHY")
+    assert mcml("validate", "made.bvh")[0] == 0
+    listed = json.loads(mcml("ls", "--project", REACHES, "--json", *where)[1])
+    assert listed["total"] == 13
+    code, _, errors = mcml("analyse", "reach", "synthesize", result, "attributes.age=40", *where)
+    assert code == 1
+    assert "height" in errors
+    jobs = json.loads(mcml("jobs", "list", "--json", *where)[1])
+    assert [(job["state"], job["result"]) for job in jobs] == [("done", result)]
+    assert mcml("jobs", "show", jobs[0]["id"], *where)[0] == 0
+    assert mcml("jobs", "watch", jobs[0]["id"], *where)[0] == 0
+    assert mcml("analyse", "delete", result, *where)[0] == 0
+    assert mcml("analyse", "reach", "info", result, *where)[0] == 1
+
+
+def test_a_failed_analysis_says_why(mcml: Run) -> None:
+    code, _, errors = mcml("analyse", "reach", "fit", "--project", REACHES, 'attributes=["shoe"]')
+    assert code == 1
+    assert "shoe" in errors
+    code, _, errors = mcml("analyse", "reach", "fit", "--project", "nothing")
+    assert code == 1
+    assert "no project" in errors
+    code, _, errors = mcml("analyse", "reach", "fit", "--project", REACHES, "components=many")
+    assert code == 1
+    assert "components" in errors
+    assert mcml("analyse", "reach", "fit", "--project", REACHES, "nonsense")[0] == 2
+
+
+def test_a_queued_job_waits_for_a_server(mcml: Run, request: pytest.FixtureRequest) -> None:
+    code, output, _ = mcml("analyse", "dance", "beats", "--project", "dances", "--queue", "--json")
+    assert code == 0
+    job = json.loads(output)
+    assert job["state"] == "waiting"
+    request.getfixturevalue("server")
+    code, output, _ = mcml("jobs", "watch", job["id"], "--json")
+    assert code == 0
+    assert json.loads(output)["state"] == "done"
+
+
+def test_a_waiting_job_is_cancelled(mcml: Run) -> None:
+    job = json.loads(mcml("analyse", "dance", "beats", "--project", "dances", "--queue", "--json")[1])
+    assert mcml("jobs", "cancel", job["id"])[1].startswith("cancelled")
+    assert mcml("jobs", "show", job["id"])[0] == 1
+
+
+def test_bars_become_motion_names_and_dances_documents(mcml: Run) -> None:
+    code, _, errors = mcml("analyse", "dance", "beats", "--project", "dances", 'labels=["bars"]')
+    assert code == 0, errors
+    assert int(mcml("xpath", "//frame[motion_name='bar-2']", "--project", "dances", "--as", "count")[1]) > 50
+    code, output, errors = mcml(
+        "analyse", "dance", "make", "--project", "dances", "bpm=116", "bars=4", "--into", "made", "--json"
+    )
+    assert code == 0, errors
+    result = json.loads(mcml("analyse", "dance", "info", json.loads(output)["result"], "--json")[1])
+    document = result["parts"]["clip"]["document"]
+    shown = json.loads(mcml("show", document, "--json")[1])
+    assert shown["project"] == "made"
+    assert shown["duration"] == pytest.approx(16 * 60 / 116, abs=2 * shown["seconds_per_frame"])
+
+
+def test_properties_from_a_table(mcml: Run, tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text("name,shoe (EU)\nreach_01_001,42\nreach_01_002,42\n")
+    code, output, _ = mcml("label", "--properties", "table.csv")
+    assert (code, output.splitlines()[-1]) == (0, "2 changed")
+    assert mcml("xpath", "//property[@name='shoe'][@unit='EU']", "--as", "count")[1].strip() == "2"
+    (tmp_path / "table.csv").write_text("name,shoe\nreach_01_001,43\nnobody,42\n")
+    code, _, errors = mcml("label", "--properties", "table.csv")
+    assert code == 1
+    assert "table.csv:3" in errors
+    assert mcml("xpath", "//property[@name='shoe'][@value='43']", "--as", "count")[1].strip() == "0"
