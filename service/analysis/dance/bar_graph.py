@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.analysis.dance.figure import Figure, cloud_points
-from service.analysis.dance.motion_beats import half_up
+from service.analysis.dance.motion_beats import whole
 from service.analysis.dance.motion_graph import (
+    REACH,
     Edges,
     Indices,
     Told,
@@ -147,14 +148,18 @@ def shared_points(clips: Sequence[Clip]) -> list[Figure]:
 
 def _clouds(clips: Sequence[Clip], figures: Sequence[Figure], bars: AllBars, middles: Array) -> Array:
     """(B, 7 P, 3) points about a frame of each bar, lengths in the clips' unit."""
-    found = []
-    for bar in range(len(bars)):
-        clip = clips[bars.owners[bar]]
-        frames = cloud_frames(half_up(middles[bar]), clip.fps, len(clip.motion))
+    points = figures[0].points
+    found = np.empty((len(bars), (2 * REACH + 1) * points, 3))
+    for owner, (clip, figure) in enumerate(zip(clips, figures, strict=True)):
+        own = np.flatnonzero(bars.owners == owner)
+        if not len(own):
+            continue
         motion = clip.motion
-        points = cloud_points(figures[bars.owners[bar]], motion.translations[frames], motion.rotations[frames])
-        found.append(points.reshape(-1, 3))
-    return np.array(found)
+        middle = whole(middles[own]).tolist()
+        frames = np.concatenate([cloud_frames(frame, clip.fps, len(motion)) for frame in middle])
+        clouds = cloud_points(figure, motion.translations[frames], motion.rotations[frames])
+        found[own] = clouds.reshape(len(own), -1, 3)
+    return found
 
 
 def keep_only(graph: BarGraph, wanted: NDArray[np.bool_]) -> BarGraph:

@@ -70,17 +70,13 @@ def watch(
 
 def rotation_speed(rotations: Array, fps: float) -> Array:
     """(F - 1,) the greatest angle of any joint from one frame to the next, radians a second. rotations: (F, J, 4)."""
-    halves = np.abs(np.sum(rotations[1:] * rotations[:-1], axis=-1))
-    chords = np.linalg.norm(rotations[1:] - np.where(_behind(rotations), -1.0, 1.0) * rotations[:-1], axis=-1)
+    products = np.sum(rotations[1:] * rotations[:-1], axis=-1)
+    halves = np.abs(products)
+    chords = np.linalg.norm(rotations[1:] - np.where(products < 0, -1.0, 1.0)[..., None] * rotations[:-1], axis=-1)
     # The arc cosine is blind to small angles, the chord to large ones.
     angles = np.where(halves > 0.9, 4 * np.arcsin(np.clip(chords / 2, 0, 1)), 2 * np.arccos(np.clip(halves, 0, 1)))
     greatest: Array = angles.max(axis=1, initial=0.0) * fps
     return greatest
-
-
-def _behind(rotations: Array) -> NDArray[np.bool_]:
-    behind: NDArray[np.bool_] = (np.sum(rotations[1:] * rotations[:-1], axis=-1) < 0)[..., None]
-    return behind
 
 
 def foot_speed(feet: Array, fps: float, size: float) -> Array:
