@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -13,8 +14,9 @@ from pydantic import ValidationError
 from schemas.analyses.reach import ReachClipChoice, ReachMotion, ReachParameters, ReachPhases, ReachWish
 from service.analysis.interface import AnalysisError, Part, Parts, silent
 from service.analysis.reach_blending.analyses import REACH, options_from
+from service.analysis.reach_blending.evaluation import reconstruction
 from service.analysis.reach_blending.time_normalisation import PAPER_KNOTS
-from tests.analysis.reach.reach_motions import FEW, generated, labelled
+from tests.analysis.reach.reach_motions import FEW, fitted, generated, labelled
 
 WISH = ReachWish(attributes={"age": 25, "height": 168, "hbp": 270})
 
@@ -74,6 +76,30 @@ def test_the_summary_says_what_was_fitted() -> None:
     assert summary["attributes"][0]["name"] == "age"
     assert [29.0, 60.0] not in summary["attributes"][1]["gaps"]
     assert all(low <= 30 and high >= 59 for low, high in summary["attributes"][0]["gaps"][:1])
+
+
+def test_hands_are_measured_in_millimetres_where_the_unit_is_known() -> None:
+    own = reconstruction(fitted()).hand
+    summary = result()["model"].data["summary"]
+    assert summary["reconstruction"]["hand"] == pytest.approx(10 * own)
+    rows = result()["errors"].data["rows"]
+    assert rows[0][4] == pytest.approx(10 * own)
+    unknown = [replace(motion, metres=None) for motion in generated()[0]]
+    summary = REACH.run(unknown, ReachParameters(), silent)["model"].data["summary"]
+    assert summary["hand_unit"] == "unit"
+    assert summary["reconstruction"]["hand"] == pytest.approx(own)
+
+
+def test_a_stored_model_remembers_directions_that_were_left_out() -> None:
+    motions = [
+        replace(motion, properties={**motion.properties, "double": (str(2 * float(motion.properties["age"][0])), "")})
+        for motion in generated()[0]
+    ]
+    parts = REACH.run(motions, ReachParameters(attributes=["age", "double", "hbp"]), silent)
+    wish = ReachWish(attributes={"age": 25, "double": 90, "hbp": 270})
+    answer = REACH.operations["synthesize"].run(REACH.prepare(stored(parts)), wish).value
+    assert isinstance(answer, ReachMotion)
+    assert "attributes-off-plane" in [warning.code for warning in answer.warnings]
 
 
 def test_answers_tell_of_trust() -> None:

@@ -16,9 +16,9 @@ from service.analysis.reach_blending.accuracy import Ruler
 from service.analysis.reach_blending.blend import fit_blend, linear_left_out, nearest_left_out
 from service.analysis.reach_blending.evaluation import predictions, reconstruction
 from service.analysis.reach_blending.fit import fit
-from service.analysis.reach_blending.model import from_time_values
+from service.analysis.reach_blending.model import from_time_values, to_time_values
 from service.analysis.reach_blending.options import options_of
-from service.analysis.reach_blending.quaternion_tracks import angle_between
+from service.analysis.reach_blending.quaternion_tracks import angle_between, exp
 from service.analysis.reach_blending.stored import to_arrays
 from service.analysis.reach_blending.synthesis import Wish, synthesize
 from service.formats import FORMATS
@@ -277,6 +277,26 @@ def test_times_with_logarithms_keep_their_order_anywhere() -> None:
     for x in rng.normal(0, 20, (200, 3)):
         times = from_time_values(model.times(x[None]), True)[0]
         assert 0 < times[0] < times[1] < times[2]
+
+
+def test_a_reach_that_begins_at_once_has_half_a_frame_of_preparation() -> None:
+    times = np.array([[0.0, 20.0, 50.0], [7.5, 30.0, 70.0]])
+    assert np.allclose(from_time_values(to_time_values(times, True), True), [[0.5, 20.5, 50.5], [7.5, 30.0, 70.0]])
+    assert np.array_equal(from_time_values(to_time_values(times, False), False), times)
+
+
+@pytest.mark.parametrize("space", ["tangent", "eigenposes", "global"])
+def test_a_joint_that_turns_all_round_stays_continuous(space: str) -> None:
+    def spinning(motion: Motion) -> Motion:
+        rotations = motion.rotations.copy()
+        turn = np.linspace(0, 4 * np.pi, len(motion))[:, None] * np.array([0.0, 1.0, 0.0])
+        rotations[:, 16] = exp(turn)
+        return replace(motion, rotations=rotations)
+
+    found = fit([spinning(motion) for motion in generated()[0]], options_of(space=space))
+    made = synthesize(found.model, WISH).clip
+    assert (np.sum(made.rotations[1:] * made.rotations[:-1], axis=2) >= 0).all()
+    assert np.abs(np.linalg.norm(made.rotations, axis=2) - 1).max() < 1e-12
 
 
 def test_height_in_metres_gives_the_same_motion() -> None:
