@@ -40,18 +40,19 @@ def load_demo(database: Database, settings: Settings, seed: int = 1) -> int:
     Three people in every format in the project "demo"; 185 reaches in "demo-reach" and some dances in "demo-dance",
     for the analyses.
     """
-    count = _add_people(database, settings, seed)
+    count = load_people(database, settings, seed)
     reaches = [item.clip for item in reach_clips(seed)]
-    count += _add_all(database, settings, REACHES, reaches, (Label("reach"),), "A generated reach for the seat belt.")
+    count += add_clips(database, settings, REACHES, reaches, (Label("reach"),), "A generated reach for the seat belt.")
     dances = [
         dance_clip(style, tempo=tempo, bars=16, seed=seed * 10 + number, name=f"{style}_{tempo:.0f}").clip
         for style, tempi in TEMPI.items()
         for number, tempo in enumerate(tempi)
     ]
-    return count + _add_all(database, settings, DANCES, dances, (Label("dance"),), "A generated dance.")
+    return count + add_clips(database, settings, DANCES, dances, (Label("dance"),), "A generated dance.")
 
 
-def _add_people(database: Database, settings: Settings, seed: int) -> int:
+def load_people(database: Database, settings: Settings, seed: int = 1) -> int:
+    """Three people who walk, reach, wave, dance and show their faces, in every format; returns how many clips."""
     rng = np.random.default_rng(seed)
     count = 0
     for person in range(3):
@@ -128,7 +129,7 @@ def _add(
     return len(done.documents)
 
 
-def _add_all(
+def add_clips(
     database: Database,
     settings: Settings,
     project: str,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ipaddress
 import re
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
@@ -13,7 +12,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 
 from service.api.problems import plain
-from service.settings import Settings
+from service.settings import Settings, is_loopback
 from service.storage.database import Database
 
 Scope = MutableMapping[str, Any]
@@ -23,17 +22,6 @@ Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 SAFE_METHODS = {"GET", "HEAD", "OPTIONS"}
 COUNTED_METHODS = SAFE_METHODS | {"POST", "PUT", "PATCH", "DELETE"}
 OPEN_PATHS = {"/healthz", "/readyz"}
-
-
-def is_loopback(host: str) -> bool:
-    """Whether a host name or address (without port) means this machine."""
-    name = host.strip("[]").rstrip(".").lower()
-    if name == "localhost" or name.endswith(".localhost"):
-        return True
-    try:
-        return ipaddress.ip_address(name).is_loopback
-    except ValueError:
-        return False
 
 
 class Guard:

@@ -9,7 +9,8 @@ from typing import NoReturn
 
 import typer
 
-from service.cli import analysing, files, library, querying, serving, store, working
+from service.cli import files, library, querying, serving, store
+from service.cli.later import later
 from service.errors import McmlError
 
 app = typer.Typer(
@@ -19,8 +20,15 @@ app = typer.Typer(
     help="Motion capture in one open XML language: convert, store, query.",
     epilog="Exit codes: 0 done, 1 refused or failed (the message says why), 2 wrong usage, 3 done in part.",
 )
-for module in (serving, files, library, querying, analysing, working, store):
+for module in (serving, files, library, querying):
     module.add_to(app)
+for name, about in (
+    ("analyse", "Run analyses, and use what they found."),
+    ("jobs", "Long work: list it, follow it, end it."),
+):
+    group = typer.Typer(cls=later(f"service.cli.{name}"), no_args_is_help=True, help=about)
+    app.add_typer(group, name=name)
+store.add_to(app)
 
 
 def main() -> None:

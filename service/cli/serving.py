@@ -12,10 +12,10 @@ from typing import Annotated
 
 import typer
 
-from service.api.guard import is_loopback
 from service.cli.shared import DatabaseOption, chosen_settings, console, open_database
 from service.errors import AccessError
 from service.resources import dtd_path, migrations_path
+from service.settings import is_loopback
 from service.storage.documents import DocumentFilter
 
 

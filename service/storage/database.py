@@ -15,11 +15,7 @@ from contextlib import contextmanager
 from functools import cached_property
 from typing import Any
 
-from alembic import command
-from alembic.config import Config
-from alembic.runtime.migration import MigrationContext
-from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, Table, and_, func, make_url, select, text
+from sqlalchemy import Connection, Table, and_, func, inspect, make_url, select, text
 from sqlalchemy.exc import ArgumentError, DataError, DBAPIError, IntegrityError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.sql import ColumnElement
@@ -200,17 +196,24 @@ class Database:
         if found == wanted:
             # Reading commands need no write lock, and work while another process writes.
             return
+        # Imported late: it takes as long as all else that a short command needs.
+        from alembic import command
+        from alembic.config import Config
+
         with self._in_words(), self.dialect.writing() as connection:
             self.dialect.order_commits(connection)
-            config = _alembic_config()
+            config = Config()
+            config.set_main_option("script_location", str(migrations_path()))
             config.attributes["connection"] = connection
             command.upgrade(config, "head")
 
     def schema_versions(self) -> tuple[str | None, str | None]:
         """(the store's schema version, this program's)."""
         with self._in_words(), self.dialect.reading() as connection:
-            found = MigrationContext.configure(connection).get_current_revision()
-        return found, ScriptDirectory.from_config(_alembic_config()).get_current_head()
+            known = inspect(connection).has_table("alembic_version")
+            found = connection.execute(text("SELECT version_num FROM alembic_version")).scalar() if known else None
+        # Migrations have numbers, and go forward only: the last one is the newest.
+        return found, max(path.name[:4] for path in (migrations_path() / "versions").glob("[0-9][0-9][0-9][0-9]_*.py"))
 
     def require_schema(self) -> None:
         """StoreError unless the schema is this program's."""
@@ -250,9 +253,3 @@ class Database:
 
     def close(self) -> None:
         self.dialect.engine.dispose()
-
-
-def _alembic_config() -> Config:
-    config = Config()
-    config.set_main_option("script_location", str(migrations_path()))
-    return config

@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from service.actions.load_demo import REACHES, _add_all
+import service.cli
+from service.actions.load_demo import REACHES, add_clips
 from service.demo.dance_clips import dance_clip
 from service.demo.reach_clips import reach_clips
 from service.settings import Settings
@@ -25,26 +26,26 @@ WISH = ("attributes.age=40", "attributes.height=172", "attributes.hbp=320")
 
 
 @pytest.fixture
-def mcml(tmp_path: Path) -> Run:
-    """Runs `mcml` on a store with twelve reaches and two dances; answers (exit code, output, errors)."""
+def mcml(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs `mcml` in this process on twelve reaches and two dances; answers (exit code, output, errors)."""
     database = Database(f"sqlite:///{tmp_path / 'store.db'}")
     database.migrate()
     reaches = [item.clip for item in reach_clips(3, young=(2, 2, 2), old=(2, 2, 2))]
-    _add_all(database, Settings(), REACHES, reaches, (), "")
+    add_clips(database, Settings(), REACHES, reaches, (), "")
     dances = [dance_clip("groove", tempo=tempo, bars=8, name=f"dance_{tempo}").clip for tempo in (110, 120)]
-    _add_all(database, Settings(), "dances", dances, (), "")
+    add_clips(database, Settings(), "dances", dances, (), "")
     database.close()
+    monkeypatch.setenv("MCML_DATABASE", f"sqlite:///{tmp_path / 'store.db'}")
+    monkeypatch.chdir(tmp_path)
 
     def run(*words: str) -> tuple[int, str, str]:
-        done = subprocess.run(
-            [sys.executable, "-m", "service.cli", *words],
-            capture_output=True,
-            text=True,
-            cwd=tmp_path,
-            env=environment(tmp_path) | {"MCML_DATABASE": f"sqlite:///{tmp_path / 'store.db'}"},
-        )
-        assert "Traceback" not in done.stderr, done.stderr
-        return done.returncode, done.stdout, done.stderr
+        monkeypatch.setattr(sys, "argv", ["mcml", *words])
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            service.cli.main()
+        said = capsys.readouterr()
+        code = ended.value.code
+        return (code if isinstance(code, int) else 0), said.out, said.err
 
     return run
 

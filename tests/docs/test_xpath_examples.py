@@ -14,7 +14,7 @@ from lxml import etree
 
 from schemas.queries import NodeItem, QueryRequest, ScalarItem, ValueItem
 from service.actions.export_motion import ExportOptions, export_document
-from service.actions.load_demo import load_demo
+from service.actions.load_demo import load_people
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.documents import DocumentFilter
@@ -53,7 +53,7 @@ def _names(trees: list[Any]) -> list[str]:
 def library(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Queries, list[tuple[str, Any]]]]:
     database = Database(f"sqlite:///{tmp_path_factory.mktemp('demo') / 'store.db'}")
     database.migrate()
-    load_demo(database, Settings())
+    load_people(database, Settings())
     trees = []
     parser = etree.XMLParser(remove_blank_text=True)
     with database.read() as tx:

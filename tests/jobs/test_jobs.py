@@ -17,7 +17,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 import service.jobs.runner
-from service.actions.load_demo import REACHES, _add_all
+from service.actions.load_demo import REACHES, add_clips
 from service.analysis.interface import Part
 from service.app import create_app
 from service.demo.reach_clips import reach_clips
@@ -33,7 +33,7 @@ SETTINGS = Settings(job_workers=1)
 def fill(database: Database) -> None:
     """Twelve reaches of six people."""
     clips = [item.clip for item in reach_clips(3, young=(2, 2, 2), old=(2, 2, 2))]
-    _add_all(database, SETTINGS, REACHES, clips, (), "")
+    add_clips(database, SETTINGS, REACHES, clips, (), "")
 
 
 @pytest.fixture

@@ -29,7 +29,6 @@ ResultArgument = Annotated[str, typer.Argument(help="Result")]
 
 
 def add_to(app: typer.Typer) -> None:
-    analyse = typer.Typer(no_args_is_help=True, help="Run analyses, and use what they found.")
     for subject, verbs in SUBJECTS.items():
         group = typer.Typer(no_args_is_help=True, help=", ".join(item.title for item in verbs.values()) + ".")
         operations: dict[str, Operation] = {}
@@ -39,12 +38,11 @@ def add_to(app: typer.Typer) -> None:
         group.command("info", help="Show a result: its parts and what can be done with it.")(info)
         for name, operation in operations.items():
             group.command(name, help=_help(operation.description, operation.parameters))(_use(name))
-        analyse.add_typer(group, name=subject)
+        app.add_typer(group, name=subject)
         if subject == "dance":
             group.command("music")(music)
-    analyse.command("results")(results)
-    analyse.command("delete")(delete)
-    app.add_typer(analyse, name="analyse")
+    app.command("results")(results)
+    app.command("delete")(delete)
 
 
 def _help(description: str, parameters: type[BaseModel]) -> str:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from service.cli.analysing import show_job
+from service.cli.analyse import show_job
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, print_json, table
 from service.cli.work import open_work
 
@@ -14,12 +14,10 @@ JobArgument = Annotated[str, typer.Argument(help="Job")]
 
 
 def add_to(app: typer.Typer) -> None:
-    jobs = typer.Typer(no_args_is_help=True, help="Long work: list it, follow it, end it.")
-    jobs.command("list")(list_)
-    jobs.command()(show)
-    jobs.command()(watch)
-    jobs.command()(cancel)
-    app.add_typer(jobs, name="jobs")
+    app.command("list")(list_)
+    app.command()(show)
+    app.command()(watch)
+    app.command()(cancel)
 
 
 def list_(
