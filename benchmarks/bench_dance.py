@@ -71,9 +71,9 @@ def _records(part: Part) -> list[dict[str, object]]:
     return [dict(zip(names, row, strict=True)) for row in part.data["rows"]]
 
 
-def _hits(motion: Motion, truth: Truth) -> tuple[float, float, float]:
+def _hits(motion: Motion, truth: Truth, **parameters: object) -> tuple[float, float, float]:
     """Precision, recall within a frame or a sixtieth of a second, and the error of the period."""
-    parts = BEATS.run([motion], BeatsParameters(), silent)
+    parts = BEATS.run([motion], BeatsParameters.model_validate(parameters), silent)
     found = np.array([row["seconds"] for row in _records(parts["beats"])])
     within = max(1 / motion.fps, 1 / 60) + 1e-9
     met = int((nearest(truth.beats, found) <= within).sum())
@@ -96,33 +96,67 @@ def generated_table() -> str:
     return "\n".join(lines)
 
 
+def ways_table() -> str:
+    """The same clips at 60 and 120 frames a second with the choices of the thesis: precision, recall."""
+    thesis: dict[str, object] = {"locate": False, "smooth": 0, "difference": "forward"}
+    ways: dict[str, dict[str, object]] = {
+        "default": {},
+        "`locate=false`": {"locate": False},
+        "thesis: also `smooth=0 difference=forward`, k2 of its equation 2": thesis,
+    }
+    lines = [f"| | {' | '.join(f'`{style}`' for style in BEAT_STYLES)} |", "|---|" + "---|" * len(BEAT_STYLES)]
+    for name, parameters in ways.items():
+        cells = []
+        for style in BEAT_STYLES:
+            found = []
+            for fps in (60.0, 120.0):
+                depth = {"k2": 1 / (2 * round(fps / 3) + 1)} if parameters is thesis else {}
+                for seed in range(100, 110):
+                    motion, truth = generated(style, fps=fps, tempo=110.0, bars=12, seed=seed, dancer=seed)
+                    found.append(_hits(motion, truth, **parameters, **depth))
+            precision, recall, _ = np.mean(found, axis=0)
+            cells.append(f"{precision:.2f}, {recall:.2f}")
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
 def synthesis_table() -> str:
-    """New dances of generated clips: beats on the grid, beats inside transitions."""
-    head = (
-        "| style | inner beats within a frame | held beat, greatest distance s | beats in transitions, hold | classic |"
-    )
-    lines = [head, "|---|---|---|---|---|"]
+    """New dances of generated clips: beats on the grid, beats inside transitions, speed of joints beside the source."""
+    lines = [
+        "| style | inner beats within a frame | held beat, greatest distance s | beat after a jump found "
+        "| rotation speed / source's at its rate, hold, classic | beats in transitions, hold, classic |",
+        "|---|---|---|---|---|---|",
+    ]
     for style in BEAT_STYLES:
-        inner, held, inside = [], [], np.zeros(2, dtype=int)
+        inner, held, after, inside = [], [], [], np.zeros(2, dtype=int)
+        speeds: dict[str, list[float]] = {"hold": [], "classic": []}
         for fps in (30.0, 60.0, 120.0):
             for bpm in (90.0, 120.0, 140.0):
                 parts = _random_dance(style, fps, bpm)
                 grid, found = parts["speed"].arrays["grid"], parts["speed"].arrays["beats"]
                 inner += (nearest(np.concatenate([grid[1::4], grid[2::4]]), found) <= 1 / fps + 1e-6).tolist()
-                jumps = [int(str(row["position"])) - 1 for row in _records(parts["transitions"])]
-                held += nearest(grid[4 * np.array(jumps) - 1], found).tolist()
+                jumps = 4 * np.array([int(str(row["position"])) - 1 for row in _records(parts["transitions"])])
+                held += nearest(grid[jumps - 1], found).tolist()
+                after += (nearest(grid[jumps], found) <= 0.12).tolist()
                 metrics = dict(parts["metrics"].data["rows"])
                 inside += [metrics["beats_in_transitions"], metrics["classic_beats_in_transitions"]]
-        lines.append(f"| `{style}` | {np.mean(inner):.3f} | {max(held):.3f} | {inside[0]} | {inside[1]} |")
+                classic = dict(_random_dance(style, fps, bpm, "classic")["metrics"].data["rows"])
+                for blend, values in (("hold", metrics), ("classic", classic)):
+                    source = values["source_greatest_rotation_speed"] * values["greatest_rate"]
+                    speeds[blend].append(values["greatest_rotation_speed"] / source)
+        lines.append(
+            f"| `{style}` | {np.mean(inner):.3f} | {max(held):.3f} | {np.mean(after):.3f} "
+            f"| {max(speeds['hold']):.2f}, {max(speeds['classic']):.2f} | {inside[0]}, {inside[1]} |"
+        )
     return "\n".join(lines)
 
 
-def _random_dance(style: Style, fps: float, bpm: float) -> Parts:
+def _random_dance(style: Style, fps: float, bpm: float, blend: str = "hold") -> Parts:
     clips = [
         generated(style, "1", fps=fps, bars=12, seed=101, dancer=7)[0],
         generated(style, "2", fps=fps, bars=12, seed=102, dancer=7, tempo=126.0)[0],
     ]
-    parameters = {"bpm": bpm, "bars": 40, "strategy": "random", "seed": 1}
+    parameters = {"bpm": bpm, "bars": 40, "strategy": "random", "seed": 1, "blend": blend}
     return DANCE.run(clips, DanceParameters.model_validate(parameters), silent)
 
 
@@ -219,5 +253,5 @@ def _share(pairs: np.ndarray) -> str:
 
 if __name__ == "__main__":
     real = real_clips()
-    for table in (generated_table(), synthesis_table(), real_table(real), blend_table(real)):
+    for table in (generated_table(), ways_table(), synthesis_table(), real_table(real), blend_table(real)):
         print(table, end="\n\n")

@@ -11,7 +11,7 @@ from schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParame
 from service.analysis.dance import tables
 from service.analysis.dance.assembly import Dance
 from service.analysis.dance.bar_graph import BarGraph, bar_graph
-from service.analysis.dance.choreography import Choice, Plan, Wish, dance_of, plan_dance
+from service.analysis.dance.choreography import MOST_OUT, Choice, Plan, Wish, dance_of, plan_dance
 from service.analysis.dance.figure import laid_back
 from service.analysis.dance.measured import measure
 from service.analysis.dance.music import check_bpm, music_grid
@@ -132,11 +132,13 @@ def run_dance(motions: Sequence[Motion], parameters: DanceParameters, progress: 
 
 
 def _grid(parameters: DanceParameters) -> Array:
-    if parameters.bars > 512:
+    if parameters.bars > MOST_OUT:
         raise AnalysisError(
-            "too-many-bars", f"{parameters.bars} bars were asked for; a dance may have 512.", remedy="Ask for fewer.",
-            most=512,
-        )  # fmt: skip
+            "too-many-bars",
+            f"{parameters.bars} bars were asked for; a dance may have {MOST_OUT}.",
+            remedy="Ask for fewer.",
+            most=MOST_OUT,
+        )
     if parameters.music is not None and parameters.bpm is None:
         music = parameters.music
         return music_grid(music.beats, parameters.bars, music.downbeat - 1, float(Fraction(music.factor)))
@@ -193,9 +195,8 @@ def _made(
     first = clips[0].motion
     original = min(motions, key=lambda motion: motion.document)
     laid = laid_back(replace(first, translations=dance.translations, rotations=dance.rotations), original.up)
-    beat = f"{60 / parameters.bpm:g} s a beat" if parameters.bpm else "the beats of music"
     names = ", ".join(f"{clip.motion.name} (revision {clip.motion.revision})" for clip in clips)
-    tempo = f"{parameters.bpm:g} beats a minute" if parameters.bpm else beat
+    tempo = f"{parameters.bpm:g} beats a minute" if parameters.bpm else "the beats of music"
     return MadeClip(
         parameters.name,
         original.skeleton,

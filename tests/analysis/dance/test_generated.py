@@ -116,15 +116,15 @@ def test_root_and_joints_are_continuous(blend: str) -> None:
     for style in BEAT_STYLES:
         parts = danced(style, 60.0, bpm=120.0, blend=blend, strategy="random", seed=2)
         rate = value_of(parts, "greatest_rate")
-        bound = 1.5 * value_of(parts, "source_greatest_rotation_speed") * rate
+        bound = 1.1 * value_of(parts, "source_greatest_rotation_speed") * rate
         assert value_of(parts, "greatest_rotation_speed") <= bound
-        assert value_of(parts, "greatest_body_speed") <= 1.5 * value_of(parts, "source_greatest_body_speed") * rate
+        assert value_of(parts, "greatest_body_speed") <= 1.2 * value_of(parts, "source_greatest_body_speed") * rate
 
 
 def test_a_cut_is_not_continuous() -> None:
     """What the test above would miss if it could not fail."""
     parts = danced("step", 60.0, bpm=120.0, blend="none", strategy="random", seed=2, cloud_at="first beat")
-    bound = 1.5 * value_of(parts, "source_greatest_rotation_speed") * value_of(parts, "greatest_rate")
+    bound = 1.1 * value_of(parts, "source_greatest_rotation_speed") * value_of(parts, "greatest_rate")
     assert value_of(parts, "greatest_rotation_speed") > bound
 
 
