@@ -211,8 +211,8 @@ def blend_table(clips: list[Motion]) -> str:
     """
     lines = [
         "| clip | bars kept | threshold | jumps | variance hold / classic | lower | peak hold / classic | lower "
-        "| beats inside | skate hold / classic / outside |",
-        "|---|---|---|---|---|---|---|---|---|---|",
+        "| beats inside | skate hold / classic / outside | rotation speed / source's at its rate, hold, classic |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for motion in clips:
         options = {"beats_from": "tracked", "stride": 1}
@@ -230,12 +230,17 @@ def blend_table(clips: list[Motion]) -> str:
             for name in ("speed_variance", "speed_peak")
         )
         skate = [metrics[f"{name}foot_skate_in_transitions"] for name in ("", "classic_")]
+        played_on = DANCE.run([motion], DanceParameters.model_validate({**wish, "blend": "classic"}), silent)
+        turns = [
+            values["greatest_rotation_speed"] / (values["source_greatest_rotation_speed"] * values["greatest_rate"])
+            for values in (metrics, dict(played_on["metrics"].data["rows"]))
+        ]
         lines.append(
             f"| {motion.name} | {graph.data['kept']} | {graph.data['threshold']:.3f} | {len(rows)} "
             f"| {variance[:, 0].mean():.3f} / {variance[:, 1].mean():.3f} | {_share(variance)} "
             f"| {peak[:, 0].mean():.2f} / {peak[:, 1].mean():.2f} | {_share(peak)} "
             f"| {metrics['beats_in_transitions']} / {metrics['classic_beats_in_transitions']} "
-            f"| {skate[0]:.3f} / {skate[1]:.3f} / {metrics['foot_skate_outside']:.3f} |"
+            f"| {skate[0]:.3f} / {skate[1]:.3f} / {metrics['foot_skate_outside']:.3f} | {turns[0]:.2f}, {turns[1]:.2f} |"
         )
     return "\n".join(lines)
 

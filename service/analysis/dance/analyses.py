@@ -83,7 +83,7 @@ def _graph(
         parameters.cloud_at,
         lambda done: progress("distances of bars", read_share + graph_share * done),
     )
-    return clips, graph, [*warnings, *tables.graph_warnings(graph)]
+    return clips, graph, [*warnings, *tables.graph_warnings(clips, graph)]
 
 
 def run_graph(motions: Sequence[Motion], parameters: GraphParameters, progress: Progress) -> Parts:

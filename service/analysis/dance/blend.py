@@ -16,6 +16,7 @@ from service.motion.skeleton import Array
 Blend = Literal["hold", "classic", "none"]
 Placement = Literal["cloud", "facing"]
 _PARALLEL = 1e-9
+_ALIKE = 1e-3
 
 
 def weight(part: Array) -> Array:
@@ -83,15 +84,25 @@ def continuous(rotations: Array) -> Array:
 def blended(first: Array, second: Array, alpha: Array) -> Array:
     """Rotations (n, J, 4) over a window, alpha (n,) parts of the first. Dance.md 11.
 
-    Each track is made continuous, and the second as a whole turned to the nearer side of the first; the arc is then
-    kept, even past 180 degrees: the shortest arc frame by frame would flip in the middle of a transition.
+    Each track is made continuous, and the arc between them kept, even past 180 degrees: the shortest arc frame by frame
+    would flip in the middle of a transition. Of the two ways around a joint takes the one that turns it less in any one
+    frame; the nearer one over the whole window where both are alike.
     """
     if not len(first):
         return first
     first, second = continuous(first), continuous(second)
-    far = np.sum(first * second, axis=(0, 2)) < 0
-    second = np.where(far[:, None], -second, second)
-    return arc(first, second, np.broadcast_to(1 - alpha[:, None], first.shape[:-1]))
+    part = np.broadcast_to(1 - alpha[:, None], first.shape[:-1])
+    near = np.where(np.sum(first * second, axis=(0, 2)) < 0, -1.0, 1.0)[:, None]
+    one, other = arc(first, near * second, part), arc(first, -near * second, part)
+    better = _greatest_turn(other) < _greatest_turn(one) - _ALIKE
+    return np.where(better[:, None], other, one)
+
+
+def _greatest_turn(rotations: Array) -> Array:
+    """(J,) the greatest angle of each joint from one frame to the next, radians. rotations: (n, J, 4)."""
+    cosines = np.abs(np.sum(rotations[1:] * rotations[:-1], axis=-1))
+    turns: Array = 2 * np.arccos(np.clip(cosines.min(axis=0, initial=1.0), 0.0, 1.0))
+    return turns
 
 
 def arc(start: Array, end: Array, t: Array) -> Array:

@@ -23,6 +23,8 @@ SHOWN = 2000
 """Values of a curve in its data; all are in the arrays."""
 LISTED = 20_000
 """Rows of a table; what is left out is counted."""
+JUMP = 6.0
+"""Mean speeds of a clip. Real dances reach 3; files that begin with a pose of calibration 12 to 65."""
 _UNITS = {
     "fps": "1/s",
     "mean_speed": "unit/s",
@@ -52,7 +54,7 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> Part:
 def clips_table(clips: Sequence[Clip]) -> Part:
     """One row a clip: rate, mean speed, candidates by verdict, beats, period and its rivals, bars, which beats."""
     columns = ["document", "name", "frames", "fps", "mean_speed", "candidates", *(f"refused_{r}" for r in REASONS[1:])]
-    columns += ["beats", "period", "bpm", "peaks", "bars", "beats_from", "support"]
+    columns += ["beats", "period", "bpm", "peaks", "bars", "beats_from", "support", "jump"]
     rows = []
     for clip in clips:
         refused = [int((clip.candidates.verdicts == verdict).sum()) for verdict in range(1, len(REASONS))]
@@ -60,8 +62,14 @@ def clips_table(clips: Sequence[Clip]) -> Part:
         bpm = None if clip.period is None else 60 / clip.period
         row = [clip.motion.document, clip.motion.name, len(clip.motion), clip.fps, float(clip.speed.mean())]
         row += [len(clip.candidates.frames), *refused, len(clip.bars.beats), clip.period, bpm, peaks]
-        rows.append([*row, len(clip.bars.bars), clip.bars.source, clip.bars.support])
+        rows.append([*row, len(clip.bars.bars), clip.bars.source, clip.bars.support, jump_of(clip)])
     return table(columns, rows)
+
+
+def jump_of(clip: Clip) -> int | None:
+    """The frame, from 1, at which the body moves faster than any dancer would: a pose that belongs to another clip."""
+    fastest = int(clip.speed.argmax())
+    return fastest + 1 if clip.speed[fastest] > JUMP * clip.speed.mean() else None
 
 
 def speed_curve(clips: Sequence[Clip]) -> Part:
@@ -179,11 +187,16 @@ def graph_part(clips: Sequence[Clip], graph: BarGraph) -> Part:
     return Part("graph", data, arrays)
 
 
-def graph_warnings(graph: BarGraph) -> list[str]:
+def graph_warnings(clips: Sequence[Clip], graph: BarGraph) -> list[str]:
     """What a user should know of a graph."""
+    warnings = [
+        f"{clip.motion.name}: the body jumps at frame {frame}, as after a pose of calibration; cut that off."
+        for clip in clips
+        if (frame := jump_of(clip)) is not None
+    ]
     if graph.threshold > FAR:
-        return [f"The threshold is {graph.threshold:.3f} body sizes: jumps above {FAR} slide visibly."]
-    return []
+        warnings.append(f"The threshold is {graph.threshold:.3f} body sizes: jumps above {FAR} slide visibly.")
+    return warnings
 
 
 def path_table(clips: Sequence[Clip], bars: AllBars, plan: Plan) -> Part:

@@ -110,6 +110,18 @@ def test_a_blend_does_not_flip_where_two_tracks_pass_half_a_turn() -> None:
     assert np.degrees((shortest[1:] * shortest[:-1].inv()).magnitude()).max() > 90
 
 
+@pytest.mark.parametrize("spin", [200.0, 330.0, 400.0])
+def test_a_spin_is_blended_without_a_jolt(spin: float) -> None:
+    """They meet, then one spins on: taken the other way around, the arc would have no direction where they meet."""
+    part = np.linspace(0, 1, 102)[1:-1]
+    tilt = from_euler(np.array([0.02, 0.01]), "XZ")
+    first = from_euler(np.radians(spin * np.minimum(part * 3, 1))[:, None], "Y")[:, None]
+    second = np.tile(tilt, (100, 1, 1))
+    found = Rotation.from_quat(blend.blended(first, second, blend.weight(part))[:, 0])
+    steps = np.degrees((found[1:] * found[:-1].inv()).magnitude())
+    assert steps.max() < 16
+
+
 @given(seed=st.integers(0, 999))
 def test_a_blend_begins_with_the_first_and_ends_with_the_second(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -127,6 +127,17 @@ def test_no_edges_says_the_threshold_that_would_do() -> None:
     refused("no-edges", PAIR, threshold=least * 0.999)
 
 
+def test_a_pose_of_calibration_in_front_is_warned_of() -> None:
+    posed = PAIR[1].translations.copy()
+    posed[0, 0] += np.array([150.0, 0.0, 90.0])
+    clips = [PAIR[0], replace(PAIR[1], translations=posed)]
+    parts = DANCE.run(clips, DanceParameters(bpm=112, bars=2), silent)
+    assert [row[0] for row in parts["warnings"].data["rows"]] == [
+        "groove b: the body jumps at frame 1, as after a pose of calibration; cut that off."
+    ]
+    assert [row[-1] for row in parts["clips"].data["rows"]] == [None, 1]
+
+
 def test_one_bar_of_a_graph_of_one_is_fine() -> None:
     single = slice_of(PAIR[0], 0, 146)
     parts = DANCE.run([single], DanceParameters(bpm=112, bars=1), silent)
