@@ -39,6 +39,9 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
             "TRC says how fast frames follow, and the document does not", remedy="State its frame time first."
         )
     codec = source.encoding if source else "utf-8"
+    other = {name for joint in head.skeleton.joints for name in joint.channels} - set(TRANSLATIONS)
+    if other:
+        clip.notices.append(Notice("warning", f"TRC has no place for {', '.join(sorted(other, key=CHANNELS.index))}"))
     frames = clip.frames if clip.frames is not None else sum(len(block) for block in clip.blocks())
     keywords = source.keywords if source else KEYWORDS
     text = _head(head, said, keywords, frames, seconds)
@@ -46,9 +49,6 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
     seconds = seconds or 0.0
     decimals, start = _time(said, seconds)
     moving = [(joint, CHANNEL_INDEX[name]) for joint in range(len(head.skeleton)) for name in TRANSLATIONS]
-    if any(channel not in TRANSLATIONS for joint in head.skeleton.joints for channel in joint.channels):
-        other = {name for joint in head.skeleton.joints for name in joint.channels} - set(TRANSLATIONS)
-        clip.notices.append(Notice("warning", f"TRC has no place for {', '.join(sorted(other, key=CHANNELS.index))}"))
     done = 0
     for block in clip.blocks():
         times: Array = start + np.arange(done, done + len(block), dtype=np.float64) * seconds
