@@ -52,7 +52,8 @@ class Cluster:
             protocol="tls",
             security=security,
             memory_limit=f"{self._settings.job_memory_mib}MiB",
-            dashboard_address=None,
+            dashboard_address="127.0.0.1:0",
+            worker_dashboard_address="127.0.0.1:0",
             silence_logs=50,
         )
         return Client(cluster, set_as_default=False, security=security)
