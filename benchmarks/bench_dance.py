@@ -20,6 +20,7 @@ from service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
 from service.analysis.dance.metrics import nearest
 from service.analysis.interface import Motion, Part, Parts, silent
 from service.demo.dance_clips import BEAT_STYLES, STYLES, Style, Truth
+from service.motion.skeleton import Convention
 from tests.analysis.dance.motions import generated, read_file, resampled
 
 REPEAT = 3
@@ -169,6 +170,8 @@ def real_clips() -> list[Motion]:
         *sorted((data / "bvh" / "exporters").glob("rokoko_jesse_dance.bvh")),
         *sorted((data / "asfamc" / "dance").glob("*.amc")),
         *sorted((data / "asfamc" / "cmu131_dance").glob("*.amc")),
+        *sorted((data / "c3d" / "dance").glob("*.c3d")),
+        *sorted((data / "trc" / "dance").glob("*.trc")),
     ]
     return [read_file(path, f"{number:02}") for number, path in enumerate(paths)]
 
@@ -215,6 +218,8 @@ def blend_table(clips: list[Motion]) -> str:
         "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for motion in clips:
+        if motion.skeleton.joints[0].convention is Convention.MARKER:
+            continue
         options = {"beats_from": "tracked", "stride": 1}
         graph = _graph_of(motion, options)
         if graph is None or graph.data["kept"] < 2:
@@ -240,7 +245,8 @@ def blend_table(clips: list[Motion]) -> str:
             f"| {variance[:, 0].mean():.3f} / {variance[:, 1].mean():.3f} | {_share(variance)} "
             f"| {peak[:, 0].mean():.2f} / {peak[:, 1].mean():.2f} | {_share(peak)} "
             f"| {metrics['beats_in_transitions']} / {metrics['classic_beats_in_transitions']} "
-            f"| {skate[0]:.3f} / {skate[1]:.3f} / {metrics['foot_skate_outside']:.3f} | {turns[0]:.2f}, {turns[1]:.2f} |"
+            f"| {skate[0]:.3f} / {skate[1]:.3f} / {metrics['foot_skate_outside']:.3f} "
+            f"| {turns[0]:.2f}, {turns[1]:.2f} |"
         )
     return "\n".join(lines)
 

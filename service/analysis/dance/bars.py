@@ -17,7 +17,7 @@ from service.motion.skeleton import Array
 
 Source = Literal["detected", "tracked", "auto"]
 Tolerance = float | Literal["window"]
-LeadIn = Literal["beat", "third"]
+EntryFrom = Literal["beat", "third"]
 TIGHTNESS = 10.0
 """Weight of a step's distance from the period, in the logarithm, against a beat's strength."""
 ENOUGH = 4
@@ -73,7 +73,7 @@ def bars_of(
     window: int,
     tolerance: Tolerance = 0.2,
     stride: int = 4,
-    lead_in: LeadIn = "beat",
+    lead_in: EntryFrom = "beat",
 ) -> Bars:
     """Bars among beats, with entry and leave. Dance.md 5, 6. period: frames, None: no bars."""
     if period is None or len(beats) < ENOUGH:
@@ -101,7 +101,7 @@ def find_bars(
     k2: float = 2 / 15,
     tolerance: Tolerance = 0.2,
     stride: int = 4,
-    lead_in: LeadIn = "beat",
+    lead_in: EntryFrom = "beat",
     middle: bool = True,
 ) -> Bars:
     """Bars of a clip. speed: (F,). candidates, beats: frames. period: seconds of a beat, None where unknown.

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from service.analysis.dance.bars import Bars, LeadIn, Source, Tolerance, bars_of, find_bars
+from service.analysis.dance.bars import Bars, EntryFrom, Source, Tolerance, bars_of, find_bars
 from service.analysis.dance.figure import Figure, check_finite, figure_of, scaled, upright
 from service.analysis.dance.motion_beats import (
     Candidates,
@@ -44,7 +44,7 @@ class Search:
     beats: Source = "auto"
     interval_tolerance: Tolerance = 0.2
     stride: int = 4
-    lead_in: LeadIn = "beat"
+    lead_in: EntryFrom = "beat"
     own_beats: tuple[float, ...] | None = None
 
 

@@ -20,8 +20,9 @@ from service.motion.skeleton import Array, Convention, EndSite, numbers
 
 
 def motion_of(clip: ClipStream, document: str = "1", name: str = "clip", frame_time: float | None = None) -> Motion:
-    """A clip of any convention as analyses get it."""
-    listed = convert(clip, Convention.LISTED)
+    """A clip of any convention, or markers, as analyses get it."""
+    markers = any(joint.convention is Convention.MARKER for joint in clip.head.skeleton.joints)
+    listed = clip if markers else convert(clip, Convention.LISTED)
     reader = HubReader(listed.head.skeleton)
     blocks = [reader.read(block) for block in listed.blocks()]
     time = frame_time or clip.head.seconds_per_frame() or 1 / 120
