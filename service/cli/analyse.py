@@ -18,7 +18,7 @@ from service.actions.read_music import read_music
 from service.analysis.catalogue import SUBJECTS
 from service.analysis.interface import Analysis, Operation
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, chosen_settings, console, print_json, table
-from service.cli.work import open_work
+from service.cli.work import Order, open_work
 from service.errors import McmlError
 from service.formats.format import SourceFile
 
@@ -97,13 +97,8 @@ def _run(analysis: Analysis) -> Callable[..., None]:
         with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
             task = bar.add_task("starting", total=1.0)
             job = open_work(database, server).start(
-                analysis.name,
-                selection,
-                assigned(parameters),
-                name=name,
-                project=into,
-                queue=queue,
-                progress=lambda stage, share: bar.update(task, description=stage[:48], completed=share),
+                Order(analysis.name, selection, assigned(parameters), name, into, queue),
+                lambda stage, share: bar.update(task, description=stage[:48], completed=share),
             )
         show_job(job, as_json)
         if job.state == "done" and not as_json and job.result:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from typing import Any
 from urllib.parse import unquote
 
@@ -24,22 +25,24 @@ from service.xpath.run import Queries
 POLL_SECONDS = 0.4
 
 
+@dataclass(frozen=True)
+class Order:
+    """An analysis that shall run. queue: a server shall do it; the command does not wait."""
+
+    analysis: str
+    selection: Selection
+    parameters: dict[str, Any]
+    name: str | None = None
+    project: str | None = None
+    queue: bool = False
+
+
 class Work(ABC):
     """What commands do with analyses, in the words of the REST API."""
 
     @abstractmethod
-    def start(
-        self,
-        analysis: str,
-        selection: Selection,
-        parameters: dict[str, Any],
-        *,
-        name: str | None,
-        project: str | None,
-        queue: bool,
-        progress: Progress,
-    ) -> Job:
-        """Run an analysis to its end. queue: leave it to a server, and answer at once."""
+    def start(self, order: Order, progress: Progress) -> Job:
+        """Run an analysis to its end, or queue it."""
 
     @abstractmethod
     def job(self, uuid: str) -> Job: ...
@@ -83,30 +86,20 @@ class LocalWork(Work):
         self._database, self._settings = library.database, library.settings
         self._results = Results(self._database, self._settings)
 
-    def start(
-        self,
-        analysis: str,
-        selection: Selection,
-        parameters: dict[str, Any],
-        *,
-        name: str | None,
-        project: str | None,
-        queue: bool,
-        progress: Progress,
-    ) -> Job:
-        runner = None if queue else new_uuid()
+    def start(self, order: Order, progress: Progress) -> Job:
+        runner = None if order.queue else new_uuid()
         queries = Queries(self._database, self._settings)
         try:
             uuid = start_analysis(
                 self._database,
                 queries,
                 self._settings,
-                find_analysis(analysis),
-                selection,
-                parameters,
+                find_analysis(order.analysis),
+                order.selection,
+                order.parameters,
                 author="local",
-                name=name,
-                project=project,
+                name=order.name,
+                project=order.project,
                 runner=runner,
             )
         finally:
@@ -164,21 +157,14 @@ class RemoteWork(Work):
     def __init__(self, library: RemoteLibrary) -> None:
         self._send = library.send
 
-    def start(
-        self,
-        analysis: str,
-        selection: Selection,
-        parameters: dict[str, Any],
-        *,
-        name: str | None,
-        project: str | None,
-        queue: bool,
-        progress: Progress,
-    ) -> Job:
-        body: dict[str, Any] = {"inputs": selection.model_dump(exclude_defaults=True), "parameters": parameters}
-        body |= {key: value for key, value in {"name": name, "project": project}.items() if value is not None}
-        job = Job(**self._send("POST", f"/analyses/{analysis}", json=body).json())
-        if queue:
+    def start(self, order: Order, progress: Progress) -> Job:
+        body: dict[str, Any] = {
+            "inputs": order.selection.model_dump(exclude_defaults=True),
+            "parameters": order.parameters,
+        }
+        body |= {key: value for key in ("name", "project") if (value := getattr(order, key)) is not None}
+        job = Job(**self._send("POST", f"/analyses/{order.analysis}", json=body).json())
+        if order.queue:
             return job
         try:
             return self.wait(job, progress)
