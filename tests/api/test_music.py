@@ -1,0 +1,70 @@
+"""Music: its beats found, corrected, danced to."""
+
+from __future__ import annotations
+
+import io
+import wave
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+from service.actions.load_demo import add_clips
+from service.demo.dance_clips import dance_clip
+from service.settings import Settings
+from service.storage.database import Database
+from tests.jobs.test_jobs import wait
+
+API = "/api/v1"
+pytestmark = pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+
+
+def clicks(bpm: float, seconds: float = 40.0, rate: int = 22050) -> bytes:
+    """Short tones on every beat, from half a second on, as WAV."""
+    time = np.arange(round(seconds * rate)) / rate
+    sound = np.zeros_like(time)
+    for beat in np.arange(0.5, seconds - 0.1, 60 / bpm):
+        since = time - beat
+        sound += np.where((since >= 0) & (since < 0.05), np.sin(2 * np.pi * 1000 * since) * np.exp(-80 * np.clip(since, 0, 1)), 0.0)
+    stream = io.BytesIO()
+    with wave.open(stream, "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(rate)
+        file.writeframes((sound * 20000).astype("<i2").tobytes())
+    return stream.getvalue()
+
+
+def test_from_music_to_dance(client: TestClient, database: Database) -> None:
+    answer = client.post(f"{API}/music", files={"file": ("song.wav", clicks(116))})
+    assert answer.status_code == 200, answer.text
+    found = answer.json()
+    assert found["even"]
+    assert found["bpm"] == pytest.approx(116, rel=0.003)
+    music = found["music"]
+    beats = np.array(music["beats"])
+    assert abs(((beats - 0.5) / (60 / 116) + 0.5) % 1 - 0.5).max() * 60 / 116 < 0.06
+    dances = [dance_clip("groove", tempo=tempo, bars=8, name=f"dance_{tempo}").clip for tempo in (110, 120)]
+    add_clips(database, Settings(), "dances", dances, (), "")
+    # The user says that the first bar begins with the third beat, and saves that as a dance of four bars.
+    body = {"inputs": {"project": "dances"}, "parameters": {"music": music | {"downbeat": 3}, "bars": 4}}
+    done = wait(client, client.post(f"{API}/analyses/dance", json=body).json())
+    assert done["state"] == "done", done
+    result = client.get(f"{API}/results/{done['result']}").json()
+    document = client.get(f"{API}/documents/{result['parts']['clip']['document']}").json()
+    start = beats[2]
+    assert document["duration"] == pytest.approx(start + 16 * 60 / found["bpm"], abs=0.15)
+    assert client.get(f"{API}/documents/{document['id']}/export", params={"format": "bvh"}).status_code == 200
+
+
+def test_what_is_no_music_is_refused(client: TestClient) -> None:
+    cases = {
+        "text.mp3": (b"no sound", "music-undecodable"),
+        "cut.wav": (clicks(120)[:40], "music-undecodable"),
+        "silence.wav": (clicks(120, seconds=0.02), "music-no-beats"),
+    }
+    for name, (content, code) in cases.items():
+        answer = client.post(f"{API}/music", files={"file": (name, content)})
+        assert answer.status_code == 422, (name, answer.text)
+        assert answer.json()["code"] == code
+        assert answer.json()["remedy"]
