@@ -23,7 +23,7 @@ run: $(STAMP) ## Serve the repository on 127.0.0.1:8000, with a demo library on 
 	$(BIN)/mcml serve --demo
 
 test: $(STAMP) ## Run all tests, on SQLite and PostgreSQL
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
 check: $(STAMP) ## Style, types, layers, spelling
 	$(BIN)/ruff check .

@@ -79,7 +79,7 @@ def positions(clip: ClipStream) -> np.ndarray:
 def test_every_file_leaves_with_the_same_bits(shared: Path, folder: str, count: int) -> None:
     checked = 0
     for path in sorted((shared / folder).rglob("*.*")):
-        if path.name in NOT_MOTION or path.suffix.lower() == ".asf" or "malformed" in path.parts:
+        if path.name in NOT_MOTION or path.suffix.lower() == ".asf" or path.parts[-3:-1] == ("trc", "malformed"):
             continue
         name, files = files_of(path)
         clip = read(FORMATS[name], files)
@@ -111,6 +111,9 @@ def test_values_agree_with_plain_python(shared: Path) -> None:
 @pytest.mark.parametrize("name", CONVERTED)
 def test_positions_stay_in_every_other_format(shared: Path, name: str) -> None:
     clip = opened(shared / name)
+    if clip.head.seconds_per_frame() is None:
+        # AMC has no rate, and files of markers do not go without one.
+        clip = clip.with_head(replace(clip.head, frame_time="0.0083333"))
     before = positions(clip)
     height = rest_height(clip.head.skeleton, reading=reading_of(clip.head))
     names = clip.head.skeleton.names
@@ -123,7 +126,9 @@ def test_positions_stay_in_every_other_format(shared: Path, name: str) -> None:
         after = positions(read(format, written(format, converted)))[:, [target.index(joint) for joint in names]]
         moved = {joint for joint in names if any(f"where {joint!r} does" in n.what for n in converted.notices)}
         kept = [index for index in range(len(names)) if not (moved and index == 0)]
-        assert np.abs(after - before)[:, kept].max() < 1e-6 * height, format.name
+        # C3D holds numbers in single precision.
+        single = np.abs(before).max() * 2.0**-24 if format.name == "c3d" else 0.0
+        assert np.abs(after - before)[:, kept].max() < 1e-6 * height + single, format.name
 
 
 def test_a_figure_whose_joints_slide_is_not_for_asf(shared: Path) -> None:
