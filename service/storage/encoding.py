@@ -140,6 +140,15 @@ class FrameIdRuns:
             self._add_run(end - start + 1, int(ids[start]), int(steps[start]))
             start = end + 1
 
+    def parts(self) -> list[NDArray[np.int64] | list[str]]:
+        """The ids again, run by run."""
+        return [
+            row["first_id"] + row["step"] * np.arange(row["count"], dtype=np.int64)
+            if row["texts"] is None
+            else json.loads(row["texts"])
+            for row in self.rows
+        ]
+
     def _add_run(self, count: int, first_id: int, step: int) -> None:
         if self.rows and self.rows[-1]["first_id"] is not None:
             last = self.rows[-1]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import and_, func, insert, select, update
+from sqlalchemy import and_, delete, func, insert, select, update
 
 from service.errors import NotFoundError, StoreError
 from service.motion.clip import FrameBlock, Shape
@@ -69,11 +69,13 @@ class Tracks:
 
     def close(self, table: Any, document_key: int) -> None:
         """End all rows of the document in `timeline`, `frame_run` or `shape_run` with this commit."""
-        self._tx.connection.execute(
-            update(table)
-            .where(table.c.document == document_key, table.c.to_commit == CURRENT)
-            .values(to_commit=self._tx.commit)
-        )
+        self._end(table, and_(table.c.document == document_key, table.c.to_commit == CURRENT))
+
+    def _end(self, table: Any, rows: Any) -> None:
+        """Close current rows; those that this commit itself wrote were never seen, and go."""
+        commit = self._tx.commit
+        self._tx.connection.execute(delete(table).where(rows, table.c.from_commit == commit))
+        self._tx.connection.execute(update(table).where(rows).values(to_commit=commit))
 
     def shape_number(self, document_key: int, wanted: Shape) -> int:
         """The number of a shape in the document, a new one where it has none like it."""
@@ -89,13 +91,12 @@ class Tracks:
 
     def rewrite_chunk(self, document_key: int, chunk: int, bone: int, channels: list[int], columns: Array) -> int:
         """Replace one track row from this commit on; returns the bytes written. Empty columns leave no row."""
-        commit = self._tx.commit
         valid = and_(track.c.document == document_key, track.c.chunk == chunk, track.c.bone == bone)
-        self._tx.connection.execute(update(track).where(valid, track.c.to_commit == CURRENT).values(to_commit=commit))
+        self._end(track, and_(valid, track.c.to_commit == CURRENT))
         row = track_row(chunk, bone, channels, columns)
         if row is None:
             return 0
-        self.write_chunks(document_key, [row], commit)
+        self.write_chunks(document_key, [row], self._tx.commit)
         return len(row["data"])
 
     def close_run(self, table: Any, document_key: int, start: Any, position: int) -> dict[str, Any]:
@@ -103,11 +104,8 @@ class Tracks:
         holds = and_(table.c.document == document_key, table.c.to_commit == CURRENT, start <= position)
         run = self._tx.connection.execute(select(table).where(holds, start + table.c.count > position)).one()
         row = dict(run._mapping)
-        self._tx.connection.execute(
-            update(table)
-            .where(table.c.document == document_key, start == row[start.name], table.c.to_commit == CURRENT)
-            .values(to_commit=self._tx.commit)
-        )
+        holds = and_(table.c.document == document_key, start == row[start.name], table.c.to_commit == CURRENT)
+        self._end(table, holds)
         return row
 
     def rewrite_frame_ids(self, document_key: int, parts: Sequence[NDArray[np.int64] | list[str]]) -> None:
