@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from schemas.frames import DeleteFrames, FrameEdits, KeepFrames, MoveFrames, ReverseFrames
 from service.actions.splice_frames import check_range, splice_frames, write_counts
 from service.errors import DocumentError
 from service.mcml.elements import to_head
@@ -17,6 +18,27 @@ from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.motion_names import names_of_frames
 from service.storage.tables import CHUNK
+
+
+def edit_frames(tx: Transaction, stored: StoredDocument, request: FrameEdits) -> StoredDocument:
+    """The edits of a request, one after the other, as one revision."""
+    done = []
+    for edit in request.edits:
+        current = tx.documents.get(stored.uuid)
+        if isinstance(edit, DeleteFrames):
+            delete_frames(tx, current, edit.first, edit.last, renumber=request.renumber)
+        elif isinstance(edit, KeepFrames):
+            trim(tx, current, edit.first, edit.last, renumber=request.renumber)
+        elif isinstance(edit, ReverseFrames):
+            reverse(tx, current, edit.first, edit.last)
+        elif isinstance(edit, MoveFrames):
+            move_frames(tx, current, edit.first, edit.last, edit.to, renumber=request.renumber)
+        else:
+            source = current if edit.document is None else tx.documents.get(edit.document)
+            insert_frames(tx, current, edit.at, source, edit.first, edit.last, renumber=request.renumber)
+        done.append(f"{edit.do} {edit.first}-{edit.last}")
+    tx.documents.add_revision(stored, "frames", request.message or ", ".join(done)[:200])
+    return tx.documents.get(stored.uuid)
 
 
 def delete_frames(tx: Transaction, stored: StoredDocument, first: int, last: int, *, renumber: bool = True) -> None:

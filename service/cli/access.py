@@ -25,8 +25,10 @@ from schemas.documents import (
     UploadResult,
 )
 from schemas.documents import Label as WireLabel
+from schemas.frames import FrameEdits, FramesEdited
 from schemas.queries import QueryAnswer, QueryRequest
 from service.actions.change_document import add_labels
+from service.actions.change_frames import edit_frames
 from service.actions.check_names import file_name
 from service.actions.describe_document import detail, summary
 from service.actions.describe_problem import problem_of
@@ -74,6 +76,9 @@ class Library(ABC):
     @abstractmethod
     def query_stream(self, request: QueryRequest) -> Iterator[bytes]:
         """The whole answer in the form `request.as_`: xml, ndjson or csv."""
+
+    @abstractmethod
+    def edit_frames(self, uuid: str, request: FrameEdits) -> FramesEdited: ...
 
     @abstractmethod
     def set_properties(self, table: bytes, project: str | None) -> ChangedDocuments: ...
@@ -134,6 +139,13 @@ class LocalLibrary(Library):
             yield from write(queries.stream(request))
         finally:
             queries.close()
+
+    def edit_frames(self, uuid: str, request: FrameEdits) -> FramesEdited:
+        with self.database.write() as tx:
+            stored = tx.documents.get(uuid)
+            tx.documents.lock(stored.key)
+            changed = edit_frames(tx, tx.documents.get(uuid), request)
+        return FramesEdited(revision=changed.revision, frames=changed.frames)
 
     def set_properties(self, table: bytes, project: str | None) -> ChangedDocuments:
         with self.database.write() as tx:
@@ -225,6 +237,10 @@ class RemoteLibrary(Library):
     def query_stream(self, request: QueryRequest) -> Iterator[bytes]:
         with self._stream("/xpath", method="POST", json=request.model_dump(by_alias=True)) as answer:
             yield from answer.iter_bytes(1 << 20)
+
+    def edit_frames(self, uuid: str, request: FrameEdits) -> FramesEdited:
+        body, headers = request.model_dump(exclude_none=True), {"if-match": "*"}
+        return FramesEdited(**self.send("POST", f"/documents/{uuid}/frames", json=body, headers=headers).json())
 
     def set_properties(self, table: bytes, project: str | None) -> ChangedDocuments:
         parameters = {} if project is None else {"project": project}

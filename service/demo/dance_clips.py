@@ -70,7 +70,10 @@ class DanceClip:
 
 @dataclass(frozen=True)
 class _Keys:
-    """Poses on beats, a bar before and a bar after the dance among them. times: (k,). poses: (k, 12). places: (k, 3) x, z, heading."""
+    """Poses on beats, a bar before and a bar after the dance among them.
+
+    times: (k,). poses: (k, 12). places: (k, 3) x, z, heading.
+    """
 
     times: Array
     poses: Array

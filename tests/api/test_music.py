@@ -25,7 +25,9 @@ def clicks(bpm: float, seconds: float = 40.0, rate: int = 22050) -> bytes:
     sound = np.zeros_like(time)
     for beat in np.arange(0.5, seconds - 0.1, 60 / bpm):
         since = time - beat
-        sound += np.where((since >= 0) & (since < 0.05), np.sin(2 * np.pi * 1000 * since) * np.exp(-80 * np.clip(since, 0, 1)), 0.0)
+        sound += np.where(
+            (since >= 0) & (since < 0.05), np.sin(2 * np.pi * 1000 * since) * np.exp(-80 * np.clip(since, 0, 1)), 0.0
+        )
     stream = io.BytesIO()
     with wave.open(stream, "wb") as file:
         file.setnchannels(1)

@@ -1,0 +1,87 @@
+"""Changes of ranges of frames."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from schemas.examples import DOCUMENT, shown
+
+Position = Annotated[int, Field(ge=1, le=2**31 - 1)]
+
+
+class _Range(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    first: Position = Field(description="First frame, a position from 1")
+    last: Position = Field(description="Last frame, included")
+
+
+class DeleteFrames(_Range):
+    """Take frames out; later ones move up."""
+
+    do: Literal["delete"]
+
+
+class KeepFrames(_Range):
+    """Keep these frames alone."""
+
+    do: Literal["keep"]
+
+
+class ReverseFrames(_Range):
+    """Let frames run backwards; their ids and motion names stay where they are."""
+
+    do: Literal["reverse"]
+
+
+class MoveFrames(_Range):
+    """Take frames out and put them before the frame that is at position `to` now."""
+
+    do: Literal["move"]
+    to: Position = Field(description="Before this frame; one more than there are frames: at the end")
+
+
+class InsertFrames(_Range):
+    """Put frames of this or another document before the frame at position `at`, motion names included."""
+
+    do: Literal["insert"]
+    at: Position = Field(description="Before this frame; one more than there are frames: at the end")
+    document: str | None = Field(None, description="Where the frames are; default this document", examples=[DOCUMENT])
+
+
+FrameEdit = Annotated[DeleteFrames | KeepFrames | ReverseFrames | MoveFrames | InsertFrames, Field(discriminator="do")]
+
+
+class FrameEdits(BaseModel):
+    """Changes, one after the other, as one revision: all or none."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra=shown(
+            {"edits": [{"do": "keep", "first": 100, "last": 400}, {"do": "reverse", "first": 1, "last": 301}]}
+        ),
+    )
+
+    edits: list[FrameEdit] = Field(min_length=1, max_length=1000)
+    renumber: bool = Field(True, description="Ids that counted up by one do so again; else frames keep theirs")
+    message: str = Field("", max_length=4096, description="Why, for the history")
+
+
+class FrameValues(BaseModel):
+    """Rows of numbers, a row a frame, a column for each bone and channel."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"columns": ["left_up_leg.Rx"], "values": [[45.2], [45.9]]}))
+
+    columns: list[str] = Field(min_length=1, max_length=100_000, description="BONE.CHANNEL of each column")
+    values: list[list[float]] = Field(min_length=1)
+
+
+class FramesEdited(BaseModel):
+    """The revision that was made, and how many frames the document now has."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"revision": 2, "frames": 301}))
+
+    revision: int
+    frames: int

@@ -1,0 +1,141 @@
+"""Ranges of frames changed, and their numbers set as arrays."""
+
+from __future__ import annotations
+
+import io
+from typing import Annotated, Any
+
+import numpy as np
+import orjson
+from fastapi import APIRouter, Query, Request, Response
+from pydantic import ValidationError
+from starlette.concurrency import run_in_threadpool
+
+from schemas.frames import FrameEdits, FramesEdited, FrameValues
+from service.actions.change_frames import edit_frames, write_values
+from service.api.dependencies import (
+    MOST,
+    AuthorDep,
+    DatabaseDep,
+    DocumentId,
+    IfMatch,
+    checked_for_write,
+    etag,
+)
+from service.errors import DocumentError, LimitError
+from service.motion.skeleton import Array
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+
+router = APIRouter(tags=["frames"])
+
+MOST_BYTES = 256 << 20
+_VALUES: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "application/json": {
+                "schema": FrameValues.model_json_schema(),
+                "example": {"columns": ["left_up_leg.Rx"], "values": [[45.2], [45.9]]},
+            },
+            "application/octet-stream": {
+                "schema": {"type": "string", "format": "binary"},
+                "example": "a NumPy file of (frames, columns), the columns named by `column`",
+            },
+        },
+    }
+}
+
+
+@router.post("/documents/{id}/frames", operation_id="edit_frames")
+def post_edits(
+    id: DocumentId,
+    edits: FrameEdits,
+    response: Response,
+    database: DatabaseDep,
+    author: AuthorDep,
+    if_match: IfMatch = None,
+) -> FramesEdited:
+    """Delete, keep, move, insert or reverse ranges of frames. All of the list, or nothing, becomes one revision.
+
+    What stays is not written again. Positions in a later edit are those that the earlier ones left.
+    """
+    with database.write(author) as tx:
+        changed = edit_frames(tx, checked_for_write(tx, id, if_match), edits)
+    return _edited(response, changed)
+
+
+@router.put("/documents/{id}/frames", operation_id="put_frames", openapi_extra=_VALUES)
+async def put_values(
+    id: DocumentId,
+    request: Request,
+    response: Response,
+    database: DatabaseDep,
+    author: AuthorDep,
+    first: Annotated[int, Query(ge=1, le=MOST, description="Frame of the first row", examples=[100])] = 1,
+    column: Annotated[
+        list[str] | None,
+        Query(description="BONE.CHANNEL of each column of an array", examples=[["left_up_leg.Rx"]]),
+    ] = None,
+    if_match: IfMatch = None,
+) -> FramesEdited:
+    """Set channels of consecutive frames to numbers: JSON, or a NumPy file. Only what changes is written."""
+    content = bytearray()
+    async for block in request.stream():
+        content += block
+        if len(content) > MOST_BYTES:
+            raise LimitError(f"The array has more than {MOST_BYTES >> 20} MiB.", remedy="Send it in parts.")
+    plain = request.headers.get("content-type", "").partition(";")[0].strip() in ("", "application/json")
+
+    def write() -> StoredDocument:
+        columns, values = _from_json(bytes(content)) if plain else (column or [], _from_npy(bytes(content)))
+        if values.shape[1] != len(columns):
+            raise DocumentError(
+                f"The array has {values.shape[1]} columns, {len(columns)} are named.", remedy="Name each: BONE.CHANNEL."
+            )
+        named = [(text.rpartition(".")[0], text.rpartition(".")[2]) for text in columns]
+        with database.write(author) as tx:
+            return _put(tx, checked_for_write(tx, id, if_match), first, named, values)
+
+    return _edited(response, await run_in_threadpool(write))
+
+
+def _put(
+    tx: Transaction, stored: StoredDocument, first: int, columns: list[tuple[str, str]], values: Array
+) -> StoredDocument:
+    if write_values(tx, stored, first, columns, values):
+        names = ", ".join(".".join(column) for column in columns[:4])
+        tx.documents.add_revision(stored, "frames", f"set {names} of frames {first} to {first + len(values) - 1}")
+    return tx.documents.get(stored.uuid)
+
+
+def _edited(response: Response, changed: StoredDocument) -> FramesEdited:
+    response.headers["etag"] = etag(changed, "json")
+    return FramesEdited(revision=changed.revision, frames=changed.frames)
+
+
+def _from_json(content: bytes) -> tuple[list[str], Array]:
+    try:
+        found = FrameValues.model_validate(orjson.loads(content or b"{}"))
+        values = np.array(found.values, dtype=np.float64)
+        if values.ndim != 2:
+            raise ValueError("rows of different lengths")
+    except (ValidationError, ValueError) as error:
+        what = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
+        raise DocumentError(f"The numbers cannot be read: {what}.", remedy="Send {columns, values}.") from error
+    return found.columns, values
+
+
+def _from_npy(content: bytes) -> Array:
+    try:
+        values = np.load(io.BytesIO(content), allow_pickle=False)
+        numbers: Array = np.ascontiguousarray(values, dtype=np.float64)
+    except (ValueError, OSError, EOFError, TypeError) as error:
+        raise DocumentError(
+            "The array cannot be read.", remedy="Send what numpy.save writes, numbers of (frames, columns)."
+        ) from error
+    if numbers.ndim == 1:
+        numbers = numbers[:, None]
+    if numbers.ndim != 2 or not len(numbers):
+        raise DocumentError(f"The array has the shape {values.shape}.", remedy="Send (frames, columns).")
+    return numbers
