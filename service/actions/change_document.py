@@ -14,6 +14,7 @@ from service.storage.documents import StoredDocument
 from service.storage.identifiers import stored_form
 from service.storage.restoring import reopen_rows
 from service.storage.spans import StoredSpan
+from service.storage.undoing import undo_rows
 
 _HELD_BY_SOURCE = {
     "bvh": {"frame_time"},
@@ -123,6 +124,32 @@ def restore_revision(tx: Transaction, stored: StoredDocument, number: int) -> St
     tx.documents.move(stored.key, then.project_key)
     reopen_rows(tx, stored, commit)
     tx.documents.add_revision(stored, "restore", f"restored revision {number}")
+    return tx.documents.get(stored.uuid)
+
+
+def undo_revision(tx: Transaction, stored: StoredDocument, number: int) -> StoredDocument:
+    """Take back what one revision did, as a new revision; later ones stay.
+
+    ConflictError where they touched the same, or where there is nothing before.
+    """
+    undone = next(iter(tx.documents.revisions(stored.key, before=number + 1, limit=1)), None)
+    if undone is None or undone.number != number:
+        raise NotFoundError(f"The document has no revision {number}.", remedy="List its revisions.")
+    if undone.parent is None:
+        raise ConflictError("The first revision is the document itself.", remedy="Delete the document instead.")
+    if undone.operation in ("delete", "restore"):
+        raise ConflictError(
+            f"A revision of kind {undone.operation!r} is not taken back.", remedy="Restore the revision you want."
+        )
+    (before,) = tx.documents.revisions(stored.key, before=number, limit=1)
+    if before.name != undone.name:
+        if stored.name != undone.name:
+            raise ConflictError("The document was renamed since.", remedy="Rename it yourself.")
+        tx.documents.rename(stored.key, before.name)
+    if before.project != undone.project:
+        raise ConflictError("A move to another project is not taken back.", remedy="Move the document yourself.")
+    undo_rows(tx, stored, undone.commit)
+    tx.documents.add_revision(stored, "undo", f"took back revision {number}")
     return tx.documents.get(stored.uuid)
 
 

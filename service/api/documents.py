@@ -20,7 +20,13 @@ from schemas.documents import (
     UploadResult,
 )
 from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT
-from service.actions.change_document import change_document, delete_document, restore_document, restore_revision
+from service.actions.change_document import (
+    change_document,
+    delete_document,
+    restore_document,
+    restore_revision,
+    undo_revision,
+)
 from service.actions.describe_document import detail, summary
 from service.actions.describe_problem import problem_of
 from service.actions.import_motion import import_files
@@ -236,6 +242,28 @@ def restore(
     with database.write(author) as tx:
         stored = checked_for_write(tx, id, if_match, deleted=True)
         changed = restore_document(tx, stored) if revision is None else restore_revision(tx, stored, revision)
+        response.headers["etag"] = etag(changed, "json")
+        return detail(tx, changed)
+
+
+@router.post("/documents/{id}/undo", operation_id="undo_revision")
+def undo(
+    id: DocumentId,
+    response: Response,
+    database: DatabaseDep,
+    author: AuthorDep,
+    revision: Annotated[
+        int | None, Query(ge=1, le=MOST, description="What to take back; default the last one", examples=[2])
+    ] = None,
+    if_match: IfMatch = None,
+) -> DocumentDetail:
+    """Take back what one revision did, as a new revision. Later ones stay; 409 where they touched the same.
+
+    An undo can be undone.
+    """
+    with database.write(author) as tx:
+        stored = checked_for_write(tx, id, if_match)
+        changed = undo_revision(tx, stored, stored.revision if revision is None else revision)
         response.headers["etag"] = etag(changed, "json")
         return detail(tx, changed)
 

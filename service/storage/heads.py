@@ -79,6 +79,16 @@ class Heads:
         else:
             self._tx.insert_rows(property_, _properties(document_key, element))
 
+    def write_header_rows(self, document_key: int, rows: list[dict[str, Any]]) -> None:
+        """Make these rows the header from this transaction's commit on."""
+        current = (header.c.document == document_key, header.c.to_commit == CURRENT)
+        commit = self._tx.commit
+        self._tx.connection.execute(delete(header).where(*current, header.c.from_commit == commit))
+        self._tx.connection.execute(update(header).where(*current).values(to_commit=commit))
+        made = {"document": document_key, "from_commit": commit, "to_commit": CURRENT}
+        self._tx.insert_rows(header, [row | made for row in rows])
+        self.refresh_properties(document_key, self.header(document_key))
+
     def refresh_properties(self, document_key: int, element: Element) -> None:
         """Make the searchable properties those of the current header."""
         self._tx.connection.execute(delete(property_).where(property_.c.document == document_key))

@@ -1,0 +1,146 @@
+"""Taking back what one commit did to a document, while later commits stay.
+
+A row is the least that is taken back. It can be, as long as no later commit has touched it; what is one row a revision
+(the content) or renewed as a whole (the header) is compared value by value.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import and_, insert, literal, select, update
+
+from service.errors import ConflictError
+from service.storage.restoring import REVISIONED
+from service.storage.tables import CURRENT, content, frame_run, header, span, timeline
+
+if TYPE_CHECKING:
+    from sqlalchemy import Table
+
+    from service.storage.database import Transaction
+    from service.storage.documents import StoredDocument
+
+_BY_POSITION = (span, frame_run)
+"""What says positions of frames: no longer true if frames before them come or go."""
+
+Row = dict[str, Any]
+
+
+def undo_rows(tx: Transaction, stored: StoredDocument, at: int) -> None:
+    """Make the rows that commit `at` closed current again, in place of those it wrote.
+
+    ConflictError where a later commit has touched them.
+    """
+    moved = bool(_written(tx, timeline, stored, at) or _closed(tx, timeline, stored, at))
+    for table in REVISIONED:
+        if table in (content, header):
+            continue
+        if moved and table in _BY_POSITION and _changed_since(tx, table, stored, at):
+            raise _touched("frames came or went, and their names or ids were changed")
+        _take_back(tx, table, stored, at)
+    _merge_header(tx, stored, at)
+    _merge_content(tx, stored, at)
+
+
+def _touched(what: str) -> ConflictError:
+    return ConflictError(
+        f"The revision cannot be taken back alone: {what} since.",
+        remedy="Take the later revisions back first, or restore an earlier one as a whole.",
+    )
+
+
+def _rows(tx: Transaction, table: Table, stored: StoredDocument, *conditions: Any) -> list[Row]:
+    # Numbers of tracks are not needed here, only which they are.
+    columns = [column for column in table.columns if column.name != "data"]
+    found = tx.connection.execute(select(*columns).where(table.c.document == stored.key, *conditions))
+    return [dict(row._mapping) for row in found]
+
+
+def _written(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> list[Row]:
+    return _rows(tx, table, stored, table.c.from_commit == at)
+
+
+def _closed(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> list[Row]:
+    return _rows(tx, table, stored, table.c.to_commit == at, table.c.from_commit < at)
+
+
+def _changed_since(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> bool:
+    later = (table.c.from_commit > at) | ((table.c.to_commit > at) & (table.c.to_commit != CURRENT))
+    query = select(literal(1)).where(table.c.document == stored.key, later).limit(1)
+    return tx.connection.execute(query).first() is not None
+
+
+def _take_back(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> None:
+    written, closed = _written(tx, table, stored, at), _closed(tx, table, stored, at)
+    if not written and not closed:
+        return
+    what = {"track": "values", "span": "motion names", "bone": "bones"}.get(table.name, "frames")
+    if any(row["to_commit"] not in (CURRENT, at) for row in written):
+        raise _touched(f"{what} it set were changed")
+    keys = [column.name for column in table.primary_key if column.name not in ("document", "from_commit", "id")]
+    if keys:
+        current = {_key(row, keys): row for row in _rows(tx, table, stored, table.c.to_commit == CURRENT)}
+        for row in closed:
+            now = current.get(_key(row, keys))
+            if now is not None and now["from_commit"] > at:
+                raise _touched(f"{what} it took away were set")
+    of_document = table.c.document == stored.key
+    names = [column.name for column in table.columns if column.name not in ("from_commit", "to_commit", "id")]
+    copies = select(
+        *(table.c[name] for name in names), literal(tx.commit).label("from_commit"), literal(-1).label("to_commit")
+    ).where(of_document, table.c.to_commit == at, table.c.from_commit < at)
+    tx.connection.execute(insert(table).from_select([*names, "from_commit", "to_commit"], copies))
+    mine = and_(of_document, table.c.from_commit == at, table.c.to_commit == CURRENT)
+    tx.connection.execute(update(table).where(mine).values(to_commit=tx.commit))
+    tx.connection.execute(update(table).where(of_document, table.c.to_commit == -1).values(to_commit=CURRENT))
+
+
+def _key(row: Row, names: list[str]) -> tuple[Any, ...]:
+    return tuple(row[name] for name in names)
+
+
+def _at(tx: Transaction, table: Table, stored: StoredDocument, commit: int) -> list[Row]:
+    return _rows(tx, table, stored, table.c.from_commit <= commit, table.c.to_commit > commit)
+
+
+def _merge_header(tx: Transaction, stored: StoredDocument, at: int) -> None:
+    """The elements of the header that the commit changed, as they were; others as they are."""
+    if not _written(tx, header, stored, at) and not _closed(tx, header, stored, at):
+        return
+    values = ("size", "level", "tag", "attributes", "text")
+    before, after, now = (
+        {row["pre"]: _key(row, list(values)) for row in _at(tx, header, stored, commit)}
+        for commit in (at - 1, at, CURRENT - 1)
+    )
+    if [row[:3] for row in before.values()] != [row[:3] for row in after.values()] and now != after:
+        raise _touched("the header was changed")
+    if len(before) == len(after):
+        changed = {pre for pre in before if before[pre] != after[pre]}
+        if len(now) != len(after) or any(now[pre] != after[pre] for pre in changed):
+            raise _touched("elements of the header it set were changed")
+        wanted = {pre: before[pre] if pre in changed else now[pre] for pre in now}
+    else:
+        wanted = before
+    rows = [{"pre": pre, **dict(zip(values, row, strict=True))} for pre, row in sorted(wanted.items())]
+    tx.heads.write_header_rows(stored.key, rows)
+
+
+def _merge_content(tx: Transaction, stored: StoredDocument, at: int) -> None:
+    """Skeleton, frames, frame time … that the commit changed, as they were."""
+    ((before,), (after,), (now,)) = (_at(tx, content, stored, commit) for commit in (at - 1, at, CURRENT - 1))
+    merged = dict(now)
+    for name in ("skeleton", "version", "frames", "frame_time"):
+        if before[name] != after[name]:
+            if now[name] != after[name]:
+                raise _touched(f"its {name.replace('_', ' ')} was changed")
+            merged[name] = before[name]
+    tx.documents.write_content(
+        stored.key,
+        tx.commit,
+        skeleton=merged["skeleton"],
+        version=merged["version"],
+        frames=merged["frames"],
+        frame_time=merged["frame_time"],
+        # With nothing in between, all is as it was before.
+        intact=bool(before["intact"]) and now["from_commit"] == at,
+    )
