@@ -19,12 +19,14 @@ from service.api import (
     properties,
     queries,
     results,
+    revisions,
 )
 
 PREFIX = "/api/v1"
 
 ROUTERS: list[tuple[APIRouter, str]] = [
     (documents.router, PREFIX),
+    (revisions.router, PREFIX),
     (exports.router, PREFIX),
     (frames.router, PREFIX),
     (frame_edits.router, PREFIX),
