@@ -22,7 +22,8 @@ from service.api.dependencies import (
     checked_for_write,
     etag,
 )
-from service.errors import DocumentError, LimitError
+from service.api.streaming import read_body
+from service.errors import DocumentError
 from service.motion.skeleton import Array
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
@@ -80,15 +81,11 @@ async def put_values(
     if_match: IfMatch = None,
 ) -> FramesEdited:
     """Set channels of consecutive frames to numbers: JSON, or a NumPy file. Only what changes is written."""
-    content = bytearray()
-    async for block in request.stream():
-        content += block
-        if len(content) > MOST_BYTES:
-            raise LimitError(f"The array has more than {MOST_BYTES >> 20} MiB.", remedy="Send it in parts.")
+    content = await read_body(request, MOST_BYTES)
     plain = request.headers.get("content-type", "").partition(";")[0].strip() in ("", "application/json")
 
     def write() -> StoredDocument:
-        columns, values = _from_json(bytes(content)) if plain else (column or [], _from_npy(bytes(content)))
+        columns, values = _from_json(content) if plain else (column or [], _from_npy(content))
         if values.shape[1] != len(columns):
             raise DocumentError(
                 f"The array has {values.shape[1]} columns, {len(columns)} are named.", remedy="Name each: BONE.CHANNEL."

@@ -10,7 +10,7 @@ from starlette.concurrency import run_in_threadpool
 from schemas.documents import ChangedDocument, ChangedDocuments
 from service.actions.set_properties import set_properties
 from service.api.dependencies import AuthorDep, DatabaseDep, ProjectQuery
-from service.errors import LimitError
+from service.api.streaming import read_body
 
 router = APIRouter(tags=["documents"])
 
@@ -30,15 +30,11 @@ async def post_properties(
     The first column is `document` (ids) or `name`; units stand in brackets in the headings: `age (year)`. Empty cells
     and properties that the table does not name stay as they are. All of the table is written, or nothing.
     """
-    content = bytearray()
-    async for block in request.stream():
-        content += block
-        if len(content) > MOST_BYTES:
-            raise LimitError(f"The table has more than {MOST_BYTES >> 20} MiB.", remedy="Send it in parts.")
+    content = await read_body(request, MOST_BYTES)
 
     def write() -> ChangedDocuments:
         with database.write(author) as tx:
-            changed = set_properties(tx, bytes(content), project)
+            changed = set_properties(tx, content, project)
         return ChangedDocuments(
             items=[ChangedDocument(id=item.uuid, name=item.name, revision=item.revision) for item in changed]
         )

@@ -10,6 +10,7 @@ from urllib.parse import quote
 from fastapi import Request, Response
 from fastapi.responses import StreamingResponse
 
+from service.errors import LimitError
 from service.storage.database import Database, Transaction
 
 
@@ -29,6 +30,16 @@ def streamed(
             yield from chain((first,), content)
 
     return StreamingResponse(blocks(), media_type=media_type, headers=headers)
+
+
+async def read_body(request: Request, most: int) -> bytes:
+    """The whole body of a request that is small by nature. LimitError above so many bytes."""
+    content = bytearray()
+    async for block in request.stream():
+        content += block
+        if len(content) > most:
+            raise LimitError(f"The request has more than {most >> 20} MiB.", remedy="Send it in parts.")
+    return bytes(content)
 
 
 def attachment(file_name: str) -> str:

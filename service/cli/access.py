@@ -26,12 +26,14 @@ from schemas.documents import (
 )
 from schemas.documents import Label as WireLabel
 from schemas.frames import FrameEdits, FramesEdited
+from schemas.labels import LabelQuery
 from schemas.queries import QueryAnswer, QueryRequest
 from service.actions.change_document import add_labels
 from service.actions.change_frames import edit_frames
 from service.actions.check_names import file_name
 from service.actions.describe_document import detail, summary
 from service.actions.describe_problem import problem_of
+from service.actions.edit_labels import label_by_query, label_table, write_label_table
 from service.actions.export_motion import ExportOptions, export_document
 from service.actions.import_motion import Progress, import_files
 from service.actions.import_options import ImportOptions
@@ -40,7 +42,7 @@ from service.errors import AccessError, McmlError, NotFoundError, Place, StoreEr
 from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database
-from service.storage.documents import DocumentFilter
+from service.storage.documents import DocumentFilter, StoredDocument
 from service.xpath.run import Queries
 from service.xpath.writing import STREAMS
 
@@ -82,6 +84,17 @@ class Library(ABC):
 
     @abstractmethod
     def set_properties(self, table: bytes, project: str | None) -> ChangedDocuments: ...
+
+    @abstractmethod
+    def label_by_query(self, request: LabelQuery) -> ChangedDocuments: ...
+
+    @abstractmethod
+    def label_table(self, project: str | None) -> str: ...
+
+    @abstractmethod
+    def write_label_table(
+        self, table: bytes, project: str | None, *, strict: bool, replace: bool
+    ) -> ChangedDocuments: ...
 
     @abstractmethod
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage: ...
@@ -149,10 +162,25 @@ class LocalLibrary(Library):
 
     def set_properties(self, table: bytes, project: str | None) -> ChangedDocuments:
         with self.database.write() as tx:
-            changed = set_properties(tx, table, project)
-        return ChangedDocuments(
-            items=[ChangedDocument(id=item.uuid, name=item.name, revision=item.revision) for item in changed]
-        )
+            return _changed(set_properties(tx, table, project))
+
+    def label_by_query(self, request: LabelQuery) -> ChangedDocuments:
+        queries = Queries(self.database, self.settings)
+        asked = QueryRequest(q=request.xpath, document=request.document, project=request.project)
+        how = {"author": "local", "remove": request.remove, "strict": request.strict}
+        try:
+            return _changed(label_by_query(self.database, queries, asked, request.name, **how))  # type: ignore[arg-type]
+        finally:
+            queries.close()
+
+    def label_table(self, project: str | None) -> str:
+        with self.database.read() as tx:
+            found = tx.documents.page(DocumentFilter(project=project), after=None, limit=1_000_000)
+            return label_table(tx, found)
+
+    def write_label_table(self, table: bytes, project: str | None, *, strict: bool, replace: bool) -> ChangedDocuments:
+        with self.database.write() as tx:
+            return _changed(write_label_table(tx, table, project, strict=strict, replace=replace))
 
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage:
         with self.database.write() as tx:
@@ -248,6 +276,18 @@ class RemoteLibrary(Library):
         answer = self.send("POST", "/properties", content=table, headers=headers, params=parameters)
         return ChangedDocuments(**answer.json())
 
+    def label_by_query(self, request: LabelQuery) -> ChangedDocuments:
+        return ChangedDocuments(**self.send("POST", "/labels", json=request.model_dump(exclude_none=True)).json())
+
+    def label_table(self, project: str | None) -> str:
+        return self.send("GET", "/labels", params={} if project is None else {"project": project}).text
+
+    def write_label_table(self, table: bytes, project: str | None, *, strict: bool, replace: bool) -> ChangedDocuments:
+        parameters: dict[str, Any] = {"strict": strict, "replace": replace}
+        parameters |= {} if project is None else {"project": project}
+        headers = {"content-type": "text/csv"}
+        return ChangedDocuments(**self.send("PUT", "/labels", content=table, headers=headers, params=parameters).json())
+
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage:
         body = [{"name": name, "first": first, "last": last} for name, first, last in labels]
         headers = {"if-match": "*"}
@@ -275,6 +315,12 @@ class RemoteLibrary(Library):
         if answer.is_success or answer.status_code in accept:
             return answer
         raise _error(answer)
+
+
+def _changed(documents: list[StoredDocument]) -> ChangedDocuments:
+    return ChangedDocuments(
+        items=[ChangedDocument(id=item.uuid, name=item.name, revision=item.revision) for item in documents]
+    )
 
 
 def _error(answer: httpx.Response) -> McmlError:

@@ -163,3 +163,22 @@ def test_properties_from_a_table(mcml: Run, tmp_path: Path) -> None:
     assert code == 1
     assert "table.csv:3" in errors
     assert mcml("xpath", "//property[@name='shoe'][@value='43']", "--as", "count")[1].strip() == "0"
+
+
+def test_labels_and_frames_of_many(mcml: Run, tmp_path: Path) -> None:
+    code, _, errors = mcml(
+        "labels", "query", "bent", "//frame[frame_bone[@name='spine']/@Rx > 5]", "--project", "dances"
+    )
+    assert code == 0, errors
+    assert mcml("labels", "export", "labels.csv", "--project", "dances")[0] == 0
+    text = (tmp_path / "labels.csv").read_text()
+    assert text.startswith("document,label,first,last")
+    assert mcml("labels", "import", "labels.csv", "--replace")[0] == 0
+    assert mcml("labels", "export", "again.csv", "--project", "dances")[0] == 0
+    assert (tmp_path / "again.csv").read_text() == text
+    uuid = json.loads(mcml("ls", "--project", "dances", "--json")[1])["items"][0]["id"]
+    frames = json.loads(mcml("show", uuid, "--json")[1])["frames"]
+    assert f"{frames - 10:,} frames" in mcml("frames", uuid, "delete", "1-10")[1]
+    assert f"{frames - 5:,} frames" in mcml("frames", uuid, "insert", "1-5", "--to", "1")[1]
+    assert mcml("frames", uuid, "move", "1-5")[0] == 2
+    assert mcml("frames", uuid, "keep", "1-99999")[0] == 1

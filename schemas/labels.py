@@ -1,0 +1,33 @@
+"""Labels changed one by one and by query."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from schemas.examples import MOTION_NAME, PROJECT, QUERY, shown
+
+
+class LabelChange(BaseModel):
+    """What becomes of a label; what is left out stays."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"name": MOTION_NAME, "last": 150}))
+
+    name: str | None = Field(None, min_length=1, max_length=1024)
+    first: int | None = Field(None, ge=1)
+    last: int | None = Field(None, ge=1)
+    split: int | None = Field(None, ge=2, description="Make two of it; the second begins with this frame")
+
+
+class LabelQuery(BaseModel):
+    """A motion name for every frame that an expression selects, or in which it selects something."""
+
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra=shown({"name": "raised", "xpath": QUERY, "project": PROJECT})
+    )
+
+    name: str = Field(min_length=1, max_length=1024)
+    xpath: str = Field(min_length=1, max_length=10_000)
+    document: list[str] = Field([], max_length=10_000, description="Documents to look in; default all")
+    project: str | None = None
+    remove: bool = Field(False, description="Take the name off these frames instead")
+    strict: bool = Field(False, description="Refuse names that are no anatomical movement")

@@ -1,0 +1,103 @@
+"""Labels over HTTP: renamed, moved, split, given by query, as tables."""
+
+from __future__ import annotations
+
+import pytest
+from fastapi.testclient import TestClient
+
+from tests.builders import bvh
+
+API = "/api/v1"
+ANY = {"if-match": "*"}
+
+
+@pytest.fixture
+def uuid(client: TestClient) -> str:
+    labels = {"label": ["hop:10-20", "run:15-40"]}
+    answer = client.post(f"{API}/documents", files=[("file", ("walk.bvh", bvh(60)))], data=labels)
+    return str(answer.json()["documents"][0]["id"])
+
+
+def labels(client: TestClient, uuid: str) -> list[tuple[str, int, int]]:
+    items = client.get(f"{API}/documents/{uuid}/labels").json()["items"]
+    return [(item["name"], item["first"], item["last"]) for item in items]
+
+
+def named(client: TestClient, name: str) -> object:
+    return client.get(f"{API}/xpath", params={"q": f"count(//frame[motion_name='{name}'])"}).json()["value"]
+
+
+def test_a_label_is_renamed_moved_and_split(client: TestClient, uuid: str) -> None:
+    def change(which: str, **body: object) -> int:
+        found = client.get(f"{API}/documents/{uuid}/labels", params={"name": which}).json()["items"][0]["id"]
+        answer = client.patch(f"{API}/documents/{uuid}/labels/{found}", json=body, headers=ANY)
+        assert answer.status_code != 200 or answer.json()["items"]
+        return answer.status_code
+
+    assert change("hop", name="left-arm_abduction", first=5) == 200
+    assert labels(client, uuid) == [("left-arm-abduction", 5, 20), ("run", 15, 40)]
+    order = client.get(f"{API}/xpath", params={"q": "//frame[16]/motion_name"}).json()["items"]
+    assert [item["value"].removeprefix("<motion_name>").split("<")[0] for item in order] == [
+        "left-arm-abduction",
+        "run",
+    ]
+    assert change("run", split=20) == 200
+    assert labels(client, uuid) == [("left-arm-abduction", 5, 20), ("run", 15, 19), ("run", 20, 40)]
+    assert named(client, "run") == 26
+    assert change("run", last=99) == 404
+    assert change("left-arm-abduction", split=5) == 422
+    assert change("left-arm-abduction", name="left-shoulder-abduction") == 422
+    assert client.patch(f"{API}/documents/{uuid}/labels/99999", json={}, headers=ANY).status_code == 404
+
+
+def test_names_by_query(client: TestClient, uuid: str) -> None:
+    other = client.post(f"{API}/documents", files=[("file", ("run.bvh", bvh(60, seed=3)))]).json()["documents"][0]["id"]
+    query = "//frame[frame_bone[@name='Spine']/@Rx > 1]"
+    expected = client.get(f"{API}/xpath", params={"q": f"count({query})"}).json()["value"]
+    answer = client.post(f"{API}/labels", json={"name": "bent", "xpath": query})
+    assert answer.status_code == 200, answer.text
+    assert {item["id"] for item in answer.json()["items"]} <= {uuid, other}
+    assert named(client, "bent") == expected
+    assert client.post(f"{API}/labels", json={"name": "bent", "xpath": query}).json()["items"] == []
+    some = f"{query}[position() <= 5]"
+    gone = client.get(f"{API}/xpath", params={"q": f"count({some})", "document": uuid}).json()["value"]
+    body = {"name": "bent", "xpath": some, "document": [uuid], "remove": True}
+    assert len(client.post(f"{API}/labels", json=body).json()["items"]) == (gone > 0)
+    assert named(client, "bent") == expected - gone
+    assert named(client, "run") == 26, "other names stay"
+    history = client.get(f"{API}/documents/{uuid}/revisions").json()["items"]
+    assert history[0]["message"] == "bent by query"
+
+
+def test_a_table_leaves_and_comes_back(client: TestClient, uuid: str) -> None:
+    table = client.get(f"{API}/labels")
+    assert table.headers["content-type"].startswith("text/csv")
+    assert table.text == f"document,label,first,last\r\n{uuid},hop,10,20\r\n{uuid},run,15,40\r\n"
+    before = client.get(f"{API}/documents/{uuid}/mcml").content
+    for item in client.get(f"{API}/documents/{uuid}/labels").json()["items"]:
+        client.delete(f"{API}/documents/{uuid}/labels/{item['id']}", headers=ANY)
+    assert labels(client, uuid) == []
+    assert client.put(f"{API}/labels", content=table.content).status_code == 200
+    assert client.get(f"{API}/documents/{uuid}/mcml").content == before
+    replaced = "name;label;first;last\nwalk;hüpfen;1;3\n".encode()
+    answer = client.put(f"{API}/labels", content=replaced, params={"replace": True})
+    assert [item["name"] for item in answer.json()["items"]] == ["walk"]
+    assert labels(client, uuid) == [("hüpfen", 1, 3)]
+
+
+@pytest.mark.parametrize(
+    ("line", "number"),
+    [
+        ("walk,hop,1,99", 3),
+        ("walk,hop,0,5", 3),
+        ("walk,hop,five,6", 3),
+        ("nobody,hop,1,5", 3),
+        ("walk,,1,5", 3),
+    ],
+)
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_a_wrong_line_is_named_and_nothing_written(client: TestClient, uuid: str, line: str, number: int) -> None:
+    answer = client.put(f"{API}/labels", content=f"name,label,first,last\nwalk,jump,1,5\n{line}\n")
+    assert answer.status_code == 422
+    assert answer.json()["where"] == {"line": number}
+    assert labels(client, uuid) == [("hop", 10, 20), ("run", 15, 40)]
