@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from service.motion.skeleton import Array
 
-BLOCK_BYTES = 16_000_000
-"""Memberships are made for so many bytes of frames at a time, and never kept as a whole."""
+BLOCK_BYTES = 1_000_000
+"""Memberships are made for so many bytes of frames at a time, what fits into a processor's cache, and never kept."""
 
 
 @dataclass(frozen=True)

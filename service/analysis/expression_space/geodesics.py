@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from service.motion.skeleton import Array
 
-BLOCK = 32
+BLOCK = 24
 
 
 def floyd(weights: Array) -> Array:
@@ -25,9 +25,10 @@ def floyd(weights: Array) -> Array:
     np.fill_diagonal(paths, 0.0)
     starts = np.arange(0, n, BLOCK)
     edges = [*starts.tolist(), n]
+    lengths = np.diff(edges)
     longest = np.maximum.reduceat(np.maximum.reduceat(paths, starts, axis=0), starts, axis=1)
     # Any order of pivots is right. Those in the middle of everything first: what they shorten, others need not try.
-    middle = np.add.reduceat(np.minimum(paths, _finite_most(paths)).mean(axis=1), starts) / np.diff(edges)
+    middle = np.add.reduceat(np.minimum(paths, _finite_most(paths)).mean(axis=1), starts) / lengths
     for block in np.argsort(middle, kind="stable").tolist():
         pivots = slice(edges[block], edges[block + 1])
         panel = np.concatenate([paths[: pivots.start, pivots].T, paths[pivots, pivots.start :]], axis=1)
@@ -36,19 +37,23 @@ def floyd(weights: Array) -> Array:
             np.minimum(own, own[:, k, None] + own[None, k], out=own)
         for k in range(len(own)):
             np.minimum(panel, own[:, k, None] + panel[None, k], out=panel)
-        nearest = np.minimum.reduceat(panel.min(axis=0), starts)
+        each = np.minimum.reduceat(panel, starts, axis=1)
+        nearest = each.min(axis=0)
         wanted = np.triu(nearest[:, None] + nearest < longest)
         for row in np.flatnonzero(wanted.any(axis=1)).tolist():
             top, bottom = edges[row], edges[row + 1]
             through = np.ascontiguousarray(panel[:, top:bottom])
-            for first, last in _runs(wanted[row]):
-                columns = slice(edges[first], edges[last])
-                tile, rest = paths[top:bottom, columns], panel[:, columns]
-                sums = np.empty_like(tile)
-                for k in range(len(own)):
-                    np.add(through[k][:, None], rest[k], out=sums)
-                    np.minimum(tile, sums, out=tile)
-                longest[row, first:last] = np.maximum.reduceat(tile.max(axis=0), starts[first:last] - columns.start)
+            blocks = np.flatnonzero(wanted[row])
+            columns = np.flatnonzero(np.repeat(wanted[row], lengths))
+            tile, rest = paths[top:bottom, columns], panel[:, columns]
+            sums = np.empty_like(tile)
+            useful = each[:, row, None] + each[:, blocks] < longest[row, blocks]
+            for k in np.flatnonzero(useful.any(axis=1)).tolist():
+                np.add(through[k][:, None], rest[k], out=sums)
+                np.minimum(tile, sums, out=tile)
+            paths[top:bottom, columns] = tile
+            inside = np.concatenate([[0], np.cumsum(lengths[blocks])[:-1]])
+            longest[row, blocks] = np.maximum.reduceat(tile.max(axis=0), inside)
     for row in range(len(starts)):
         # Blocks on the diagonal hold both halves; below them everything is the mirror of what is above.
         rows = slice(edges[row], edges[row + 1])
@@ -61,16 +66,16 @@ def _finite_most(paths: Array) -> float:
     return 2.0 * float(np.max(paths, where=np.isfinite(paths), initial=0.0))
 
 
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """(first, behind the last) of every run of True."""
-    steps = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
-    return [(int(first), int(last)) for first, last in steps.reshape(-1, 2)]
-
-
 def from_sources(matrix: csr_array, sources: Any) -> Array:
     """Shortest distances from some frames, (s, n), or (n,) from one. Dijkstra (1959)."""
     found: Array = dijkstra(matrix, directed=True, indices=sources)
     return found
+
+
+def search(matrix: csr_array, source: int) -> tuple[Array, NDArray[np.int32]]:
+    """Shortest distances (n,) from a frame, and the frame before each on the way, negative where there is none."""
+    distance, before = dijkstra(matrix, directed=True, indices=[source], return_predecessors=True)
+    return distance[0], before[0]
 
 
 def all_pairs(matrix: csr_array) -> Array:

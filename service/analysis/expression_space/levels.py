@@ -21,7 +21,7 @@ class Level:
     """candidates: (c,) frames, all different. wanted: how many were. unique: different frames nearest to centres,
     before filling up. coverage: greatest distance of a frame to its nearest candidate, map units. objective: J of
     each iteration. members, shares: (n, 3) candidates, by their places in `candidates`, and memberships. nearest: (n,)
-    the candidate nearest to each frame."""
+    the candidate nearest to each frame. centres: (k, p) map; stands: (k,) the candidate that stands for each."""
 
     candidates: Places
     wanted: int
@@ -31,6 +31,8 @@ class Level:
     members: Places
     shares: Array
     nearest: Places
+    centres: Array
+    stands: Places
 
 
 def level_sizes(frames: int, first: int) -> list[int]:
@@ -71,9 +73,11 @@ def make_levels(points: Array, options: Options, sizes: list[int]) -> Iterator[L
         if size >= len(points):
             everything = np.arange(len(points), dtype=np.int32)
             ones = np.ones((len(points), 1))
-            yield Level(everything, size, size, 0.0, np.empty(0), everything[:, None], ones, everything)
+            yield Level(
+                everything, size, size, 0.0, np.empty(0), everything[:, None], ones, everything, points, everything
+            )
         elif options.grouping == "fps":
-            yield _level(points, order[:size], size, size, np.empty(0), points[order[:size]], options)
+            yield _level(points, order[:size], size, size, np.empty(0), points[order[:size]], options, order[:size])
         else:
             centres, objective = _centres(points, size, centres, options)
             near = _nearest_frames(points, centres)
@@ -129,12 +133,22 @@ def _level(
     objective: Array,
     centres: Array,
     options: Options,
-    near: Places | None = None,
+    near: Places,
 ) -> Level:
     which, share = top_memberships(points, centres, options.fuzziness)
-    if near is not None:
-        # Several centres may have one nearest frame: which candidate stands for each centre.
-        place = {frame: number for number, frame in enumerate(candidates.tolist())}
-        which = np.array([place[frame] for frame in near.tolist()], dtype=np.int32)[which]
+    # Several centres may have one nearest frame: which candidate stands for each centre.
+    place = {frame: number for number, frame in enumerate(candidates.tolist())}
+    stands = np.array([place[frame] for frame in near.tolist()], dtype=np.int32)
     apart, owner = (column[:, 0] for column in nearest(points[candidates], points))
-    return Level(candidates, wanted, unique, float(apart.max()), objective, which, share, owner.astype(np.int32))
+    return Level(
+        candidates=candidates,
+        wanted=wanted,
+        unique=unique,
+        coverage=float(apart.max()),
+        objective=objective,
+        members=stands[which],
+        shares=share,
+        nearest=owner.astype(np.int32),
+        centres=centres,
+        stands=stands,
+    )

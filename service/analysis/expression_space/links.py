@@ -51,22 +51,26 @@ def voronoi_links(graph: FrameGraph, candidates: Places) -> Links:
     Length: of the shortest way over such an edge. Connected whenever the frame graph is.
     """
     distance, before, source = dijkstra(graph.matrix, indices=candidates, min_only=True, return_predecessors=True)
-    place = np.full(graph.frames, -1, dtype=np.int64)
-    place[candidates] = np.arange(len(candidates))
-    owner = np.where(source >= 0, place[np.maximum(source, 0)], -1)
+    number = np.full(graph.frames, -1, dtype=np.int64)
+    number[candidates] = np.arange(len(candidates))
+    owner = np.where(source >= 0, number[np.maximum(source, 0)], -1)
     a, b = owner[graph.first], owner[graph.second]
     other = np.flatnonzero((a != b) & (a >= 0) & (b >= 0))
     way = distance[graph.first[other]] + graph.length[other] + distance[graph.second[other]]
-    key = np.minimum(a[other], b[other]) * len(candidates) + np.maximum(a[other], b[other])
-    order = np.lexsort((way, key))
-    first = order[np.flatnonzero(np.diff(key[order], prepend=-1))]
+    count = len(candidates)
+    key = np.minimum(a[other], b[other]) * count + np.maximum(a[other], b[other])
+    best = np.full(count * count, np.inf)
+    np.minimum.at(best, key, way)
+    shortest = np.flatnonzero(way == best[key])
+    key, place = np.unique(key[shortest], return_index=True)
+    first = shortest[place]
     crossed = _crossed(graph, before, distance)
     edges = other[first]
     bridge = graph.bridge[edges] | crossed[graph.first[edges]] | crossed[graph.second[edges]]
     return _links(
-        len(candidates),
-        (key[first] // len(candidates)).astype(np.int32),
-        (key[first] % len(candidates)).astype(np.int32),
+        count,
+        (key // count).astype(np.int32),
+        (key % count).astype(np.int32),
         way[first],
         bridge,
     )

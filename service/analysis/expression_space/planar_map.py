@@ -19,8 +19,8 @@ SAMPLE = 600
 @dataclass(frozen=True)
 class Scaling:
     """coordinates: (n, p) mm, columns by falling eigenvalue, zeros where there are fewer positive ones. eigenvalues:
-    (p,). mean: (n,) mean of the squared distances to each frame. negative: share of the negative eigenvalues in the sum of
-    absolute ones, found on every k-th frame where there are more than 600."""
+    (p,). mean: (n,) mean of the squared distances to each frame. negative: share of the negative eigenvalues in the sum
+    of absolute ones, found on every k-th frame where there are more than 600."""
 
     coordinates: Array
     eigenvalues: Array
@@ -34,10 +34,11 @@ class Scaling:
         return placed
 
 
-def classical_scaling(apart: Array, dimensions: int) -> Scaling:
+def classical_scaling(apart: Array, dimensions: int, *, spectrum: bool = True) -> Scaling:
     """Points whose distances are near given ones: B = -1/2 J G^2 J, its largest eigenpairs, y = v sqrt(lambda).
 
     apart: (n, n) finite. Lanczos from a fixed vector; the entry of largest magnitude of each column is positive.
+    spectrum: whether the share of negative eigenvalues is wanted, else it is nan.
     """
     n = len(apart)
     squared = apart * apart
@@ -49,13 +50,17 @@ def classical_scaling(apart: Array, dimensions: int) -> Scaling:
     coordinates[:, :wanted] = vectors * np.sqrt(positive)
     biggest = coordinates[np.abs(coordinates).argmax(axis=0), np.arange(dimensions)]
     coordinates *= np.where(biggest < 0, -1.0, 1.0)
-    step = -(-n // SAMPLE)
-    part = squared[::step, ::step]
-    spectrum = np.linalg.eigvalsh(_centred(part, part.mean(axis=0)))
-    total = float(np.abs(spectrum).sum())
     padded = np.zeros(dimensions)
     padded[:wanted] = positive
-    return Scaling(coordinates, padded, mean, float(-spectrum[spectrum < 0].sum() / total) if total > 0 else 0.0)
+    return Scaling(coordinates, padded, mean, _negative(squared) if spectrum else float("nan"))
+
+
+def _negative(squared: Array) -> float:
+    step = -(-len(squared) // SAMPLE)
+    part = squared[::step, ::step]
+    values = np.linalg.eigvalsh(_centred(part, part.mean(axis=0)))
+    total = float(np.abs(values).sum())
+    return float(-values[values < 0].sum() / total) if total > 0 else 0.0
 
 
 def _centred(squared: Array, mean: Array) -> Array:

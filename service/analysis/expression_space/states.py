@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
+from numpy.typing import NDArray
 
 from service.motion.skeleton import Array
 
 SAME = 1e-6
 """States nearer than this are one expression, mm."""
+
+Filled: TypeAlias = tuple[Array, Array, NDArray[np.intp]]
 
 
 def state_vectors(positions: Array) -> Array:
@@ -32,52 +37,49 @@ def distances(states: Array, others: Array | None = None) -> Array:
     """
     square = others is None
     right = states if others is None else others
-    centre = np.nan_to_num(np.nanmean(right, axis=0)) if np.isnan(right).any() else right.mean(axis=0)
-    a, b = states - centre, right - centre
-    full_a, full_b = ~np.isnan(a).any(axis=1), ~np.isnan(b).any(axis=1)
-    if square and full_a.all():
-        squared = _gram(a, a)
-    else:
-        squared = np.empty((len(a), len(b)))
-        squared[np.ix_(full_a, full_b)] = _gram(a[full_a], b[full_b])
-        if not full_a.all():
-            squared[~full_a] = _masked(a[~full_a], b)
-        if not full_b.all():
-            rest = _masked(b[~full_b], a[full_a]).T
-            squared[np.ix_(full_a, ~full_b)] = rest
+    centre = np.where(np.isnan(right), 0.0, right).sum(axis=0) / np.maximum((~np.isnan(right)).sum(axis=0), 1)
+    a, patterns_a, pattern_a = _filled(states, centre)
+    b, patterns_b, pattern_b = (a, patterns_a, pattern_a) if square else _filled(right, centre)
+    # Sums of squares of one state over the pairs that the other has, by patterns of what is there.
+    squared = a @ b.T
+    squared *= -2.0
+    squared += ((a * a) @ patterns_b.T)[:, pattern_b]
+    squared += ((b * b) @ patterns_a.T)[:, pattern_a].T
+    np.maximum(squared, 0.0, out=squared)
     if square:
         squared = np.minimum(squared, squared.T)
         np.fill_diagonal(squared, 0.0)
-    _mend(squared, a, b)
+    _mend(squared, (a, patterns_a, pattern_a), (b, patterns_b, pattern_b))
+    total = a.shape[1]
+    seen = patterns_a @ patterns_b.T
+    if seen.min() < total:
+        scale = np.where(seen < 0.5 * total, np.inf, total / np.maximum(seen, 1.0))
+        squared *= scale[np.ix_(pattern_a, pattern_b)]
+        if square:
+            np.fill_diagonal(squared, 0.0)
+    np.nan_to_num(squared, copy=False, nan=np.inf, posinf=np.inf)
     return np.sqrt(squared, out=squared)
 
 
-def _gram(a: Array, b: Array) -> Array:
-    squared = a @ b.T
-    squared *= -2.0
-    squared += np.einsum("np,np->n", a, a)[:, None]
-    squared += np.einsum("np,np->n", b, b)
-    return np.maximum(squared, 0.0, out=squared)
+def _filled(states: Array, centre: Array) -> Filled:
+    """States less the centre, 0 where missing; patterns (u, P) of what is there, 1.0 or 0.0; the pattern of each."""
+    gone = np.isnan(states)
+    incomplete = np.flatnonzero(gone.any(axis=1))
+    patterns, which = np.unique(gone[incomplete], axis=0, return_inverse=True)
+    pattern = np.zeros(len(states), dtype=np.intp)
+    pattern[incomplete] = 1 + which.reshape(-1)
+    whole = np.concatenate([np.ones((1, states.shape[1])), 1.0 - patterns])
+    return np.where(gone, 0.0, states - centre), whole, pattern
 
 
-def _masked(a: Array, b: Array) -> Array:
-    seen_a, seen_b = ~np.isnan(a), ~np.isnan(b)
-    a, b = np.where(seen_a, a, 0.0), np.where(seen_b, b, 0.0)
-    mask_a, mask_b = seen_a.astype(float), seen_b.astype(float)
-    squared = (a**2) @ mask_b.T + mask_a @ (b**2).T - 2 * (a @ b.T)
-    seen = mask_a @ mask_b.T
-    total = a.shape[1]
-    scaled = np.maximum(squared, 0.0) * (total / np.maximum(seen, 1.0))
-    return np.where(seen < 0.5 * total, np.inf, scaled)
-
-
-def _mend(squared: Array, a: Array, b: Array) -> None:
+def _mend(squared: Array, left: Filled, right: Filled) -> None:
     """Small distances once more, directly: the Gram form loses them (1.6)."""
-    scale = float(np.nanmax(np.nansum(a * a, axis=1), initial=0.0))
+    (a, seen_a, pattern_a), (b, seen_b, pattern_b) = left, right
+    scale = float(np.einsum("np,np->n", a, a).max(initial=0.0))
     rows, columns = np.nonzero(squared < 1e-9 * scale)
-    total = a.shape[1]
-    for start in range(0, len(rows), 2000):
-        part = slice(start, start + 2000)
-        gap = a[rows[part]] - b[columns[part]]
-        seen = np.maximum((~np.isnan(gap)).sum(axis=1), 1)
-        squared[rows[part], columns[part]] = np.nansum(gap * gap, axis=1) * (total / seen)
+    for start in range(0, len(rows), 1000):
+        i, j = rows[start : start + 1000], columns[start : start + 1000]
+        gap = a[i] - b[j]
+        gap *= seen_a[pattern_a[i]]
+        gap *= seen_b[pattern_b[j]]
+        squared[i, j] = np.einsum("np,np->n", gap, gap)

@@ -8,22 +8,24 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
-from service.analysis.expression_space.geodesics import floyd
+from service.analysis.expression_space.frame_graph import TINY
+from service.analysis.expression_space.geodesics import floyd, from_sources
 from service.analysis.expression_space.options import MARKER_MM
 from service.analysis.expression_space.planar_map import agreement, classical_scaling
 from service.motion.skeleton import Array
 
 SAMPLE = 600
-COVER = 25
-"""On the way between sampled frames, a frame that lies within tau / 25 of another may be left out."""
+COVER = 12
+"""On the way between sampled frames, a frame that lies within tau / 12 of another may be left out."""
 
 
 @dataclass(frozen=True)
 class Tried:
-    """What a threshold does. tau: mm. r, stress: of the plane, over sampled frames (nan where undefined). components: of
-    the whole graph. giant: share of the frames in the largest. degree: mean number of neighbours. stretch: mean geodesic
-    over mean straight distance."""
+    """What a threshold does. tau: mm. r, stress: of the plane, over sampled frames (nan where undefined). components:
+    of the whole graph. giant: share of the frames in the largest. degree: mean number of neighbours. stretch: mean
+    geodesic over mean straight distance."""
 
     tau: float
     r: float
@@ -54,7 +56,7 @@ def try_threshold(apart: Array, tau: float, parts: Callable[[float], NDArray[np.
         return Tried(tau, nan, nan, len(sizes), len(giant) / len(apart), degree, nan)
     straight = apart[np.ix_(sample, sample)]
     on_the_way = sampled_geodesics(apart, tau, giant, sample)
-    found = agreement(on_the_way, classical_scaling(on_the_way, 2).coordinates)
+    found = agreement(on_the_way, classical_scaling(on_the_way, 2, spectrum=False).coordinates)
     mean = float(straight.mean())
     stretch = float(on_the_way.mean()) / mean if mean > 0 else float("nan")
     return Tried(tau, found.r, found.stress, len(sizes), len(giant) / len(apart), degree, stretch)
@@ -63,25 +65,31 @@ def try_threshold(apart: Array, tau: float, parts: Callable[[float], NDArray[np.
 def sampled_geodesics(apart: Array, tau: float, frames: NDArray[np.intp], sample: NDArray[np.intp]) -> Array:
     """Geodesics among sampled frames over the threshold graph of `frames`, thinned where that is denser than tau.
 
-    Ways lead over frames that cover all others within tau / 25, and stay connected: leaving every second frame out, as
+    Ways lead over frames that cover all others within tau / 12, and stay connected: leaving every second frame out, as
     would be quick too, tears the graph apart at small thresholds.
     """
     hubs = _cover(apart, frames, sample, tau / COVER)
-    while True:
-        weights = apart[np.ix_(hubs, hubs)]
-        paths = floyd(np.where(weights <= tau, weights, np.inf))
-        if len(hubs) == len(frames) or np.isfinite(paths).all():
-            break
-        hubs = frames
+    paths = _paths(apart, tau, hubs, sample)
+    # Leaving frames out may tear what they held together.
+    return paths if np.isfinite(paths).all() else _paths(apart, tau, frames, sample)
+
+
+def _paths(apart: Array, tau: float, hubs: NDArray[np.intp], sample: NDArray[np.intp]) -> Array:
+    weights = apart[np.ix_(hubs, hubs)]
+    near = weights <= tau
     place = np.searchsorted(hubs, sample)
-    return paths[np.ix_(place, place)]
+    # Where the graph is sparse and few sources are asked for, one search from each is quicker.
+    if 15.0 * len(sample) * np.count_nonzero(near) > float(len(hubs)) ** 3:
+        return floyd(np.where(near, weights, np.inf))[np.ix_(place, place)]
+    graph = csr_array(np.where(near, np.maximum(weights, TINY), 0.0))
+    return from_sources(graph, place)[:, place]
 
 
 def _cover(apart: Array, frames: NDArray[np.intp], sample: NDArray[np.intp], radius: float) -> NDArray[np.intp]:
     """The sample and as many further frames, farthest first, as leave no frame farther than a radius."""
     nearest = apart[np.ix_(sample, frames)].min(axis=0)
     hubs = set(sample.tolist())
-    while (farthest := int(nearest.argmax())) is not None and nearest[farthest] > radius:
+    while nearest[farthest := int(nearest.argmax())] > radius:
         hubs.add(int(frames[farthest]))
         nearest = np.minimum(nearest, apart[frames[farthest], frames])
     return np.array(sorted(hubs), dtype=np.intp)
