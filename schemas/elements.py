@@ -1,10 +1,14 @@
-"""Edits of single elements."""
+"""Edits of elements."""
 
 from __future__ import annotations
 
+from typing import Annotated, Literal
+
 from pydantic import BaseModel, ConfigDict, Field
 
-from schemas.examples import ADDRESS, shown
+from schemas.examples import ADDRESS, FRAME_BONE, shown
+
+Path = Annotated[str, Field(min_length=1, max_length=10_000)]
 
 
 class ElementChange(BaseModel):
@@ -20,10 +24,91 @@ class ElementChange(BaseModel):
     message: str = Field("", max_length=4096, description="Why, for the history")
 
 
-class ElementEdited(BaseModel):
-    """What an edit did: the address of the element, and the revision that it made."""
+class ChangeEdit(BaseModel):
+    """Change attributes or text."""
 
-    model_config = ConfigDict(json_schema_extra=shown({"address": ADDRESS, "revision": 2}))
+    model_config = ConfigDict(extra="forbid")
+
+    do: Literal["change"]
+    xpath: Path
+    attributes: dict[str, str | None] = Field(default_factory=dict)
+    text: str | None = None
+
+
+class DeleteEdit(BaseModel):
+    """Delete elements or attributes."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    do: Literal["delete"]
+    xpath: Path
+
+
+class ReplaceEdit(BaseModel):
+    """Put other elements in the place of one."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    do: Literal["replace"]
+    xpath: Path
+    fragment: str = Field(description="One or more elements as XML")
+
+
+class InsertEdit(BaseModel):
+    """Put elements beside one, or into it, at its end."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    do: Literal["insert"]
+    xpath: Path
+    where: Literal["before", "after", "into"] = "into"
+    fragment: str = Field(description="One or more elements as XML")
+
+
+class MoveEdit(BaseModel):
+    """Take an element from its place and put it beside another, or into it."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    do: Literal["move"]
+    xpath: Path
+    to: Path
+    where: Literal["before", "after", "into"] = "into"
+
+
+Edit = Annotated[ChangeEdit | DeleteEdit | ReplaceEdit | InsertEdit | MoveEdit, Field(discriminator="do")]
+
+
+class ElementEdits(BaseModel):
+    """Edits that become one revision: all, or none.
+
+    Every expression means the document as it was before the first of them.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra=shown(
+            {
+                "edits": [
+                    {"do": "change", "xpath": "/mcml/motion/frame[100]/frame_bone[3]", "attributes": {"Rx": "45.2"}},
+                    {"do": "replace", "xpath": "/mcml/motion/frame[7]/frame_bone[3]", "fragment": FRAME_BONE},
+                ],
+                "message": "spikes",
+            }
+        ),
+    )
+
+    edits: list[Edit] = Field(min_length=1, max_length=10_000)
+    many: bool = Field(False, description="Expressions may select several elements; each is edited so")
+    renumber: bool = Field(True, description="Ids of frames that counted up by one do so again")
+    message: str = Field("", max_length=4096, description="Why, for the history")
+
+
+class ElementEdited(BaseModel):
+    """What an edit did: the address of the (first) element, how many there were, and the revision that it made."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"address": ADDRESS, "elements": 1, "revision": 2}))
 
     address: str
+    elements: int = 1
     revision: int

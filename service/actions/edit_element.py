@@ -7,6 +7,7 @@ beyond it do not allow is refused (DocumentError): required elements and attribu
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from service.actions.check_names import check_frame_time, check_head
@@ -59,6 +60,12 @@ def change_element(
     tx: Transaction, stored: StoredDocument, address: str, change: Change, message: str = ""
 ) -> StoredDocument:
     """Change attributes or text of the element at an address, as one revision."""
+    apply_change(tx, stored, address, change)
+    return _done(tx, stored, "edit", message or f"changed {address}")
+
+
+def apply_change(tx: Transaction, stored: StoredDocument, address: str, change: Change) -> None:
+    """As `change_element`, without making the revision."""
     match = _MOTION.fullmatch(address)
     if match is None:
         _edit_head(tx, stored, address, change)
@@ -75,11 +82,16 @@ def change_element(
         if not wanted or set(change.attributes) != {"id"} or change.text:
             raise DocumentError("Of a frame only its id can be changed.", at=Place(element=address))
         rename_frame(tx, stored, int(match["frame"]), wanted)
-    return _done(tx, stored, "edit", message or f"changed {address}")
 
 
 def delete_element(tx: Transaction, stored: StoredDocument, address: str, message: str = "") -> StoredDocument:
     """Delete the element or attribute at an address, as one revision."""
+    apply_deletion(tx, stored, address)
+    return _done(tx, stored, "edit", message or f"deleted {address}")
+
+
+def apply_deletion(tx: Transaction, stored: StoredDocument, address: str) -> None:
+    """As `delete_element`, without making the revision."""
     match = _MOTION.fullmatch(address)
     attribute = _attribute(address)
     if match is None:
@@ -102,7 +114,6 @@ def delete_element(tx: Transaction, stored: StoredDocument, address: str, messag
         fresh = refresh_counts(document, current.frames)
         if fresh.children[0] != document.children[0]:
             tx.heads.write_header(stored.key, fresh.children[0], tx.commit)
-    return _done(tx, stored, "edit", message or f"deleted {address}")
 
 
 def _done(tx: Transaction, stored: StoredDocument, operation: str, message: str) -> StoredDocument:
@@ -196,32 +207,51 @@ def _write_content(tx: Transaction, stored: StoredDocument, **changed: object) -
 
 
 def _edit_head(tx: Transaction, stored: StoredDocument, address: str, change: Change | None) -> None:
-    """Change or delete in header, root or skeleton; the whole head is small and is checked whole."""
+    attribute = _attribute(address)
+
+    def edit(document: Element, target: Element) -> None:
+        if change is None and attribute is None:
+            children = parent_of(document, target, address).children
+            del children[next(index for index, child in enumerate(children) if child is target)]
+        elif change is None and attribute is not None:
+            if target.attributes.pop(attribute, None) is None:
+                raise _missing(address)
+        elif change is not None:
+            for name, value in change.attributes.items():
+                if value is None:
+                    target.attributes.pop(name, None)
+                else:
+                    target.attributes[name] = value
+            if change.text is not None:
+                target.text = change.text.strip()
+
+    edit_head(tx, stored, address, edit, counts_stated=change is not None)
+
+
+def edit_head(
+    tx: Transaction,
+    stored: StoredDocument,
+    address: str,
+    edit: Callable[[Element, Element], None],
+    *,
+    counts_stated: bool = True,
+) -> None:
+    """Change header, root or skeleton; the whole head is small and is checked whole.
+
+    edit: is given the head and the element at the address, and changes them. counts_stated: the edit may have set the
+    counts that the header repeats, so they must be right; else they are made right.
+    """
     match = _HEAD.fullmatch(address)
     document = tx.heads.document(stored)
     before = joint_names(document)
     found = dict(addresses(document))
     if match is None or match["element"] not in found:
         raise _missing(address)
-    target = found[match["element"]]
-    attribute = match["attribute"]
-    if change is None and attribute is None:
-        _remove(document, target, address)
-    elif change is None and attribute is not None:
-        if target.attributes.pop(attribute, None) is None:
-            raise _missing(address)
-    elif change is not None:
-        for name, value in change.attributes.items():
-            if value is None:
-                target.attributes.pop(name, None)
-            else:
-                target.attributes[name] = value
-        if change.text is not None:
-            target.text = change.text.strip()
+    edit(document, found[match["element"]])
     shapes = tx.tracks.shapes_in_use(stored.key)
     bones = tx.heads.bone_names(stored.key)
     _check_names(document, before, {escape(bones[bone]) for shape in shapes for bone, _ in shape}, address)
-    if change is not None:
+    if counts_stated:
         check_counts(document, stored.frames)
     document = refresh_counts(document, stored.frames)
     names = [bones.get(number, "") for number in range(max(bones, default=-1) + 1)]
@@ -230,14 +260,13 @@ def _edit_head(tx: Transaction, stored: StoredDocument, address: str, change: Ch
     _store_head(tx, stored, document, before)
 
 
-def _remove(parent: Element, target: Element, address: str) -> None:
-    waiting = [parent]
+def parent_of(document: Element, target: Element, address: str) -> Element:
+    """The element that holds another. DocumentError for the document element."""
+    waiting = [document]
     while waiting:
         element = waiting.pop()
-        for index, child in enumerate(element.children):
-            if child is target:
-                del element.children[index]
-                return
+        if any(child is target for child in element.children):
+            return element
         waiting += element.children
     raise DocumentError("The document element cannot be deleted alone.", at=Place(element=address))
 
@@ -272,6 +301,10 @@ def _store_head(tx: Transaction, stored: StoredDocument, document: Element, befo
             for was, is_now in zip(before, names, strict=True):
                 if was != is_now:
                     tx.heads.rename_bone(stored.key, number[was], unescape(is_now))
-        for name in set(before) - set(names) if len(names) < len(before) else ():
-            tx.heads.close_bone(stored.key, number[name])
+        else:
+            for name in set(before) - set(names):
+                tx.heads.close_bone(stored.key, number[name])
+            for name in names:
+                if name not in before:
+                    tx.heads.add_bone(stored.key, unescape(name))
     _write_content(tx, stored, skeleton=skeleton, version=document.attributes.get("version", stored.version))

@@ -124,6 +124,13 @@ class Heads:
         row = {"document": document_key, "bone": number, "from_commit": self._tx.commit, "to_commit": CURRENT}
         self._tx.connection.execute(insert(bone).values(row | {"name": name}))
 
+    def add_bone(self, document_key: int, name: str) -> None:
+        """A bone more, from this transaction's commit on, under a number that no bone of the document ever had."""
+        newest = select(func.coalesce(func.max(bone.c.bone), -1)).where(bone.c.document == document_key)
+        number = int(self._tx.connection.execute(newest).scalar_one()) + 1
+        row = {"document": document_key, "bone": number, "from_commit": self._tx.commit, "to_commit": CURRENT}
+        self._tx.connection.execute(insert(bone).values(row | {"name": name}))
+
     def close_bone(self, document_key: int, number: int) -> None:
         """The document has this bone no more, from this transaction's commit on."""
         valid = and_(bone.c.document == document_key, bone.c.bone == number, bone.c.to_commit == CURRENT)

@@ -18,7 +18,7 @@ def test_read_change_delete(client: TestClient) -> None:
     edited = client.patch(
         address, params=one, json={"attributes": {"Rx": "1.5", "Rz": None}}, headers={"if-match": '"1"'}
     )
-    assert edited.json() == {"address": "/mcml/motion/frame[3]/frame_bone[1]", "revision": 2}
+    assert edited.json() == {"address": "/mcml/motion/frame[3]/frame_bone[1]", "elements": 1, "revision": 2}
     assert client.get(address, params={"xpath": one["xpath"] + "/@Rx"}).text == "1.5"
     old = client.get(address, params={"xpath": "/mcml/motion/frame[3]/frame_bone[1]/@Rx", "revision": 1})
     assert old.text == "20.0"
