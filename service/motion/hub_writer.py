@@ -18,7 +18,7 @@ from service.motion.clip import FrameBlock, full_shape
 from service.motion.hub import HubReader
 from service.motion.plans import is_identity, product_order
 from service.motion.rotation_vectors import angle_between
-from service.motion.rotations import inverse, multiply, rotate, to_euler
+from service.motion.rotations import from_euler, inverse, multiply, rotate, to_euler
 from service.motion.skeleton import CHANNEL_INDEX, Array, Convention, Skeleton
 from service.motion.units import DEGREES, Reading
 
@@ -127,6 +127,19 @@ class HubWriter:
             values[:, self._others] = known.values[:, self._others]
         self._measure(translations, rotations, scales, values)
         return values
+
+    def is_free(self, index: int) -> bool:
+        """Whether a joint can take every rotation."""
+        return len(self._letters[index]) == 3
+
+    def nearest(self, index: int, rotations: Array) -> Array:
+        """The rotations (n, 4) nearest to given ones that the channels of a joint can say."""
+        if self.is_free(index):
+            return rotations
+        axes, letters = self.rest.orientations[index], self._letters[index]
+        local = multiply(multiply(inverse(axes), rotations), axes)
+        held = from_euler(angles_of(local, letters), letters)
+        return multiply(multiply(axes, held), inverse(axes))
 
     def _carry(self, index: int, values: Array) -> None:
         if self._turns[index]:

@@ -50,3 +50,14 @@ def twist(rotation: Array, axis: Array) -> Array:
     angle: Array = 2 * np.arctan2(rotation[..., :3] @ axis, rotation[..., 3])
     wrapped: Array = angle - 2 * np.pi * np.round(angle / (2 * np.pi))
     return wrapped
+
+
+def shortest_arcs(start: Array, end: Array) -> Array:
+    """The smallest rotations (n, 4) that take directions (n, 3) to others; none where they are opposite or nothing."""
+    lengths = np.linalg.norm(start, axis=1) * np.linalg.norm(end, axis=1)
+    safe = np.where(lengths > 0, lengths, 1.0)[:, None]
+    cosine = (start * end).sum(axis=1, keepdims=True) / safe
+    rotation = np.concatenate([np.cross(start, end) / safe, 1.0 + cosine], axis=1)
+    rotation[(rotation[:, 3] < 1e-9) | (lengths == 0)] = [0.0, 0.0, 0.0, 1.0]
+    unit: Array = rotation / np.linalg.norm(rotation, axis=1, keepdims=True)
+    return unit

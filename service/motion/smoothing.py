@@ -1,7 +1,7 @@
 """Motion made smoother: a Gaussian over the frames.
 
 Translations are weighted means. Rotations are too, on the sphere of quaternions: the mean is where the weighted
-rotation vectors to all neighbours add to nothing (Buss and Fillmore, 2001, algorithm A1), so no Euler angle leaps.
+rotation vectors to all neighbours add to nothing (the intrinsic mean; Pennec 1998), so no Euler angle leaps.
 """
 
 from __future__ import annotations

@@ -1,0 +1,364 @@
+"""A motion on another skeleton.
+
+Every matched joint is turned in the world as its source is, Q_t = Q_s A_s^-1 D A_t: A are the two at rest (or in poses
+that show the same), D takes the target's bones there to the source's, by their directions in the world. Where bones
+between matched joints bend that the target does not have, what is left between the directions is made up for by the
+shortest arc. The body is placed where its hips are the source's, times the ratio of the lengths of the legs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from service.errors import ConversionError
+from service.motion.bone_mapping import Match, check_matches
+from service.motion.carriers import carriers, chain
+from service.motion.clip import FrameBlock, full_shape
+from service.motion.foot_contacts import Feet, FootReport, clean_feet, feet_of
+from service.motion.hub import HubReader, Rest, walked
+from service.motion.hub_writer import HubWriter, Shortfall
+from service.motion.retarget_report import BoneError, RetargetReport
+from service.motion.rotation_vectors import shortest_arcs
+from service.motion.rotations import from_matrix, inverse, multiply, rotate, shortest_arc
+from service.motion.sides import is_left, partners
+from service.motion.skeleton import TRANSLATIONS, Array, Skeleton
+from service.motion.units import DEGREES, Reading
+
+_SHORT = 1e-3
+"""Of the longest bone: what is shorter has no direction."""
+_STEPS = 12
+"""Of the search for the angles of a joint that cannot turn freely."""
+
+
+@dataclass(frozen=True)
+class Retargeted:
+    """block: frames on the target, in its own columns."""
+
+    block: FrameBlock
+    shortfall: Shortfall
+    report: RetargetReport
+
+
+def retarget(
+    source: Skeleton,
+    block: FrameBlock,
+    target: Skeleton,
+    matches: Sequence[Match],
+    frame_time: float,
+    *,
+    reading: Reading = DEGREES,
+    target_reading: Reading = DEGREES,
+    source_pose: Array | None = None,
+    target_pose: Array | None = None,
+    clean: bool = False,
+    up: str = "Y",
+) -> Retargeted:
+    """Frames of a clip on another skeleton.
+
+    matches: of `suggest_matches`, or changed. source_pose, target_pose: (J, 4) local rotations of the hub form that
+    show the same body pose on both; the rest poses by default. clean: feet that stand are held where they stand.
+    frame_time: seconds, up: "X", "Y" or "Z", for the feet. Both have the same axis up. Raises ConversionError for a
+    mapping that is empty or names joints that are not there or twice.
+    """
+    if not matches:
+        raise ConversionError(
+            "no joint of the two is matched", remedy="Name at least the joints of the trunk and limbs."
+        )
+    check_matches(source, target, matches)
+    hub = HubReader(source, reading).read(block)
+    writer = HubWriter(target, target_reading)
+    one = _Body.of(source, HubReader(source, reading).rest, source_pose)
+    two = _Body.of(target, writer.rest, target_pose)
+    transfer = _Transfer(one, two, {match.target: match.source for match in matches}, writer)
+    positions, turned = walked(source, hub.translations, hub.rotations)
+    rotations = transfer.rotations(positions, turned)
+    scale = transfer.scale()
+    translations = transfer.translations(hub.translations, positions, turned, rotations, scale)
+    reports: tuple[FootReport, ...] = ()
+    feet = feet_of(source, target, {match.target: match.source for match in matches})
+    if feet:
+        axis = np.eye(3)["XYZ".index(up.upper())]
+        rotations, reports = _feet(transfer, feet, positions, translations, rotations, frame_time, axis, writer, clean)
+    values = writer.write(translations, rotations, None)
+    columns = target.columns()
+    names = block.motion_names
+    made = FrameBlock(values, columns, (full_shape(columns),), block.ids, None, names)
+    report = RetargetReport(
+        tuple(matches),
+        scale,
+        tuple(sorted(set(range(len(source))) - {match.source for match in matches})),
+        tuple(sorted(set(range(len(target))) - {match.target for match in matches})),
+        transfer.bone_errors(positions, walked(target, translations, rotations)[0]),
+        reports,
+    )
+    return Retargeted(made, writer.shortfall, report)
+
+
+def _feet(
+    transfer: _Transfer,
+    feet: Sequence[Feet],
+    positions: Array,
+    translations: Array,
+    rotations: Array,
+    frame_time: float,
+    up: Array,
+    writer: HubWriter,
+    clean: bool,
+) -> tuple[Array, tuple[FootReport, ...]]:
+    length = transfer.leg(transfer.one, source=True) or float(np.ptp(transfer.one.positions @ up))
+    return clean_feet(
+        transfer.two.skeleton, feet, positions, translations, rotations, frame_time, length, up, writer, clean
+    )
+
+
+@dataclass(frozen=True)
+class _Body:
+    """A skeleton in a pose to compare. positions: (J, 3), turned: (J, 4) in the world, local: (J, 4)."""
+
+    skeleton: Skeleton
+    rest: Rest
+    positions: Array
+    turned: Array
+    local: Array
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, rest: Rest, pose: Array | None) -> _Body:
+        local = np.tile(np.array([0.0, 0.0, 0.0, 1.0]), (len(skeleton), 1)) if pose is None else pose
+        positions, turned = walked(skeleton, rest.offsets[None], local[None])
+        return cls(skeleton, rest, positions[0], turned[0], local)
+
+    @property
+    def short(self) -> float:
+        below = [index for index, joint in enumerate(self.skeleton.joints) if joint.parent >= 0]
+        return _SHORT * float(np.linalg.norm(self.rest.offsets[below], axis=1).max(initial=0.0))
+
+
+class _Transfer:
+    """What takes poses of one body to another. pairs: joint of the target -> joint of the source."""
+
+    def __init__(self, one: _Body, two: _Body, pairs: dict[int, int], writer: HubWriter) -> None:
+        self.one, self.two, self.pairs, self._writer = one, two, pairs, writer
+        self._partners = partners(two.skeleton)
+        self._above = self._matched_above()
+        self._ends = {joint: self._end_of(joint) for joint in pairs}
+        self._turns: dict[int, Array] = {}
+        for joint in sorted(pairs):
+            above = self._above[joint]
+            before = self._turns[above] if above >= 0 else np.array([0.0, 0.0, 0.0, 1.0])
+            self._turns[joint] = self._turn(joint, before)
+
+    def _matched_above(self) -> list[int]:
+        """The nearest matched joint above each joint of the target, -1 for none."""
+        above: list[int] = []
+        for joint in self.two.skeleton.joints:
+            parent = joint.parent
+            above.append(-1 if parent < 0 else parent if parent in self.pairs else above[parent])
+        return above
+
+    def _vectors(self, start: int, end: int) -> tuple[Array, Array] | None:
+        """From one matched joint to another, in the source and in the target; None where one is too short."""
+        first = self.one.positions[self.pairs[end]] - self.one.positions[self.pairs[start]]
+        second = self.two.positions[end] - self.two.positions[start]
+        fits = np.linalg.norm(first) > self.one.short and np.linalg.norm(second) > self.two.short
+        return (first, second) if fits else None
+
+    def _end_of(self, joint: int) -> int | None:
+        """The matched joint below to which the bone leads: the one in the middle of the body where it branches."""
+        below = [end for end in self.pairs if self._above[end] == joint and self._vectors(joint, end)]
+        middle = [end for end in below if self._partners[end] == end]
+        if len(below) == 1 or not below:
+            return below[0] if below else None
+        if middle:
+            return middle[0]
+        return None if int(self._partners[below[0]]) in below else below[0]
+
+    def _turn(self, joint: int, before: Array) -> Array:
+        """D of a joint; before: that of the matched joint above."""
+        if self._partners[joint] == joint:
+            axes = self._axes(joint)
+            if axes is not None:
+                return from_matrix(axes[0] @ axes[1].T)
+        end = self._ends[joint]
+        vectors = None if end is None else self._vectors(joint, end)
+        if vectors is None:
+            return before
+        return multiply(shortest_arc(rotate(before, vectors[1]), vectors[0]), before)
+
+    def _axes(self, joint: int) -> tuple[Array, Array] | None:
+        """Axes (3, 3) to the left, up and on of a joint in the middle of the body, in the source and in the target."""
+        # The nearest sides first: the legs of a pelvis, not its arms.
+        below = sorted((other for other in self.pairs if self._is_below(other, joint)), key=self._depth)
+        middle = [other for other in below if self._partners[other] == other and self._vectors(joint, other)]
+        for left in below:
+            right = int(self._partners[left])
+            if right == left or right not in self.pairs or not is_left(self.two.skeleton, left, right):
+                continue
+            across = self._vectors(right, left)
+            if across is None or min(self._breadths(across)) < 0.02 or not middle:
+                continue
+            upward = self._vectors(joint, middle[-1])
+            assert upward is not None
+            found = [_frame(side, high) for side, high in zip(across, upward, strict=True)]
+            if found[0] is not None and found[1] is not None:
+                return found[0], found[1]
+        return None
+
+    def _breadths(self, across: tuple[Array, Array]) -> tuple[float, float]:
+        """Lengths in parts of the bodies' extents."""
+        sizes = (np.ptp(self.one.positions, axis=0).max(), np.ptp(self.two.positions, axis=0).max())
+        return float(np.linalg.norm(across[0]) / sizes[0]), float(np.linalg.norm(across[1]) / sizes[1])
+
+    def _depth(self, joint: int) -> int:
+        above = self._above[joint]
+        return 0 if above < 0 else 1 + self._depth(above)
+
+    def _is_below(self, joint: int, other: int) -> bool:
+        above = self._above[joint]
+        while above >= 0 and above != other:
+            above = self._above[above]
+        return above == other
+
+    def rotations(self, positions: Array, turned: Array) -> Array:
+        """Local rotations (n, J, 4) of the target. positions (n, Js, 3), turned (n, Js, 4): of the source, in the
+        world. Joints that cannot turn freely turn so that their bone points as it should, as nearly as they can."""
+        skeleton = self.two.skeleton
+        local = np.empty((len(positions), len(skeleton), 4))
+        world = np.empty_like(local)
+        for index, joint in enumerate(skeleton.joints):
+            above = (
+                world[:, joint.parent] if joint.parent >= 0 else np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(local), 4))
+            )
+            source = self.pairs.get(index)
+            if source is None:
+                local[:, index] = self.two.local[index]
+            else:
+                turn = multiply(inverse(self.one.turned[source]), self._turns[index])
+                wanted = multiply(turned[:, source], multiply(turn, self.two.turned[index]))
+                local[:, index] = self._pointed(index, above, wanted, positions)
+            world[:, index] = multiply(above, local[:, index])
+        return local
+
+    def _pointed(self, index: int, above: Array, wanted: Array, positions: Array) -> Array:
+        """Local rotations (n, 4) that are near the wanted ones in the world and point the bone where it should be."""
+        end = self._ends[index]
+        if end is not None and self._moves_along(end):
+            end = None
+        free = self._writer.is_free(index)
+        back = inverse(above)
+        if end is None:
+            return self._writer.nearest(index, multiply(back, wanted))
+        goal = positions[:, self.pairs[end]] - positions[:, self.pairs[index]]
+        bone = rotate(inverse(self.two.turned[index]), self.two.positions[end] - self.two.positions[index])
+        found = wanted
+        for _ in range(1 if free else _STEPS):
+            found = multiply(shortest_arcs(rotate(found, bone), goal), found)
+            found = multiply(above, self._writer.nearest(index, multiply(back, found)))
+        return multiply(back, found)
+
+    def scale(self) -> float:
+        """By the legs; by all bones both have where there are none; 1 where there are no bones."""
+        one, two = self.leg(self.one, source=True), self.leg(self.two, source=False)
+        if one and two:
+            return two / one
+        first = second = 0.0
+        for joint, end in self._ends.items():
+            vectors = None if end is None else self._vectors(joint, end)
+            if vectors is not None:
+                first, second = first + float(np.linalg.norm(vectors[0])), second + float(np.linalg.norm(vectors[1]))
+        return second / first if first else 1.0
+
+    def leg(self, body: _Body, source: bool) -> float:
+        """The mean length of matched legs, from hip to ankle along the bones; 0 without legs."""
+        places = {joint.name: index for index, joint in enumerate(self.two.skeleton.joints) if index in self.pairs}
+        lengths = []
+        for side in ("left", "right"):
+            joints = [places.get(f"{side}_{part}") for part in ("up_leg", "low_leg", "foot")]
+            if all(joint is not None for joint in joints):
+                at = [self.pairs[joint] if source else joint for joint in joints if joint is not None]
+                lengths.append(sum(np.linalg.norm(np.diff(body.positions[at], axis=0), axis=1)))
+        return float(np.mean(lengths)) if lengths else 0.0
+
+    def _moves_along(self, joint: int) -> bool:
+        """Whether a joint moves in its parent as its source does: it can, and their parents are matched."""
+        parent = self.two.skeleton.joints[joint].parent
+        above = self.one.skeleton.joints[self.pairs[joint]].parent
+        can = set(TRANSLATIONS) <= set(self.two.skeleton.joints[joint].channels)
+        return can and parent >= 0 and above >= 0 and self.pairs.get(parent) == above
+
+    def translations(self, moved: Array, positions: Array, turned: Array, rotations: Array, scale: float) -> Array:
+        """(n, J, 3) of the target. moved: the source's in the hub form; rotations: the target's, local."""
+        skeleton = self.two.skeleton
+        translations = np.tile(self.two.rest.offsets, (len(moved), 1, 1))
+        world = walked(skeleton, translations, rotations)[1]
+        for joint, source in self.pairs.items():
+            parent, above = skeleton.joints[joint].parent, self.one.skeleton.joints[source].parent
+            if not self._moves_along(joint):
+                continue
+            delta = scale * (moved[:, source] - self.one.rest.offsets[source])
+            translations[:, joint] += rotate(multiply(inverse(world[:, parent]), turned[:, above]), delta)
+        for root in skeleton.roots:
+            self._carry(root, moved, positions, rotations, scale, translations)
+        return translations
+
+    def _carry(
+        self, root: int, moved: Array, positions: Array, rotations: Array, scale: float, translations: Array
+    ) -> None:
+        """Places a body under its root."""
+        skeleton = self.two.skeleton
+        path = chain(skeleton, root)
+        moving = carriers(self.one.skeleton, moved)
+        matched = [joint for joint in path if joint in self.pairs]
+        bearer = next((joint for joint in matched if self.pairs[joint] in moving), matched[0] if matched else None)
+        if bearer is None:
+            return
+        for joint in path[: path.index(bearer)]:
+            if joint in self.pairs:
+                translations[:, joint] = scale * moved[:, self.pairs[joint]]
+        goal = scale * positions[:, self.pairs[bearer]]
+        places, world = walked(skeleton, translations, rotations)
+        hips = self._hips(bearer)
+        if hips is not None:
+            left, right = hips
+            middle = (positions[:, self.pairs[left]] + positions[:, self.pairs[right]]) / 2
+            goal = scale * middle + places[:, bearer] - (places[:, left] + places[:, right]) / 2
+        parent = skeleton.joints[bearer].parent
+        if parent < 0:
+            translations[:, bearer] = goal
+        else:
+            translations[:, bearer] = rotate(inverse(world[:, parent]), goal - places[:, parent])
+
+    def _hips(self, bearer: int) -> tuple[int, int] | None:
+        places = {joint.name: index for index, joint in enumerate(self.two.skeleton.joints) if index in self.pairs}
+        left, right = places.get("left_up_leg"), places.get("right_up_leg")
+        if left is None or right is None or not (self._is_below(left, bearer) and self._is_below(right, bearer)):
+            return None
+        return left, right
+
+    def bone_errors(self, positions: Array, made: Array) -> tuple[BoneError, ...]:
+        """How far bones that both have point elsewhere. positions: of the source, made: of the target, in the world."""
+        errors = []
+        for end in self.pairs:
+            joint = self._above[end]
+            if joint < 0 or self._vectors(joint, end) is None:
+                continue
+            one = positions[:, self.pairs[end]] - positions[:, self.pairs[joint]]
+            two = made[:, end] - made[:, joint]
+            sine = np.linalg.norm(np.cross(one, two), axis=1)
+            angles = np.degrees(np.arctan2(sine, (one * two).sum(axis=1)))
+            largest, mean = (float(angles.max()), float(angles.mean())) if len(angles) else (0.0, 0.0)
+            errors.append(BoneError(joint, end, self._ends[joint] == end, largest, mean))
+        return tuple(errors)
+
+
+def _frame(side: Array, high: Array) -> Array | None:
+    """Axes (3, 3) as columns: to the side, up as far as it is across that, and across both."""
+    left = side / np.linalg.norm(side)
+    upward = high - (high @ left) * left
+    length = float(np.linalg.norm(upward))
+    if length < 0.1 * float(np.linalg.norm(high)):
+        return None
+    upward = upward / length
+    return np.stack([left, upward, np.cross(left, upward)], axis=1)
