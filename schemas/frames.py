@@ -51,7 +51,57 @@ class InsertFrames(_Range):
     document: str | None = Field(None, description="Where the frames are; default this document", examples=[DOCUMENT])
 
 
-FrameEdit = Annotated[DeleteFrames | KeepFrames | ReverseFrames | MoveFrames | InsertFrames, Field(discriminator="do")]
+class MirrorFrames(_Range):
+    """Exchange left and right, at the upright plane of the body as it stands in the first of these frames."""
+
+    do: Literal["mirror"]
+
+
+Bones = Annotated[list[str], Field(max_length=10_000, description="Bones by MCML name; default all")]
+Ease = Annotated[int, Field(ge=0, le=100_000, description="Frames at either end over which the edit comes and goes")]
+
+
+class SmoothFrames(_Range):
+    """Smooth by a Gaussian: rotations as such, not their angles."""
+
+    do: Literal["smooth"]
+    seconds: float = Field(0.05, gt=0, le=10, description="Standard deviation")
+    bones: Bones = []
+    ease: Ease = 0
+
+
+class AdjustFrames(_Range):
+    """Multiply channels, then add to them."""
+
+    do: Literal["adjust"]
+    channels: list[Literal["Tx", "Ty", "Tz", "Rx", "Ry", "Rz", "SF", "residual"]] = Field(min_length=1)
+    factor: float = Field(1.0, ge=-1e9, le=1e9)
+    offset: float = Field(0.0, ge=-1e12, le=1e12, description="In the channel's own unit")
+    bones: Bones = []
+    ease: Ease = 0
+
+
+class ResampleFrames(BaseModel):
+    """Bring the whole document to another frame rate; rotations on the shortest way between two frames."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    do: Literal["resample"]
+    rate: float = Field(gt=0, le=100_000, description="Frames a second")
+
+
+FrameEdit = Annotated[
+    DeleteFrames
+    | KeepFrames
+    | ReverseFrames
+    | MoveFrames
+    | InsertFrames
+    | MirrorFrames
+    | SmoothFrames
+    | AdjustFrames
+    | ResampleFrames,
+    Field(discriminator="do"),
+]
 
 
 class FrameEdits(BaseModel):

@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.frames import DeleteFrames, FrameEdits, KeepFrames, MoveFrames, ReverseFrames
+from schemas.frames import DeleteFrames, FrameEdits, InsertFrames, KeepFrames, MoveFrames, ReverseFrames
+from service.actions.reshape_motion import reshape
 from service.actions.splice_frames import check_range, splice_frames, write_counts
 from service.errors import DocumentError
 from service.mcml.elements import to_head
@@ -33,10 +34,12 @@ def edit_frames(tx: Transaction, stored: StoredDocument, request: FrameEdits) ->
             reverse(tx, current, edit.first, edit.last)
         elif isinstance(edit, MoveFrames):
             move_frames(tx, current, edit.first, edit.last, edit.to, renumber=request.renumber)
-        else:
+        elif isinstance(edit, InsertFrames):
             source = current if edit.document is None else tx.documents.get(edit.document)
             insert_frames(tx, current, edit.at, source, edit.first, edit.last, renumber=request.renumber)
-        done.append(f"{edit.do} {edit.first}-{edit.last}")
+        else:
+            reshape(tx, current, edit)
+        done.append(f"{edit.do} {edit.rate:g} Hz" if edit.do == "resample" else f"{edit.do} {edit.first}-{edit.last}")
     tx.documents.add_revision(stored, "frames", request.message or ", ".join(done)[:200])
     return tx.documents.get(stored.uuid)
 

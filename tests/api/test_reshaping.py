@@ -1,0 +1,94 @@
+"""Mirror, smooth, adjust, resample over HTTP: what is meant changes, every other bit stays."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+from service.demo import body
+from service.formats import FORMATS
+
+API = "/api/v1"
+ANY = {"if-match": "*"}
+
+
+@pytest.fixture
+def uuid(client: TestClient) -> str:
+    clip = body.clip("walk", 170.0, *body.walk(170.0, 6.0, 1.0, 6.0))
+    content = b"".join(FORMATS["bvh"].write(clip, "bvh"))
+    answer = client.post(f"{API}/documents", files=[("file", ("walk.bvh", content))], data={"label": "walk:50-300"})
+    return str(answer.json()["documents"][0]["id"])
+
+
+def values(client: TestClient, uuid: str, **more: str) -> np.ndarray:
+    answer = client.get(f"{API}/documents/{uuid}/frames", params={"format": "npy", **more})
+    return np.load(io.BytesIO(answer.content))
+
+
+def edit(client: TestClient, uuid: str, **what: object) -> dict[str, object]:
+    answer = client.post(f"{API}/documents/{uuid}/frames", json={"edits": [what]}, headers=ANY)
+    assert answer.status_code == 200, answer.text
+    found: dict[str, object] = answer.json()
+    return found
+
+
+def test_mirrored_twice_is_the_same(client: TestClient, uuid: str) -> None:
+    before, positions = values(client, uuid), values(client, uuid, space="positions")
+    edit(client, uuid, do="mirror", first=1, last=360)
+    mirrored = values(client, uuid, space="positions")
+    bones = client.get(f"{API}/documents/{uuid}").json()["bones"]
+    names = [bone["name"] for bone in bones]
+    other = [names.index(name.replace("left", "\0").replace("right", "left").replace("\0", "right")) for name in names]
+    flipped = positions[:, other] * np.array([-1.0, 1.0, 1.0])
+    offset = mirrored[:, :1] - flipped[:, :1]
+    assert np.abs(mirrored - flipped - offset).max() < 1e-6
+    edit(client, uuid, do="mirror", first=1, last=360)
+    assert np.abs(values(client, uuid) - before).max() < 1e-6
+    assert client.get(f"{API}/xpath", params={"q": "count(//frame[motion_name='walk'])"}).json()["value"] == 251
+
+
+def test_smoothing_and_adjusting_leave_the_rest_as_it_is(client: TestClient, uuid: str) -> None:
+    before = values(client, uuid)
+    columns = client.get(f"{API}/documents/{uuid}/frames?format=npy").headers["x-mcml-columns"].split(",")
+    edit(client, uuid, do="smooth", first=100, last=200, seconds=0.1, bones=["left_up_arm"])
+    after = values(client, uuid)
+    arm = [i for i, name in enumerate(columns) if name.startswith("left_up_arm.")]
+    rest = [i for i in range(len(columns)) if i not in arm]
+    assert np.array_equal(after[:, rest], before[:, rest])
+    assert np.array_equal(np.delete(after, range(99, 200), 0), np.delete(before, range(99, 200), 0))
+    assert np.abs(np.diff(after[99:200, arm], 2, axis=0)).sum() < np.abs(np.diff(before[99:200, arm], 2, axis=0)).sum()
+    edit(client, uuid, do="adjust", first=1, last=360, channels=["Ty"], factor=2.0, offset=1.0)
+    lifted = values(client, uuid)
+    y = columns.index("Root.Ty")
+    assert np.array_equal(lifted[:, y], after[:, y] * 2 + 1)
+    assert np.array_equal(np.delete(lifted, y, 1), np.delete(after, y, 1))
+
+
+def test_resampling_keeps_what_is_at_common_times(client: TestClient, uuid: str) -> None:
+    before = values(client, uuid, space="positions")
+    done = edit(client, uuid, do="resample", rate=30)
+    assert done["frames"] == 180
+    found = client.get(f"{API}/documents/{uuid}").json()
+    assert found["seconds_per_frame"] == pytest.approx(1 / 30)
+    half = values(client, uuid, space="positions")
+    # The file says 0.0166667 s a frame, so that its times drift from those of 30 Hz by 2e-8 of a second a frame.
+    assert np.abs(half - before[::2][:180]).max() < 1e-3 * 170
+    assert client.get(f"{API}/xpath", params={"q": "count(//frame[motion_name='walk'])"}).json()["value"] in (125, 126)
+    client.post(f"{API}/documents/{uuid}/undo", headers=ANY)
+    assert np.array_equal(values(client, uuid, space="positions"), before)
+
+
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_what_cannot_be(client: TestClient, uuid: str) -> None:
+    for what in (
+        {"do": "smooth", "first": 1, "last": 5, "bones": ["tail"]},
+        {"do": "adjust", "first": 1, "last": 5, "channels": ["SF"]},
+        {"do": "resample", "rate": 0},
+        {"do": "mirror", "first": 1, "last": 999},
+    ):
+        answer = client.post(f"{API}/documents/{uuid}/frames", json={"edits": [what]}, headers=ANY)
+        assert answer.status_code in (404, 422), answer.text
+    assert client.get(f"{API}/documents/{uuid}").json()["revision"] == 1
