@@ -18,10 +18,10 @@ from service.analysis.interface import Part, Parts
 Arrays = dict[str, NDArray[Any]]
 
 
-def parts_of(space: Space, *, added: int = 0, uncovered: float = 0.0, version: int = 1) -> Parts:
-    """All parts of a space. added: frames added since it was built. uncovered: share of these that are far from all."""
+def parts_of(space: Space) -> Parts:
+    """All parts of a new space."""
     return {
-        "space": Part("model", _values(space, added, uncovered, version), _arrays(space)),
+        "space": Part("model", _values(space), _arrays(space)),
         "map": _map(space),
         "levels": _levels(space),
         "links": _links(space),
@@ -57,19 +57,14 @@ def _table(columns: Sequence[tuple[str, str]], rows: Sequence[Sequence[Any]]) ->
     return Part("table", {"columns": heads, "rows": [list(row) for row in rows]})
 
 
-def _values(space: Space, added: int, uncovered: float, version: int) -> dict[str, Any]:
+def _values(space: Space) -> dict[str, Any]:
     frames, options, count = space.frames, space.options, len(space.frames.take)
     neutral = frames.takes[frames.take[frames.neutral]]
-    share = added / count
-    warnings = [{"code": code, "what": what} for code, what in space.warnings]
-    if share > 0.1 or uncovered > 0.1:
-        what = f"{100 * share:.0f} % of the frames were added, {100 * uncovered:.0f} % of these far from all others: "
-        warnings.append({"code": "stale", "what": what + "build the space again."})
     return {
         "summary": {
             "method": options.method,
             "scale": "full" if space.reduced is None else "landmark",
-            "version": version,
+            "version": 1,
             "frames": count,
             "takes": len(frames.takes),
             "markers": len(frames.markers),
@@ -88,10 +83,10 @@ def _values(space: Space, added: int, uncovered: float, version: int) -> dict[st
             "levels": len(space.levels),
             "speed_mm_s": space.speed,
             "neutral": {"document": neutral.document, "frame": int(frames.frame[frames.neutral]) + 1},
-            "added": added,
-            "stale_share": share,
-            "uncovered": uncovered,
-            "warnings": warnings,
+            "added": 0,
+            "stale_share": 0.0,
+            "uncovered": 0.0,
+            "warnings": [{"code": code, "what": what} for code, what in space.warnings],
         },
         "values": {
             "documents": [take.document for take in frames.takes],
@@ -108,8 +103,8 @@ def _values(space: Space, added: int, uncovered: float, version: int) -> dict[st
             "neighbours": options.neighbours,
             "smooth_s": options.smooth_s,
             "gap_s": options.gap_s,
-            "added": added,
-            "version": version,
+            "added": 0,
+            "version": 1,
         },
     }
 

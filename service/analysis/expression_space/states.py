@@ -53,11 +53,10 @@ def distances(states: Array, others: Array | None = None) -> Array:
     total = a.shape[1]
     seen = patterns_a @ patterns_b.T
     if seen.min() < total:
-        scale = np.where(seen < 0.5 * total, np.inf, total / np.maximum(seen, 1.0))
-        squared *= scale[np.ix_(pattern_a, pattern_b)]
+        squared *= (total / np.maximum(seen, 1.0))[np.ix_(pattern_a, pattern_b)]
+        squared[(seen < 0.5 * total)[np.ix_(pattern_a, pattern_b)]] = np.inf
         if square:
             np.fill_diagonal(squared, 0.0)
-    np.nan_to_num(squared, copy=False, nan=np.inf, posinf=np.inf)
     return np.sqrt(squared, out=squared)
 
 

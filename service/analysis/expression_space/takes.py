@@ -71,15 +71,7 @@ def frames_of(motions: Sequence[Motion], options: Options) -> Frames:
         raw = [track[:, ~few] for track in raw]
     _enough(names, dropped)
     reference = _reference(raw)
-    tracks, kept, excluded = [], [], []
-    for number, (motion, track) in enumerate(zip(motions, raw, strict=True)):
-        prepared = prepare(track, reference, motion.fps, options)
-        raw[number] = prepared[:0]
-        seen = 1 - np.isnan(prepared[..., 0]).mean(axis=1)
-        usable = seen >= 0.7
-        excluded += [(number, int(place), "over 30 % of the markers are missing") for place in np.flatnonzero(~usable)]
-        tracks.append(prepared[usable])
-        kept.append(np.flatnonzero(usable))
+    tracks, kept, excluded = _usable(raw, reference, [motion.fps for motion in motions], options)
     take = np.repeat(np.arange(len(motions)), [len(places) for places in kept]).astype(np.int32)
     if len(take) < FEWEST_FRAMES:
         raise AnalysisError(
@@ -90,7 +82,7 @@ def frames_of(motions: Sequence[Motion], options: Options) -> Frames:
     if options.normalise_scale:
         tracks = _scaled(tracks)
     positions = np.concatenate(tracks)
-    del tracks
+    del tracks, raw
     _spread(positions)
     neutral = _neutral(positions, take)
     return Frames(
@@ -108,6 +100,41 @@ def frames_of(motions: Sequence[Motion], options: Options) -> Frames:
         up=motions[0].up,
         warnings=tuple(warnings),
     )
+
+
+def more_frames(
+    motions: Sequence[Motion], markers: Sequence[str], neutral: Array, options: Options
+) -> tuple[Array, list[NDArray[np.intp]], list[tuple[int, int, str]]]:
+    """Usable frames (q, M, 3) of further takes, laid on the neutral frame (M, 3) of a space; which of each take these
+    are; and those left out. Raises AnalysisError `marker-sets-disjoint`, `not-finite`."""
+    for motion in motions:
+        lacking = [name for name in markers if name not in motion.skeleton.names]
+        if lacking:
+            raise AnalysisError(
+                "marker-sets-disjoint",
+                f"{motion.name} ({motion.document}) lacks {len(lacking)} markers of the space, such as {lacking[0]}.",
+                remedy="Add takes of the same marker set, or build a space of all takes.",
+            )
+    factors, _ = _millimetres(motions, markers)
+    raw = [_marker_track(motion, markers, factor) for motion, factor in zip(motions, factors, strict=True)]
+    tracks, kept, excluded = _usable(raw, neutral, [motion.fps for motion in motions], options)
+    return align(np.concatenate(tracks), neutral), kept, excluded
+
+
+def _usable(
+    raw: list[Array], reference: Array, rates: Sequence[float], options: Options
+) -> tuple[list[Array], list[NDArray[np.intp]], list[tuple[int, int, str]]]:
+    """Takes prepared, without frames that lack over 30 % of the markers; which frames stay; which do not. `raw` is
+    emptied, since large spaces have no room for two copies."""
+    tracks, kept, excluded = [], [], []
+    for number, fps in enumerate(rates):
+        prepared = prepare(raw[number], reference, fps, options)
+        raw[number] = prepared[:0]
+        usable = np.isnan(prepared[..., 0]).mean(axis=1) <= 0.3 + 1e-12
+        excluded += [(number, int(place), "over 30 % of the markers are missing") for place in np.flatnonzero(~usable)]
+        tracks.append(prepared if usable.all() else prepared[usable])
+        kept.append(np.flatnonzero(usable))
+    return tracks, kept, excluded
 
 
 def part_of(frames: Frames, kept: NDArray[np.bool_]) -> Frames:
