@@ -28,7 +28,13 @@ def save_results(database: Database, settings: Settings, job: StoredJob, runner:
     provenance = {"analysis": job.analysis, "job": job.uuid, "sources": job.inputs, "parameters": job.parameters}
     documents = {
         name: store_clip(
-            database, part.clip, settings, project=job.project, author=job.owner, provenance=provenance | {"part": name}
+            database,
+            part.clip,
+            settings,
+            project=job.project,
+            author=job.owner,
+            provenance=provenance | {"part": name},
+            once=True,
         )
         for name, part in parts.items()
         if part.clip is not None

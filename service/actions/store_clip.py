@@ -32,20 +32,49 @@ PROVENANCE = "provenance"
 
 
 def store_clip(
-    database: Database, made: MadeClip, settings: Settings, *, project: str, author: str, provenance: Mapping[str, Any]
+    database: Database,
+    made: MadeClip,
+    settings: Settings,
+    *,
+    project: str,
+    author: str,
+    provenance: Mapping[str, Any],
+    once: bool = False,
 ) -> str:
-    """Store a made clip as a document of its own; answers its uuid. The document records where it came from.
+    """Store a made clip as a document of its own; see `store_stream`."""
+    return store_stream(
+        database,
+        as_stream(made),
+        settings,
+        name=made.name,
+        project=project,
+        author=author,
+        provenance=provenance,
+        labels=tuple(Label(name, first + 1, last + 1) for name, first, last in made.labels),
+        once=once,
+    )
 
-    A clip with the same bytes, provenance included, is stored once.
+
+def store_stream(
+    database: Database,
+    stream: ClipStream,
+    settings: Settings,
+    *,
+    name: str,
+    project: str,
+    author: str,
+    provenance: Mapping[str, Any],
+    labels: tuple[Label, ...] = (),
+    once: bool = False,
+) -> str:
+    """Store a clip as a document that records where it came from; answers its uuid.
+
+    once: where a document of the same bytes, provenance included, is there already, that one counts.
     """
     record = (PROVENANCE, json.dumps(provenance, ensure_ascii=False, separators=(",", ":")), "")
-    content = _mcml(as_stream(replace(made, properties=(*made.properties, record))))
-    options = ImportOptions(
-        project=project,
-        name=made.name,
-        labels=tuple(Label(name, first + 1, last + 1) for name, first, last in made.labels),
-        on_duplicate="skip",
-    )
+    kept = tuple(item for item in stream.head.properties if item[0] != PROVENANCE)
+    content = _mcml(stream.with_head(replace(stream.head, properties=(*kept, record))))
+    options = ImportOptions(project=project, name=name, labels=labels, on_duplicate="skip" if once else "new")
     files = [SourceFile("made.mcml", io.BytesIO(b"".join(content)))]
     done = import_files(database, files, options, settings, author=author)
     for _, error in done.problems:

@@ -7,6 +7,7 @@ from fastapi import APIRouter
 from service.api import (
     analyses,
     catalogues,
+    compose,
     documents,
     elements,
     exports,
@@ -34,6 +35,7 @@ ROUTERS: list[tuple[APIRouter, str]] = [
     (properties.router, PREFIX),
     (elements.router, PREFIX),
     (queries.router, PREFIX),
+    (compose.router, PREFIX),
     (analyses.router, PREFIX),
     (jobs.router, PREFIX),
     (results.router, PREFIX),

@@ -182,3 +182,17 @@ def test_labels_and_frames_of_many(mcml: Run, tmp_path: Path) -> None:
     assert f"{frames - 5:,} frames" in mcml("frames", uuid, "insert", "1-5", "--to", "1")[1]
     assert mcml("frames", uuid, "move", "1-5")[0] == 2
     assert mcml("frames", uuid, "keep", "1-99999")[0] == 1
+
+
+def test_compose(mcml: Run) -> None:
+    items = json.loads(mcml("ls", "--project", "dances", "--json")[1])["items"]
+    one, two = (item["id"] for item in items)
+    code, output, errors = mcml("compose", f"{one}:1-60", f"{two}:30-90", "--preview")
+    assert code == 0, errors
+    assert "transition" in output
+    code, output, errors = mcml("compose", f"{one}:1-60", f"{one}:61-90", "--name", "piece", "--json")
+    assert code == 0, errors
+    made = json.loads(output)
+    assert made["frames"] == 90
+    assert json.loads(mcml("show", made["document"], "--json")[1])["name"] == "piece"
+    assert mcml("compose", "//frame[motion_name='nothing']")[0] == 1

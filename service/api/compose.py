@@ -1,0 +1,34 @@
+"""New documents from frames of others."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Response
+
+from schemas.compose import Composed, ComposeRequest
+from service.actions.compose_frames import compose_frames
+from service.api.dependencies import AuthorDep, DatabaseDep, QueriesDep, SettingsDep
+
+router = APIRouter(tags=["compose"])
+
+
+@router.post("/compose", status_code=201, operation_id="compose", response_model_exclude_none=True)
+def post_compose(
+    request: ComposeRequest,
+    response: Response,
+    database: DatabaseDep,
+    settings: SettingsDep,
+    queries: QueriesDep,
+    author: AuthorDep,
+) -> Composed:
+    """Make a document of frames of others, one segment after the other, with transitions between them.
+
+    A segment is a range of frames, or the runs that an XPath expression finds. Layers put the bones of one clip on the
+    body of another. Pieces that follow one another in their source come out bit by bit. With `preview` nothing is
+    stored.
+    """
+    made = compose_frames(database, queries, settings, request, author)
+    if made.document is None:
+        response.status_code = 200
+    else:
+        response.headers["location"] = f"/api/v1/documents/{made.document}"
+    return made
