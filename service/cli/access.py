@@ -12,6 +12,7 @@ from urllib.parse import unquote
 
 import httpx
 
+from schemas.compose import Composed, ComposeRequest
 from schemas.documents import (
     ChangedDocument,
     ChangedDocuments,
@@ -78,6 +79,9 @@ class Library(ABC):
     @abstractmethod
     def query_stream(self, request: QueryRequest) -> Iterator[bytes]:
         """The whole answer in the form `request.as_`: xml, ndjson or csv."""
+
+    @abstractmethod
+    def compose(self, request: ComposeRequest) -> Composed: ...
 
     @abstractmethod
     def edit_frames(self, uuid: str, request: FrameEdits) -> FramesEdited: ...
@@ -150,6 +154,16 @@ class LocalLibrary(Library):
         try:
             write, _ = STREAMS[request.as_]
             yield from write(queries.stream(request))
+        finally:
+            queries.close()
+
+    def compose(self, request: ComposeRequest) -> Composed:
+        # Imported late, as all mathematics: most commands need none.
+        from service.actions.compose_frames import compose_frames
+
+        queries = Queries(self.database, self.settings)
+        try:
+            return compose_frames(self.database, queries, self.settings, request, "local")
         finally:
             queries.close()
 
@@ -265,6 +279,9 @@ class RemoteLibrary(Library):
     def query_stream(self, request: QueryRequest) -> Iterator[bytes]:
         with self._stream("/xpath", method="POST", json=request.model_dump(by_alias=True)) as answer:
             yield from answer.iter_bytes(1 << 20)
+
+    def compose(self, request: ComposeRequest) -> Composed:
+        return Composed(**self.send("POST", "/compose", json=request.model_dump(exclude_none=True)).json())
 
     def edit_frames(self, uuid: str, request: FrameEdits) -> FramesEdited:
         body, headers = request.model_dump(exclude_none=True), {"if-match": "*"}

@@ -1,0 +1,73 @@
+"""`mcml compose`: a new document from frames of others."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any
+
+import typer
+
+from schemas.compose import ComposeRequest
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json
+
+_RANGE = re.compile(
+    r"(?P<document>[0-9a-fA-F-]{36})(?:@(?P<revision>\d{1,9}))?(?::(?P<first>\d{1,9})-(?P<last>\d{1,9}))?"
+)
+
+
+def add_to(app: typer.Typer) -> None:
+    app.command()(compose)
+
+
+def compose(
+    segments: Annotated[
+        list[str], typer.Argument(help="ID, ID:FIRST-LAST, ID@REVISION:FIRST-LAST, or an XPath expression, in order")
+    ],
+    transition: Annotated[int, typer.Option(help="Frames between segments")] = 12,
+    style: Annotated[str, typer.Option(help="bridge or crossfade")] = "bridge",
+    rate: Annotated[float | None, typer.Option(help="Frames a second; default the first segment's")] = None,
+    align: Annotated[bool, typer.Option(help="Let the body go on where it stands")] = True,
+    header: Annotated[str | None, typer.Option(help="Document whose header is used")] = None,
+    skeleton: Annotated[str | None, typer.Option(help="Document whose skeleton is used")] = None,
+    name: Annotated[str, typer.Option(help="Name of the new document")] = "composed",
+    project: Annotated[str, typer.Option(help="Project of the new document")] = "default",
+    preview: Annotated[bool, typer.Option("--preview", help="Say what would be made; store nothing")] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Make a document of frames of others, with transitions between them."""
+    request = ComposeRequest.model_validate(
+        {
+            "segments": [_segment(text) for text in segments],
+            "transition": transition,
+            "style": style,
+            "rate": rate,
+            "align": align,
+            "header": header,
+            "skeleton": skeleton,
+            "name": name,
+            "project": project,
+            "preview": preview,
+        }
+    )
+    made = open_library(database, server).compose(request)
+    if as_json:
+        print_json(made)
+        return
+    console.print(f"{'would make' if preview else 'made'}  {name}  {made.document or ''}  {made.frames:,} frames")
+    for seam in made.seams:
+        console.print(
+            f"  frame {seam.first}: {seam.transition} frames of transition, turned {seam.degrees:.1f} degrees, "
+            f"largest step {max(seam.root_step, seam.angle_step):.2f} of those inside"
+        )
+    for notice in made.notices:
+        console.print(f"  {notice}", style="yellow")
+
+
+def _segment(text: str) -> dict[str, Any]:
+    match = _RANGE.fullmatch(text)
+    if match is None:
+        return {"xpath": text}
+    found = {key: int(value) for key, value in match.groupdict().items() if value is not None and key != "document"}
+    return {"document": match["document"], **found}
