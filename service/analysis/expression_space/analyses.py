@@ -29,6 +29,7 @@ from schemas.analyses.expression import (
     ExpressionTake,
     ExpressionWarning,
 )
+from service.analysis.expression_space.extension import extend
 from service.analysis.expression_space.navigation import (
     Offer,
     accepted,
@@ -366,6 +367,7 @@ EXPRESSION = Analysis(
         "playback": Operation("Play a path as a motion of markers", ExpressionPlayback, ExpressionMotion, playback),
     },
     prepare=from_stored,
+    extend=lambda parts, motions, _, progress: extend(parts, motions, progress),
     fewest=1,
     most=2000,
 )

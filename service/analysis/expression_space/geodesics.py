@@ -83,7 +83,7 @@ def all_pairs(matrix: csr_array) -> Array:
     n = matrix.shape[0]
     if matrix.nnz / n > 0.1 * n:
         weights = np.full((n, n), np.inf)
-        coo = matrix.tocoo()
-        weights[coo.row, coo.col] = coo.data
+        edges = matrix.tocoo()
+        weights[edges.row, edges.col] = edges.data
         return floyd(weights)
     return from_sources(matrix, None)

@@ -16,16 +16,16 @@ from service.analysis.expression_space.options import MARKER_MM
 from service.analysis.expression_space.planar_map import agreement, classical_scaling
 from service.motion.skeleton import Array
 
-SAMPLE = 600
+SAMPLE = 300
 COVER = 12
 """On the way between sampled frames, a frame that lies within tau / 12 of another may be left out."""
 
 
 @dataclass(frozen=True)
 class Tried:
-    """What a threshold does. tau: mm. r, stress: of the plane, over sampled frames (nan where undefined). components:
-    of the whole graph. giant: share of the frames in the largest. degree: mean number of neighbours. stretch: mean
-    geodesic over mean straight distance."""
+    """What a threshold does. tau: mm. r, stress: of the plane, over at most 300 frames (nan where undefined).
+    components: of the whole graph. giant: share of the frames in the largest. degree: mean number of neighbours.
+    stretch: mean geodesic over mean straight distance."""
 
     tau: float
     r: float
