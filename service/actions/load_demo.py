@@ -13,6 +13,7 @@ from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions, Label
 from service.demo import body, face
 from service.demo.dance_clips import Style, dance_clip
+from service.demo.face_takes import face_takes
 from service.demo.reach_clips import reach_clips
 from service.formats import FORMATS
 from service.formats.format import SourceFile
@@ -24,7 +25,7 @@ from service.settings import Settings
 from service.storage.database import Database
 
 PROJECT = "demo"
-REACHES, DANCES = "demo-reach", "demo-dance"
+REACHES, DANCES, FACES = "demo-reach", "demo-dance", "demo-face"
 TEMPI: dict[Style, tuple[float, ...]] = {
     "groove": (100.0, 118.0, 132.0),
     "step": (96.0, 112.0, 128.0),
@@ -37,8 +38,8 @@ TEMPI: dict[Style, tuple[float, ...]] = {
 def load_demo(database: Database, settings: Settings, seed: int = 1) -> int:
     """Store the demo clips; returns how many. Raises what an import raises.
 
-    Three people in every format in the project "demo"; 185 reaches in "demo-reach" and some dances in "demo-dance",
-    for the analyses.
+    Three people in every format in the project "demo"; for the analyses 185 reaches in "demo-reach", some dances in
+    "demo-dance", and ten takes of a face in "demo-face".
     """
     count = load_people(database, settings, seed)
     reaches = [item.clip for item in reach_clips(seed)]
@@ -48,7 +49,9 @@ def load_demo(database: Database, settings: Settings, seed: int = 1) -> int:
         for style, tempi in TEMPI.items()
         for number, tempo in enumerate(tempi)
     ]
-    return count + add_clips(database, settings, DANCES, dances, (Label("dance"),), "A generated dance.")
+    count += add_clips(database, settings, DANCES, dances, (Label("dance"),), "A generated dance.")
+    faces = [take.clip for take in face_takes(seed, head=True, noise=0.05)]
+    return count + add_clips(database, settings, FACES, faces, (), "A generated take of a face, 100 markers.")
 
 
 def load_people(database: Database, settings: Settings, seed: int = 1) -> int:
@@ -140,7 +143,7 @@ def add_clips(
     """Store clips, with the properties they have, in one call."""
     files = []
     for clip in clips:
-        fields = clip.head.fields | {"calibration_unit": "cm", "global_axis_of_gravity": "Y"}
+        fields = {"calibration_unit": "cm", "global_axis_of_gravity": "Y"} | clip.head.fields
         described = clip.with_head(replace(clip.head, fields=fields, description=description))
         files += _files(clip.head.fields["filename"].rpartition(".")[0], "mcml", described)
     options = ImportOptions(project=project, labels=labels)

@@ -42,8 +42,10 @@ def save_results(database: Database, settings: Settings, job: StoredJob, runner:
     with database.write(job.owner) as tx:
         if LABELS in parts:
             parts = {**parts, LABELS: write_labels(tx, parts[LABELS], job)}
+        parent = job.parameters.get("extends")
+        inputs = [*(tx.results.get(parent).inputs if parent else ()), *job.inputs]
         key, uuid = tx.results.add(
-            job.project_key, job.analysis, job.name, job.owner, job.inputs, job.parameters, made_with()
+            job.project_key, job.analysis, job.name, job.owner, inputs, job.parameters, made_with(), parent
         )
         add_parts(tx, key, parts, documents)
         tx.jobs.end(job.uuid, runner, "done", result_key=key)

@@ -16,6 +16,9 @@ from service.settings import Settings
 from service.storage.database import Database
 from service.xpath.run import Queries
 
+EXTENDS = "extends"
+"""Beside the parameters of a job: the result that its documents are added to."""
+
 
 def find_analysis(name: str) -> Analysis:
     """NotFoundError."""
@@ -36,16 +39,25 @@ def start_analysis(
     name: str | None = None,
     project: str | None = None,
     runner: str | None = None,
+    extends: str | None = None,
 ) -> str:
     """A job for an analysis of the selected documents as they are now; its uuid.
 
     project: where the result goes; default the documents' own, if they have one in common.
-    runner: who works on it at once; else it waits for one.
+    runner: who works on it at once; else it waits for one. extends: a result that the documents are added to.
     Raises AnalysisError for wrong parameters or too few documents, SizeError for too many.
     """
     checked = checked_parameters(analysis.parameters, parameters)
+    if extends is not None:
+        with database.read() as tx:
+            result = tx.results.get(extends)
+        if analysis.extend is None or result.analysis != analysis.name:
+            raise AnalysisError(
+                "not-extendable", f"{analysis.title} cannot add to this result.", remedy="Run the analysis anew."
+            )
+        checked |= {EXTENDS: extends}
     found, projects = select_documents(database, queries, selection)
-    if len(found) < analysis.fewest:
+    if len(found) < (1 if extends else analysis.fewest):
         raise AnalysisError(
             "too-few-clips",
             f"{analysis.title} needs at least {analysis.fewest} documents; the selection has {len(found)}.",

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
+from service.analysis.expression_space.analyses import EXPRESSION
 from service.analysis.interface import Analysis
 from service.analysis.reach_blending.analyses import REACH
 
 SUBJECTS: Mapping[str, Mapping[str, Analysis]] = {
     "reach": {"fit": REACH},
     "dance": {"beats": BEATS, "graph": MOTION_GRAPH, "make": DANCE},
+    "expression": {"build": EXPRESSION},
 }
 
 ANALYSES: Mapping[str, Analysis] = {

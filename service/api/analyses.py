@@ -44,6 +44,9 @@ def post_music(
 def _request(analysis: Analysis) -> type[BaseModel]:
     """The body of a request: a selection of documents, and the parameters of the analysis."""
     example = {"inputs": {"project": PROJECT}, "name": f"{analysis.name} of {PROJECT}"}
+    grown: dict[str, Any] = {
+        "extends": (str | None, Field(None, description="Result that these documents are added to, without rebuild"))
+    }
     model: type[BaseModel] = create_model(
         f"{''.join(word.title() for word in analysis.name.split('-'))}Request",
         __config__=ConfigDict(extra="forbid", json_schema_extra=shown(example)),
@@ -52,6 +55,7 @@ def _request(analysis: Analysis) -> type[BaseModel]:
         parameters=(analysis.parameters, Field(default_factory=analysis.parameters)),
         name=(str | None, Field(None, max_length=1024, description="Name of the result")),
         project=(str | None, Field(None, max_length=256, description="Project of the result; default the documents'")),
+        **(grown if analysis.extend else {}),
     )
     return model
 
@@ -79,6 +83,7 @@ def _offer(analysis: Analysis) -> None:
             author=author,
             name=body.name,
             project=body.project,
+            extends=getattr(body, "extends", None),
         )
         http.app.state.runner.wake()
         response.headers["location"] = f"/api/v1/jobs/{uuid}"

@@ -85,6 +85,7 @@ def _run(analysis: Analysis) -> Callable[..., None]:
         name: Annotated[str | None, typer.Option(help="Name of the result")] = None,
         into: Annotated[str | None, typer.Option(help="Project of the result; default the documents'")] = None,
         queue: Annotated[bool, typer.Option("--queue", help="Leave it to a server of this store")] = False,
+        extends: Annotated[str | None, typer.Option(help="Result to add the documents to, where it can grow")] = None,
         database: DatabaseOption = None,
         server: ServerOption = None,
         as_json: JsonOption = False,
@@ -97,7 +98,7 @@ def _run(analysis: Analysis) -> Callable[..., None]:
         with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
             task = bar.add_task("starting", total=1.0)
             job = open_work(database, server).start(
-                Order(analysis.name, selection, assigned(parameters), name, into, queue),
+                Order(analysis.name, selection, assigned(parameters), name, into, queue, extends),
                 lambda stage, share: bar.update(task, description=stage[:48], completed=share),
             )
         show_job(job, as_json)

@@ -35,6 +35,7 @@ class Order:
     name: str | None = None
     project: str | None = None
     queue: bool = False
+    extends: str | None = None
 
 
 class Work(ABC):
@@ -101,6 +102,7 @@ class LocalWork(Work):
                 name=order.name,
                 project=order.project,
                 runner=runner,
+                extends=order.extends,
             )
         finally:
             queries.close()
@@ -162,7 +164,7 @@ class RemoteWork(Work):
             "inputs": order.selection.model_dump(exclude_defaults=True),
             "parameters": order.parameters,
         }
-        body |= {key: value for key in ("name", "project") if (value := getattr(order, key)) is not None}
+        body |= {key: value for key in ("name", "project", "extends") if (value := getattr(order, key)) is not None}
         job = Job(**self._send("POST", f"/analyses/{order.analysis}", json=body).json())
         if order.queue:
             return job

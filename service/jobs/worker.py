@@ -9,7 +9,8 @@ from typing import Any
 
 from service.actions.describe_problem import problem_of
 from service.actions.load_motions import load_motions
-from service.actions.start_analysis import find_analysis
+from service.actions.save_results import load_parts
+from service.actions.start_analysis import EXTENDS, find_analysis
 from service.analysis.interface import Parts, Progress
 from service.errors import McmlError
 from service.storage.database import Database
@@ -46,8 +47,17 @@ def perform(
     try:
         with database.read() as tx:
             motions = load_motions(tx, inputs, lambda stage, share: progress(stage, LOADING * share))
-        checked = chosen.parameters.model_validate(parameters)
-        return chosen.run(motions, checked, lambda stage, share: progress(stage, LOADING + (1 - LOADING) * share))
+        given = {name: value for name, value in parameters.items() if name != EXTENDS}
+        checked = chosen.parameters.model_validate(given)
+
+        def told(stage: str, share: float) -> None:
+            progress(stage, LOADING + (1 - LOADING) * share)
+
+        if EXTENDS not in parameters or chosen.extend is None:
+            return chosen.run(motions, checked, told)
+        with database.read() as tx:
+            parts = load_parts(tx, tx.results.get(parameters[EXTENDS]).key)
+        return chosen.extend(parts, motions, checked, told)
     except McmlError as error:
         return Refused(problem_of(error).model_dump(exclude_none=True))
 

@@ -103,7 +103,7 @@ def test_backup_and_restore(mcml) -> None:
     assert mcml("demo")[0] == 0
     assert mcml("db", "backup", "copy.db")[0] == 0
     assert mcml("db", "backup", "copy.db")[0] == 1
-    assert "208 documents" in mcml("db", "restore", "copy.db", "--database", "sqlite:///other.db")[1]
+    assert "218 documents" in mcml("db", "restore", "copy.db", "--database", "sqlite:///other.db")[1]
     assert mcml("db", "check", "--database", "sqlite:///other.db")[0] == 0
     assert mcml("ls", "--database", "sqlite:///other.db", "--json")[1] == mcml("ls", "--json")[1]
     assert mcml("db", "restore", "copy.db", "--database", "sqlite:///other.db")[0] == 1

@@ -1,0 +1,78 @@
+"""The space of expressions over HTTP: built, walked, refined, played, extended."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+from service.actions.load_demo import add_clips
+from service.demo.face_takes import EXPRESSIONS, face_takes
+from service.settings import Settings
+from service.storage.database import Database
+from tests.jobs.test_jobs import wait
+
+API = "/api/v1"
+
+
+def use(client: TestClient, result: str, operation: str, **parameters: Any) -> dict[str, Any]:
+    saving = {key: parameters.pop(key) for key in ("save", "name") if key in parameters}
+    answer = client.post(f"{API}/results/{result}/{operation}", json={"parameters": parameters, **saving})
+    assert answer.status_code == 200, answer.text
+    found: dict[str, Any] = answer.json()
+    return found
+
+
+def test_from_takes_to_an_animation(client: TestClient, database: Database) -> None:
+    takes = [take.clip for take in face_takes(2, expressions=EXPRESSIONS[:3], every_marker=5, fps=30)]
+    add_clips(database, Settings(), "faces", takes[:2], (), "")
+    body = {"inputs": {"project": "faces"}, "parameters": {}}
+    done = wait(client, client.post(f"{API}/analyses/expression", json=body).json())
+    assert done["state"] == "done", done
+    space = done["result"]
+    parts = client.get(f"{API}/results/{space}").json()["parts"]
+    assert {"space", "map", "levels", "links", "tau"} <= set(parts)
+    points = use(client, space, "points")["value"]
+    level = use(client, space, "level", level=0)["value"]
+    assert len(level["candidates"]) >= 2
+    ends = [{key: level["candidates"][place][key] for key in ("document", "frame")} for place in (0, -1)]
+    assert use(client, space, "neighbours", level=0, **ends[0])["value"]
+    walked = use(client, space, "path", level=0, keys=ends, auto_route=True)
+    path = walked["result"]
+    assert client.get(f"{API}/results", params={"parent": space}).json()["items"][0]["id"] == path
+    finer = use(client, path, "refine", level=2, auto=True)
+    assert finer["result"] not in (None, path)
+    assert finer["value"]["length_mm"] <= 1.1 * walked["value"]["length_mm"] + 1e-6
+    played = use(client, finer["result"], "playback", fps=30, save=True, name="from face to face")
+    document = client.get(f"{API}/documents/{played['document']}").json()
+    assert document["name"] == "from face to face"
+    assert document["frames"] == played["clip"]["frames"]
+    for format in ("trc", "c3d", "mcml"):
+        exported = client.get(f"{API}/documents/{document['id']}/export", params={"format": format})
+        assert exported.status_code == 200
+    first = np.load(io.BytesIO(client.get(f"{API}/documents/{document['id']}/frames?format=npy").content))[0]
+    assert np.isfinite(first).all()
+
+    add_clips(database, Settings(), "more", takes[2:], (), "")
+    grown = {"inputs": {"project": "more"}, "extends": space}
+    done = wait(client, client.post(f"{API}/analyses/expression", json=grown).json())
+    assert done["state"] == "done", done
+    found = client.get(f"{API}/results/{done['result']}").json()
+    assert (found["parent"], len(found["inputs"])) == (space, 3)
+    more = use(client, done["result"], "points")["value"]
+    assert len(more["x"]) > len(points["x"])
+    assert more["x"][: len(points["x"])] == points["x"], "what was there stays where it is"
+    # An old path still walks in the space it was made in.
+    assert use(client, path, "playback", fps=30)["clip"]["frames"] > 1
+
+
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_what_cannot_be_extended(client: TestClient, database: Database) -> None:
+    add_clips(database, Settings(), "faces", [face_takes(2, every_marker=10, fps=30)[0].clip], (), "")
+    unknown = {"inputs": {"project": "faces"}, "extends": "nothing"}
+    assert client.post(f"{API}/analyses/expression", json=unknown).status_code == 404
+    other = {"inputs": {"project": "faces"}, "extends": "nothing"}
+    assert client.post(f"{API}/analyses/beats", json=other).status_code == 422, "beats cannot grow"
