@@ -119,7 +119,7 @@ def level(space: Stored, choice: ExpressionLevelChoice) -> Answer:
         ExpressionLevel(
             level=number,
             levels=len(space.ground.candidates),
-            candidates=[_candidate(space, number, place) for place in range(len(candidates))],
+            candidates=_candidates(space, number, range(len(candidates))),
             links=[
                 ExpressionLink(a=a, b=b, length_mm=mm, bridge=over)
                 for a, b, mm, over in zip(
@@ -157,12 +157,15 @@ def neighbours(space: Stored, choice: ExpressionCandidateChoice) -> Answer:
         for own, others in ((links.first, links.second), (links.second, links.first)):
             at = np.flatnonzero(own == place)
             found += zip(links.length[at].tolist(), others[at].tolist(), links.bridge[at].tolist(), strict=True)
+    found.sort()
     return Answer(
         ExpressionNeighbours(
-            candidate=_candidate(space, number, place),
+            candidate=_candidates(space, number, [place])[0],
             neighbours=[
-                ExpressionNeighbour(**_candidate(space, number, other).model_dump(), length_mm=mm, bridge=bool(over))
-                for mm, other, over in sorted(found)
+                ExpressionNeighbour(**dict(candidate), length_mm=mm, bridge=bool(over))
+                for candidate, (mm, _, over) in zip(
+                    _candidates(space, number, [other for _, other, _ in found]), found, strict=True
+                )
             ],
         )
     )
@@ -257,17 +260,15 @@ def _frame(space: Stored, number: int) -> ExpressionFrame:
     return ExpressionFrame(document=space.documents[space.take[number]], frame=int(space.frame[number]) + 1)
 
 
-def _candidate(space: Stored, level: int, place: int) -> ExpressionCandidate:
-    number = int(space.ground.candidates[level][place])
-    x, y = space.ground.plane[number].tolist()
-    return ExpressionCandidate(
-        document=space.documents[space.take[number]],
-        frame=int(space.frame[number]) + 1,
-        id=place,
-        x=x,
-        y=y,
-        size=int(space.sizes[level][place]),
-    )
+def _candidates(space: Stored, level: int, places: Sequence[int]) -> list[ExpressionCandidate]:
+    chosen = np.asarray(places, dtype=np.intp)
+    numbers = space.ground.candidates[level][chosen]
+    columns = (space.take[numbers], space.frame[numbers] + 1, space.sizes[level][chosen])
+    documents, plane = space.documents, space.ground.plane[numbers].tolist()
+    return [
+        ExpressionCandidate(document=documents[take], frame=frame, id=place, x=x, y=y, size=size)
+        for place, take, frame, size, (x, y) in zip(places, *(c.tolist() for c in columns), plane, strict=True)
+    ]
 
 
 def _place_of(space: Stored, level: int, frame: int) -> int:

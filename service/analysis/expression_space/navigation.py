@@ -6,6 +6,7 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,8 @@ TRIED_PER_SEGMENT = 40
 @dataclass
 class Ground:
     """What one walks on. plane: (n, 2). geodesics: (n, n), or None where they are found on demand and kept a while.
-    candidates, links: of each level; the links of a level with every frame are None: edges of the graph."""
+    candidates, links: of each level; the links of a level with every frame are None: edges of the graph. Several
+    requests may walk at once."""
 
     graph: FrameGraph
     plane: Array
@@ -34,6 +36,7 @@ class Ground:
     links: Sequence[Links | None]
     geodesics: NDArray[np.float32] | None
     _rows: dict[int, Array] = field(default_factory=dict)
+    _lock: Lock = field(default_factory=Lock)
     _link_graphs: dict[int, csr_array] = field(default_factory=dict)
 
     def row(self, frame: int) -> Array:
@@ -41,11 +44,12 @@ class Ground:
         if self.geodesics is not None:
             row: Array = self.geodesics[frame].astype(float)
             return row
-        if frame not in self._rows:
-            while len(self._rows) >= ROWS_KEPT:
-                self._rows.pop(next(iter(self._rows)))
-            self._rows[frame] = from_sources(self.graph.matrix, frame)
-        return self._rows[frame]
+        with self._lock:
+            if frame not in self._rows:
+                while len(self._rows) >= ROWS_KEPT:
+                    self._rows.pop(next(iter(self._rows)))
+                self._rows[frame] = from_sources(self.graph.matrix, frame)
+            return self._rows[frame]
 
     def between(self, first: int, second: int) -> float:
         """Shortest distance of two frames, mm."""

@@ -43,8 +43,10 @@ def distances(states: Array, others: Array | None = None) -> Array:
     # Sums of squares of one state over the pairs that the other has, by patterns of what is there.
     squared = a @ b.T
     squared *= -2.0
-    squared += ((a * a) @ patterns_b.T)[:, pattern_b]
-    squared += ((b * b) @ patterns_a.T)[:, pattern_a].T
+    over_a = (a * a) @ patterns_b.T
+    over_b = over_a if square else (b * b) @ patterns_a.T
+    squared += over_a[:, pattern_b]
+    squared += over_b[:, pattern_a].T
     np.maximum(squared, 0.0, out=squared)
     if square:
         squared = np.minimum(squared, squared.T)

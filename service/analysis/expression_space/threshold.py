@@ -110,7 +110,10 @@ def choose(
     if rule == "smallest":
         usable = connected
     if not usable:
-        return published, "r is undefined for every threshold, so 2.3 mm for each marker is taken."
+        return (
+            published,
+            "No threshold tried joins all frames with a correlation that is defined: 2.3 mm for each marker is taken.",
+        )
     best = max(found.r for found in usable)
     if rule == "best":
         return next(found.tau for found in usable if found.r == best), None
