@@ -1,0 +1,172 @@
+"""A body as anatomy sees it: where is left, up and on, which joints a part hangs on, which way its bones point.
+
+Everything is said of a reference pose: the rest pose, or a frame of the clip where the rest pose is none a body could
+stand in (rigs whose bones all lie along one axis at rest). Rotations are those from the reference pose, in its axes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from service.motion.hub import Rest, walked
+from service.motion.rotations import inverse, multiply, rotate
+from service.motion.sides import sagittal
+from service.motion.skeleton import Array, Skeleton
+
+_LOWEST = 0.3
+"""Cosine: how upright a trunk, and how far down a leg, must point in a pose that a body stands in."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of the body. name: of the vocabulary of motion names. kind: what it can do, see `anatomical_rates`.
+
+    joints: MCML's names, nearest to the trunk first, `*` for the side; those that the skeleton has count.
+    """
+
+    name: str
+    kind: str
+    joints: tuple[str, ...]
+
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """Left and right, or none."""
+        return ("left", "right") if self.joints[0].startswith("*") else ("",)
+
+
+PARTS = (
+    Part("pelvis", "pelvis", ("Root",)),
+    Part("trunk", "axial", ("waist", "torso2", "torso3", "torso4", "torso5", "torso6", "torso7")),
+    Part("neck", "axial", ("neck1", "neck2")),
+    Part("head", "axial", ("Head",)),
+    Part("shoulder", "girdle", ("*_shoulder",)),
+    Part("arm", "limb", ("*_up_arm",)),
+    Part("elbow", "hinge", ("*_low_arm",)),
+    Part("forearm", "twist", ("*_low_arm", "*_wrist")),
+    Part("wrist", "hand", ("*_hand",)),
+    Part("fingers", "fingers", ("*_fingers",)),
+    Part("thumb", "thumb", ("*_finger_one",)),
+    Part("finger-two", "finger", ("*_finger_two",)),
+    Part("finger-three", "fingers", ("*_finger_three",)),
+    Part("finger-four", "finger", ("*_finger_four",)),
+    Part("finger-five", "finger", ("*_finger_five",)),
+    Part("leg", "limb", ("*_hip", "*_up_leg")),
+    Part("knee", "hinge", ("*_low_leg",)),
+    Part("foot", "foot", ("*_foot",)),
+    Part("toes", "toes", ("*_toes",)),
+    Part("toe-one", "toes", ("*_toe_one",)),
+    Part("toe-two", "toes", ("*_toe_two",)),
+    Part("toe-three", "toes", ("*_toe_three",)),
+    Part("toe-four", "toes", ("*_toe_four",)),
+    Part("toe-five", "toes", ("*_toe_five",)),
+)
+"""Every part whose movements angles can show, the trunk first."""
+
+
+@dataclass(frozen=True)
+class Stance:
+    """A reference pose. positions: (J, 3), turned: (J, 4) from rest, in the world. left, up, on: unit vectors (3,)."""
+
+    positions: Array
+    turned: Array
+    left: Array
+    up: Array
+    on: Array
+
+
+def stance_of(skeleton: Skeleton, rest: Rest, rotations: Array, up: Array) -> Stance:
+    """The rest pose where a body could stand in it, else the first frame.
+
+    rotations: (n, J, 4) local, of the hub form. up: (3,). Raises ConversionError where nothing tells left from right.
+    """
+    still = np.tile(np.array([0.0, 0.0, 0.0, 1.0]), (1, len(skeleton), 1))
+    for pose in (still, rotations[:1]):
+        positions, turned = walked(skeleton, rest.offsets[None], pose)
+        if pose is not still or _stands(skeleton, positions[0], up):
+            break
+    plane = sagittal(skeleton, positions[0], up)
+    return Stance(positions[0], turned[0], plane.normal, up, np.cross(plane.normal, up))
+
+
+def _stands(skeleton: Skeleton, positions: Array, up: Array) -> bool:
+    """Whether legs point down, the trunk up and the left side is on one side."""
+    places = {joint.name: index for index, joint in enumerate(skeleton.joints)}
+
+    def points(start: str, end: str) -> float:
+        if start not in places or end not in places:
+            return 1.0
+        vector = positions[places[end]] - positions[places[start]]
+        length = float(np.linalg.norm(vector))
+        return float(vector @ up) / length if length else 1.0
+
+    legs = [-points(f"{side}_up_leg", f"{side}_foot") for side in ("left", "right") if f"{side}_foot" in places]
+    pairs = [
+        positions[places[f"left_{part}"]] - positions[places[f"right_{part}"]]
+        for part in ("up_leg", "up_arm")
+        if f"left_{part}" in places and f"right_{part}" in places
+    ]
+    alike = len(pairs) < 2 or float(pairs[0] @ pairs[1]) > 0
+    return alike and min([points("Root", "Head"), *legs]) > _LOWEST
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A part of one side in a skeleton.
+
+    joint: the last of its joints; above: the joint that it moves in, -1 for the world. bone: (3,) unit vector along it
+    in the reference pose; before: along the bone above. side: "left", "right" or "".
+    """
+
+    part: Part
+    side: str
+    joint: int
+    above: int
+    bone: Array
+    before: Array
+
+
+def segments_of(skeleton: Skeleton, rest: Rest, stance: Stance) -> list[Segment]:
+    """The parts that a skeleton has, by MCML's names."""
+    places = {joint.name: index for index, joint in enumerate(skeleton.joints)}
+    found = []
+    for part in PARTS:
+        for side in part.sides:
+            joints = sorted(places[n] for name in part.joints if (n := name.replace("*", side)) in places)
+            if not joints:
+                continue
+            above = skeleton.joints[joints[0]].parent if part.kind != "pelvis" else -1
+            bone = bone_of(skeleton, rest, stance, joints[-1])
+            before = bone if above < 0 else bone_of(skeleton, rest, stance, above)
+            found.append(Segment(part, side, joints[-1], above, bone, before))
+    return found
+
+
+def bone_of(skeleton: Skeleton, rest: Rest, stance: Stance, joint: int) -> Array:
+    """(3,) the direction of a joint's bone in the reference pose: to its first child that is elsewhere, or its tip;
+    that of the bone above where there is neither."""
+    size = float(np.ptp(stance.positions, axis=0).max()) or 1.0
+    while joint >= 0:
+        for child in skeleton.children(joint):
+            vector = stance.positions[child] - stance.positions[joint]
+            if np.linalg.norm(vector) > 1e-3 * size:
+                unit: Array = vector / np.linalg.norm(vector)
+                return unit
+        for owner, tip in rest.tips:
+            if owner == joint and np.linalg.norm(tip) > 1e-3 * size:
+                return rotate(stance.turned[joint], tip / np.linalg.norm(tip))
+        joint = skeleton.joints[joint].parent
+    return stance.up
+
+
+def relative_turns(skeleton: Skeleton, rotations: Array, stance: Stance, segment: Segment) -> Array:
+    """(n, 4) rotations of a part in what it moves in, from the reference pose, in its axes.
+
+    rotations: (n, J, 4) of the joints in the world, from rest.
+    """
+    own = multiply(rotations[:, segment.joint], inverse(stance.turned[segment.joint]))
+    if segment.above < 0:
+        return own
+    above = multiply(rotations[:, segment.above], inverse(stance.turned[segment.above]))
+    return multiply(inverse(above), own)
