@@ -1,12 +1,14 @@
-"""New documents from frames of others."""
+"""New documents from frames of others, and on the skeletons of others."""
 
 from __future__ import annotations
 
 from fastapi import APIRouter, Response
 
 from schemas.compose import Composed, ComposeRequest
+from schemas.retarget import Retargeted, RetargetRequest
 from service.actions.compose_frames import compose_frames
-from service.api.dependencies import AuthorDep, DatabaseDep, QueriesDep, SettingsDep
+from service.actions.retarget_motion import retarget_motion
+from service.api.dependencies import AuthorDep, DatabaseDep, DocumentId, QueriesDep, SettingsDep
 
 router = APIRouter(tags=["compose"])
 
@@ -27,6 +29,29 @@ def post_compose(
     stored.
     """
     made = compose_frames(database, queries, settings, request, author)
+    if made.document is None:
+        response.status_code = 200
+    else:
+        response.headers["location"] = f"/api/v1/documents/{made.document}"
+    return made
+
+
+@router.post("/documents/{id}/retarget", status_code=201, operation_id="retarget", response_model_exclude_none=True)
+def post_retarget(
+    id: DocumentId,
+    request: RetargetRequest,
+    response: Response,
+    database: DatabaseDep,
+    settings: SettingsDep,
+    author: AuthorDep,
+) -> Retargeted:
+    """Bring a motion onto the skeleton of another document, as a new document.
+
+    Joints are matched by their MCML names, or as `mapping` says; bones point as they did, the way through the room is
+    scaled by the length of the legs. The answer says what was matched, how far bones point elsewhere, and how feet
+    slide. With `preview` nothing is stored.
+    """
+    made = retarget_motion(database, settings, id, request, author)
     if made.document is None:
         response.status_code = 200
     else:

@@ -29,6 +29,7 @@ from schemas.documents import Label as WireLabel
 from schemas.frames import FrameEdits, FramesEdited
 from schemas.labels import LabelQuery
 from schemas.queries import QueryAnswer, QueryRequest
+from schemas.retarget import Retargeted, RetargetRequest
 from service.actions.change_document import add_labels
 from service.actions.change_frames import edit_frames
 from service.actions.check_names import file_name
@@ -82,6 +83,9 @@ class Library(ABC):
 
     @abstractmethod
     def compose(self, request: ComposeRequest) -> Composed: ...
+
+    @abstractmethod
+    def retarget(self, uuid: str, request: RetargetRequest) -> Retargeted: ...
 
     @abstractmethod
     def edit_frames(self, uuid: str, request: FrameEdits) -> FramesEdited: ...
@@ -166,6 +170,11 @@ class LocalLibrary(Library):
             return compose_frames(self.database, queries, self.settings, request, "local")
         finally:
             queries.close()
+
+    def retarget(self, uuid: str, request: RetargetRequest) -> Retargeted:
+        from service.actions.retarget_motion import retarget_motion
+
+        return retarget_motion(self.database, self.settings, uuid, request, "local")
 
     def edit_frames(self, uuid: str, request: FrameEdits) -> FramesEdited:
         with self.database.write() as tx:
@@ -282,6 +291,10 @@ class RemoteLibrary(Library):
 
     def compose(self, request: ComposeRequest) -> Composed:
         return Composed(**self.send("POST", "/compose", json=request.model_dump(exclude_none=True)).json())
+
+    def retarget(self, uuid: str, request: RetargetRequest) -> Retargeted:
+        body = request.model_dump(exclude_none=True)
+        return Retargeted(**self.send("POST", f"/documents/{uuid}/retarget", json=body).json())
 
     def edit_frames(self, uuid: str, request: FrameEdits) -> FramesEdited:
         body, headers = request.model_dump(exclude_none=True), {"if-match": "*"}

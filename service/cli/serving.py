@@ -69,7 +69,9 @@ def demo(
 ) -> None:
     """Add a small library of generated clips: walks, reaches, dances, faces, with their motion names and properties."""
     count = _load_demo(database, seed)
-    console.print(f"Added {count} generated clips to the projects [bold]demo[/bold], demo-reach, demo-dance and demo-face.")
+    console.print(
+        f"Added {count} generated clips to the projects [bold]demo[/bold], demo-reach, demo-dance and demo-face."
+    )
 
 
 def _load_demo(database: str | None, seed: int = 1) -> int:

@@ -196,3 +196,18 @@ def test_compose(mcml: Run) -> None:
     assert made["frames"] == 90
     assert json.loads(mcml("show", made["document"], "--json")[1])["name"] == "piece"
     assert mcml("compose", "//frame[motion_name='nothing']")[0] == 1
+
+
+def test_retarget(mcml: Run) -> None:
+    one, two = (item["id"] for item in json.loads(mcml("ls", "--project", "dances", "--json")[1])["items"])
+    code, output, errors = mcml("retarget", one, two, "--preview")
+    assert (code, errors) == (0, "")
+    assert "would make" in output
+    assert "->" in output
+    code, output, errors = mcml("retarget", one, two, "--clean-feet", "--name", "brought", "--json")
+    assert (code, errors) == (0, "")
+    assert json.loads(output)["document"] in mcml("ls", "--json")[1]
+    assert mcml("retarget", one, two, "--joint", "left_hand")[0] == 2
+    code, output, errors = mcml("retarget", one, two, "--joint", "no_such=root")
+    assert code == 1
+    assert "no_such" in errors
