@@ -17,7 +17,7 @@ from service.analysis.expression_space.landmark_scale import Basis
 from service.analysis.expression_space.neighbours import nearest
 from service.analysis.expression_space.options import options_of
 from service.analysis.expression_space.planar_map import Scaling
-from service.analysis.expression_space.states import distances, state_vectors
+from service.analysis.expression_space.states import distances, state_vectors, step_lengths
 from service.analysis.expression_space.stored import from_stored
 from service.analysis.expression_space.takes import more_frames
 from service.analysis.interface import AnalysisError, Motion, Part, Parts, Progress, silent
@@ -177,11 +177,7 @@ def _steps(positions: Array, reduced: Array) -> Array:
     if len(reduced):
         found: Array = np.linalg.norm(np.diff(reduced, axis=0), axis=1)
         return found
-    states = state_vectors(positions)
-    gaps = np.diff(states, axis=0)
-    seen = ~np.isnan(gaps)
-    share = seen.sum(axis=1) / max(gaps.shape[1], 1)
-    return np.where(share >= 0.5, np.sqrt(np.nansum(gaps**2, axis=1) / np.maximum(share, 1e-9)), np.inf)
+    return step_lengths(positions)
 
 
 def _with_frames(graph: FrameGraph, placed: Placed, chain: Array) -> FrameGraph:

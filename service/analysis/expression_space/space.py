@@ -29,14 +29,15 @@ from service.analysis.expression_space.planar_map import (
     agreement_between,
     classical_scaling,
 )
-from service.analysis.expression_space.states import SAME, distances, state_vectors
-from service.analysis.expression_space.takes import Frames, frames_of, part_of
+from service.analysis.expression_space.states import SAME, distances, state_vectors, step_lengths
+from service.analysis.expression_space.takes import Frames, frames_of, part_of, smoothed
 from service.analysis.expression_space.threshold import Tried, candidates, choose, try_threshold
 from service.analysis.interface import AnalysisError, Motion, Progress, silent
 from service.errors import SizeError
 from service.motion.skeleton import Array
 
 SAMPLE = 2000
+SPEED_SMOOTHING = 1 / 30
 SHOWN_DIMENSIONS = (2, 3, 5, 10)
 
 
@@ -140,7 +141,8 @@ def _with_all(frames: Frames, options: Options, progress: Progress) -> Space:
     scaling = classical_scaling(paths, options.dimensions)
     shown = [size for size in SHOWN_DIMENSIONS if size <= options.dimensions]
     agreements = tuple(agreement(paths, scaling.coordinates[:, :size]) for size in shown)
-    after = np.diagonal(apart, 1)
+    # Noise of single frames is no speed: where frames were not smoothed, they are for this.
+    after = np.diagonal(apart, 1) if options.smooth_s > 0 else step_lengths(smoothed(frames, SPEED_SMOOTHING))
     speed = _speed(frames, lambda first: after[first])
     kept_paths = paths.astype(np.float32)
     del apart, paths

@@ -62,6 +62,17 @@ def distances(states: Array, others: Array | None = None) -> Array:
     return np.sqrt(squared, out=squared)
 
 
+def step_lengths(positions: Array) -> Array:
+    """Distances of consecutive frames, (n - 1,) mm. positions: (n, M, 3). Infinite where they share too few pairs."""
+    lengths = np.empty(max(len(positions) - 1, 0))
+    for start in range(0, len(lengths), 500):
+        gaps = np.diff(state_vectors(positions[start : start + 501]), axis=0)
+        share = 1.0 - np.isnan(gaps).mean(axis=1)
+        squared = np.nansum(gaps * gaps, axis=1) / np.maximum(share, 1e-9)
+        lengths[start : start + 500] = np.where(share >= 0.5, np.sqrt(squared), np.inf)
+    return lengths
+
+
 def _filled(states: Array, centre: Array) -> Filled:
     """States less the centre, 0 where missing; patterns (u, P) of what is there, 1.0 or 0.0; the pattern of each."""
     gone = np.isnan(states)

@@ -198,6 +198,14 @@ def smooth(track: Array, deviation: float) -> Array:
     return mean
 
 
+def smoothed(frames: Frames, seconds: float) -> Array:
+    """(n, M, 3) positions smoothed in time, each take by itself."""
+    parts = [
+        smooth(frames.positions[frames.take == number], seconds * take.fps) for number, take in enumerate(frames.takes)
+    ]
+    return np.concatenate(parts)
+
+
 def _common(motions: Sequence[Motion], wanted: Sequence[str]) -> tuple[list[str], list[tuple[str, str]]]:
     for motion in motions:
         if any(joint.convention is not Convention.MARKER for joint in motion.skeleton.joints):

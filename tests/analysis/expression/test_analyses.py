@@ -107,6 +107,19 @@ def test_the_summary_says_what_was_built() -> None:
     assert len(result()["tau"].data["rows"]) == 13
 
 
+def test_the_speed_of_capture_is_not_that_of_noise() -> None:
+    speeds = [
+        EXPRESSION.run(
+            motions(fps=60, every_marker=9, noise=noise)[:2], ExpressionParameters(method=method, tau_count=0), silent
+        )[  # type: ignore[arg-type]
+            "space"
+        ].data["summary"]["speed_mm_s"]
+        for method, noise in (("robust", 0.0), ("robust", 0.2), ("paper", 0.2))
+    ]
+    assert speeds[1] == pytest.approx(speeds[0], rel=0.15)
+    assert speeds[2] == pytest.approx(speeds[1], rel=0.15)
+
+
 def test_progress_goes_through_the_stages_and_ends_the_work() -> None:
     seen: list[tuple[str, float]] = []
     EXPRESSION.run(motions()[:4], ExpressionParameters(), lambda stage, share: seen.append((stage, share)))
