@@ -33,10 +33,12 @@ ROUNDING = 1e-9
 @dataclass(frozen=True)
 class Known:
     """Values that need not be made anew. values: (n, D) in the skeleton's columns. holds: (n, J) where they are true of
-    a joint: its channels are copied bit by bit there."""
+    a joint: its channels are copied bit by bit there. near: whether they are a guess elsewhere, to which the angles of
+    each frame are the nearest; else angles go on from the frame before."""
 
     values: Array
     holds: Flags
+    near: bool = False
 
 
 @dataclass(frozen=True)
@@ -156,8 +158,13 @@ class HubWriter:
         axes = self.rest.orientations[index]
         if not is_identity(axes):
             rotation = multiply(multiply(inverse(axes), rotation), axes)
+        unit = self._reading.motion_angle
+        if known is not None and known.near:
+            free = np.flatnonzero(~held)
+            guess = known.values[np.ix_(free, np.array(columns))] * unit
+            values[np.ix_(free, np.array(columns))] = _nearest_angles(rotation[free], letters, guess) / unit
+            return
         for start, end in _runs(~held):
-            unit = self._reading.motion_angle
             previous = values[start - 1, columns] * unit if start else self._previous[index]
             values[start:end, columns] = angles_of(rotation[start:end], letters, previous) / unit
 
@@ -222,6 +229,19 @@ def angles_of(rotation: Array, letters: str, previous: Array | None = None) -> A
         return np.unwrap(angles, axis=0)
     unwrapped: Array = np.unwrap(np.vstack([previous, angles]), axis=0)[1:]
     return unwrapped
+
+
+def _nearest_angles(rotation: Array, letters: str, guess: Array) -> Array:
+    """Angles (n, k) of rotations (n, 4), of all that mean the same those nearest to a guess (n, k) frame by frame."""
+    angles = angles_of(rotation, letters)
+    turns = 2 * np.pi
+    angles = angles + turns * np.round((guess - angles) / turns)
+    if len(letters) < 3:
+        return angles
+    other = angles * np.array([1.0, -1.0, 1.0]) + np.pi
+    other = other + turns * np.round((guess - other) / turns)
+    nearer = np.abs(other - guess).sum(axis=1) < np.abs(angles - guess).sum(axis=1)
+    return np.where(nearer[:, None], other, angles)
 
 
 def _runs(flags: Flags) -> list[tuple[int, int]]:

@@ -81,7 +81,7 @@ def sampled(skeleton: Skeleton, block: FrameBlock, places: Array, reading: Readi
     for index, (joint, _) in enumerate(columns):
         same[:, joint] &= hub.values[before, index] == hub.values[after, index]
     writer = HubWriter(skeleton, reading)
-    known = Known(between, exact[:, None] | same)
+    known = Known(between, exact[:, None] | same, near=True)
     values = writer.write(moved, turned, scales, known)
     gaps = np.isnan(raw[before]) | (np.isnan(raw[after]) & ~exact[:, None])
     values[gaps] = np.nan

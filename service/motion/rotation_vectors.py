@@ -13,8 +13,8 @@ _SMALL = 1e-8
 def to_vector(rotation: Array) -> Array:
     """Axis times angle (..., 3), radians up to half a turn, of unit quaternions (..., 4): the logarithm.
 
-    >>> to_vector(np.array([0.0, 0.0, -np.sqrt(0.5), -np.sqrt(0.5)])).round(3).tolist()
-    [0.0, 0.0, 1.571]
+    >>> to_vector(np.array([0.6, 0.0, 0.0, 0.8])).round(3).tolist()
+    [1.287, 0.0, 0.0]
     """
     shorter = np.where(rotation[..., 3:] < 0, -rotation, rotation)
     length = np.linalg.norm(shorter[..., :3], axis=-1)

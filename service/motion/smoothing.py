@@ -22,8 +22,6 @@ from service.motion.units import DEGREES, Reading
 
 _REACH = 3.0
 """Standard deviations after which a neighbour counts no more."""
-_STEPS = 3
-"""Of the mean's iteration: within half a turn each makes what is left smaller by its square."""
 
 
 def smoothed(
@@ -76,16 +74,22 @@ def smooth_vectors(vectors: Array, has: Flags, deviation: float) -> Array:
 
 def smooth_rotations(rotations: Array, has: Flags, deviation: float) -> Array:
     """Gaussian means (n, J, 4) of unit quaternions (n, J, 4); has: (n, J) which samples count."""
-    mean = rotations
-    for _ in range(_STEPS):
-        back = inverse(mean)
-        total, weights = np.zeros((*has.shape, 3)), np.zeros(has.shape)
-        for weight, rows in _neighbours(len(rotations), deviation):
-            part = weight[:, None] * has[rows]
-            total += part[..., None] * to_vector(multiply(back, rotations[rows]))
-            weights += part
-        mean = multiply(mean, from_vector(total / np.where(weights > 0, weights, 1.0)[..., None]))
-    return mean
+    neighbours = _neighbours(len(rotations), deviation)
+    # The mean of the quaternions themselves is near already; one step on the sphere makes what is left its square.
+    mean = np.zeros_like(rotations)
+    for weight, rows in neighbours:
+        part = weight[:, None] * has[rows]
+        other = rotations[rows]
+        mean += np.where((other * rotations).sum(axis=2) < 0, -part, part)[..., None] * other
+    length = np.linalg.norm(mean, axis=2, keepdims=True)
+    mean = np.where(length > 0, mean / np.where(length > 0, length, 1.0), rotations)
+    back = inverse(mean)
+    total, weights = np.zeros((*has.shape, 3)), np.zeros(has.shape)
+    for weight, rows in neighbours:
+        part = weight[:, None] * has[rows]
+        total += part[..., None] * to_vector(multiply(back, rotations[rows]))
+        weights += part
+    return multiply(mean, from_vector(total / np.where(weights > 0, weights, 1.0)[..., None]))
 
 
 def _neighbours(frames: int, deviation: float) -> list[tuple[Array, Rows]]:

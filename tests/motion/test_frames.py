@@ -17,7 +17,7 @@ from service.motion.hub import HubReader
 from service.motion.kinematics import global_positions, rest_height
 from service.motion.resampling import frame_places, resampled, sampled
 from service.motion.rotation_vectors import angle_between
-from service.motion.skeleton import Array, Convention
+from service.motion.skeleton import Array, Convention, Joint, Skeleton
 from service.motion.smoothing import smoothed
 from service.motion.units import reading_of
 from tests.formats.test_real_files import opened
@@ -152,6 +152,24 @@ def test_resampling_is_scipys_slerp(convention: Convention, seed: int, rate: tup
     common = places % 1 == 0
     assert same_bits(edited.block.values[common], block.values[places[common].astype(int)])
     assert edited.shortfall.notices(skeleton) == []
+
+
+@given(seed=st.integers(0, 10_000), turns=st.integers(-3, 3))
+def test_angles_between_frames_are_those_nearest_by(seed: int, turns: int) -> None:
+    """Past whole turns and with the middle angle beyond a quarter turn, as a source may write them."""
+    rng = np.random.default_rng(seed)
+    skeleton = Skeleton((Joint("j", -1, "j", Convention.LISTED, ("Rz", "Rx", "Ry"), "ZXY"),))
+    start = rng.uniform(-180, 180, 3) + 360 * turns
+    start[1] = rng.choice([-1, 1]) * rng.uniform(100, 260)
+    values = start + np.cumsum(rng.uniform(-3, 3, (30, 3)), axis=0)
+    columns = skeleton.columns()
+    block = FrameBlock(values, columns, (full_shape(columns),), np.arange(30))
+    halves = np.arange(59) / 2
+    edited = sampled(skeleton, block, halves).block
+    near_gimbal = np.abs(np.cos(np.radians(values[:, 1]))).min() < 0.2
+    if not near_gimbal:
+        line = np.stack([np.interp(halves, np.arange(30), values[:, axis]) for axis in range(3)], axis=1)
+        assert np.abs(edited.values - line).max() < 3.0
 
 
 def test_hinges_stay_hinges(shared: Path) -> None:

@@ -304,12 +304,15 @@ def test_a_walk_swings_legs_and_bends_knees(shared: Path, name: str, rate: int) 
             assert (part, side, movement) in found
 
 
-def test_a_raised_hand_and_a_bow(shared: Path) -> None:
+def test_a_raised_hand_a_wave_and_a_bow(shared: Path) -> None:
     raised = real(shared, "bvh/bandai_reach/dataset-2_raise-up-right-hand_normal_001.bvh", 1 / 30)
     lifted = {one.movement for one in raised if (one.part, one.side) == ("arm", "right")}
     assert lifted & {"flexion", "abduction"}
     assert lifted & {"extension", "adduction"}
     busiest = max(raised, key=lambda one: one.degrees)
     assert busiest.side == "right"
+    waved = real(shared, "bvh/bandai/dataset-1_bye_happy_001.bvh", 1 / 30)
+    assert ("elbow", "right", "flexion") in names_of(waved)
+    assert max(waved, key=lambda one: one.degrees).side == "right"
     bowed = real(shared, "bvh/bandai/dataset-1_bow_normal_001.bvh", 1 / 30)
     assert {("trunk", "", "flexion"), ("trunk", "", "extension")} <= names_of(bowed)
