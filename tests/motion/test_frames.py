@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 
 from service.errors import ConversionError
-from service.motion.clip import ClipStream, FrameBlock
+from service.motion.clip import ClipStream, FrameBlock, full_shape
 from service.motion.frames import adjusted, chosen_frames, eased, in_columns, joined, reversed_frames
 from service.motion.hub import HubReader
 from service.motion.kinematics import global_positions, rest_height
