@@ -211,6 +211,8 @@ class AnalysisList(BaseModel):
 class Saving(BaseModel):
     """Whether the clip that an operation makes becomes a document, and under which name."""
 
+    model_config = ConfigDict(extra="forbid")
+
     save: bool = Field(False, description="Store the clip as a document")
     name: str | None = Field(
         None, max_length=1024, description="Name of the document", examples=["reach of a 40-year-old"]

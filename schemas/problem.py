@@ -30,4 +30,7 @@ class Problem(BaseModel):
     where: Where | None = None
     remedy: str | None = None
     code: str | None = Field(None, description="Of an analysis: the name of the fault, as its page lists them")
+    details: dict[str, Any] | None = Field(
+        None, description="Of an analysis: what the fault is about, such as the document, or a suggestion"
+    )
     errors: list[dict[str, Any]] | None = None

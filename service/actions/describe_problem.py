@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import re
+from typing import Any
+
+import orjson
 
 from schemas.problem import Problem, Where
 from service import errors
@@ -50,6 +53,7 @@ def problem_of(error: errors.McmlError) -> Problem:
     where = None
     if error.at is not None:
         where = Where(file=error.at.file, line=error.at.line, column=error.at.column, element=error.at.element)
+    facts = {name: value for name, value in error.details.items() if name != "code"}
     return Problem(
         type=f"/docs/problems#{slug(type(error))}",
         title=slug(type(error)).replace("-", " ").capitalize(),
@@ -58,4 +62,10 @@ def problem_of(error: errors.McmlError) -> Problem:
         where=where,
         remedy=error.remedy,
         code=error.details.get("code"),
+        details=_plain(facts) if facts and "code" in error.details else None,
     )
+
+
+def _plain(facts: dict[str, Any]) -> Any:
+    """Facts as JSON has them: numbers of NumPy become plain ones, NaN and infinity none."""
+    return orjson.loads(orjson.dumps(facts, default=str, option=orjson.OPT_SERIALIZE_NUMPY | orjson.OPT_NON_STR_KEYS))

@@ -157,11 +157,12 @@ def _answer_model(name: str, operation: Operation) -> type[BaseModel]:
 
 
 def _request_model(name: str, operation: Operation) -> type[BaseModel]:
+    needed = any(field.is_required() for field in operation.parameters.model_fields.values())
     model: type[BaseModel] = create_model(
         f"{name.title().replace('-', '')}Request",
         __base__=Saving,
         __doc__=operation.description,
-        parameters=(operation.parameters, Field(default_factory=operation.parameters)),
+        parameters=(operation.parameters, ... if needed else Field(default_factory=operation.parameters)),
     )
     model.model_config["json_schema_extra"] = shown({"parameters": example_of(operation.parameters), "save": False})
     model.model_rebuild(force=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import sys
 from typing import NoReturn
@@ -46,6 +47,8 @@ def main() -> None:
         print(f"mcml: {where}{error.what}", file=sys.stderr)
         if error.remedy:
             print(f"      {error.remedy}", file=sys.stderr)
+        if "code" in error.details:
+            print(f"      {json.dumps(error.details, default=str, ensure_ascii=False)}", file=sys.stderr)
         sys.exit(1)
     except BrokenPipeError:
         _leave_quietly()

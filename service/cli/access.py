@@ -362,4 +362,7 @@ def _error(answer: httpx.Response) -> McmlError:
     kinds = {401: AccessError, 403: AccessError, 404: NotFoundError}
     kind = kinds.get(answer.status_code, McmlError)
     where = body.get("where")
-    return kind(body.get("detail", "refused"), at=Place(**where) if where else None, remedy=body.get("remedy"))
+    error = kind(body.get("detail", "refused"), at=Place(**where) if where else None, remedy=body.get("remedy"))
+    if "code" in body:
+        error.details |= {"code": body["code"]} | (body.get("details") or {})
+    return error

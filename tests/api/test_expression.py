@@ -40,6 +40,14 @@ def test_from_takes_to_an_animation(client: TestClient, database: Database) -> N
     assert len(level["candidates"]) >= 2
     ends = [{key: level["candidates"][place][key] for key in ("document", "frame")} for place in (0, -1)]
     assert use(client, space, "neighbours", level=0, **ends[0])["value"]
+    near = {item["id"] for item in use(client, space, "neighbours", level=0, **ends[0])["value"]["neighbours"]}
+    far = next(item for item in level["candidates"][1:] if item["id"] not in near)
+    asked = {"level": 0, "keys": [ends[0], {key: far[key] for key in ("document", "frame")}]}
+    refused = client.post(f"{API}/results/{space}/path", json={"parameters": asked})
+    assert (refused.status_code, refused.json()["code"]) == (422, "not-linked")
+    chain = refused.json()["details"]["suggestion"]
+    assert [chain[0], chain[-1]] == asked["keys"]
+    assert use(client, space, "path", level=0, keys=chain)["result"]
     walked = use(client, space, "path", level=0, keys=ends, auto_route=True)
     path = walked["result"]
     assert client.get(f"{API}/results", params={"parent": space}).json()["items"][0]["id"] == path
@@ -76,3 +84,12 @@ def test_what_cannot_be_extended(client: TestClient, database: Database) -> None
     assert client.post(f"{API}/analyses/expression", json=unknown).status_code == 404
     other = {"inputs": {"project": "faces"}, "extends": "nothing"}
     assert client.post(f"{API}/analyses/beats", json=other).status_code == 422, "beats cannot grow"
+
+
+def test_a_misplaced_parameter_is_named(client: TestClient) -> None:
+    keys = [{"document": "a", "frame": 1}]
+    for body in ({"keys": keys}, {"keys": keys, "parameters": {"keys": keys}}, {"save": True}):
+        answer = client.post(f"{API}/results/no-such/path", json=body)
+        assert answer.status_code == 422
+        places = {error["in"] for error in answer.json()["errors"]}
+        assert places == {f"body.{name}" for name in ("keys", "parameters") if (name in body) == (name == "keys")}
