@@ -130,6 +130,10 @@ class HubWriter:
         self._measure(translations, rotations, scales, values)
         return values
 
+    def letters(self, index: int) -> str:
+        """The axes of the product of a joint's rotations, left to right, as far as it has channels for them."""
+        return self._letters[index]
+
     def is_free(self, index: int) -> bool:
         """Whether a joint can take every rotation."""
         return len(self._letters[index]) == 3

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -18,17 +19,19 @@ from service.motion.bone_mapping import Match, check_matches
 from service.motion.carriers import carriers, chain
 from service.motion.clip import FrameBlock, full_shape
 from service.motion.foot_contacts import Feet, FootReport, clean_feet, feet_of
-from service.motion.hub import HubReader, Rest, walked
+from service.motion.hinges import best_twist, beyond_limits
+from service.motion.hub import HubReader, walked
 from service.motion.hub_writer import HubWriter, Shortfall
+from service.motion.posed_bodies import PosedBody, upright_axes
 from service.motion.retarget_report import BoneError, RetargetReport
-from service.motion.rotation_vectors import shortest_arcs
+from service.motion.rotation_vectors import from_vector, shortest_arcs
 from service.motion.rotations import from_matrix, inverse, multiply, rotate, shortest_arc
 from service.motion.sides import is_left, partners
 from service.motion.skeleton import TRANSLATIONS, Array, Skeleton
 from service.motion.units import DEGREES, Reading
 
-_SHORT = 1e-3
-"""Of the longest bone: what is shorter has no direction."""
+_LOOKED_AT = 60
+"""Frames from which it is told how limbs are turned about themselves."""
 _STEPS = 12
 """Of the search for the angles of a joint that cannot turn freely."""
 
@@ -70,8 +73,8 @@ def retarget(
     check_matches(source, target, matches)
     hub = HubReader(source, reading).read(block)
     writer = HubWriter(target, target_reading)
-    one = _Body.of(source, HubReader(source, reading).rest, source_pose)
-    two = _Body.of(target, writer.rest, target_pose)
+    one = PosedBody.of(source, HubReader(source, reading).rest, source_pose)
+    two = PosedBody.of(target, writer.rest, target_pose)
     transfer = _Transfer(one, two, {match.target: match.source for match in matches}, writer)
     positions, turned = walked(source, hub.translations, hub.rotations)
     rotations = transfer.rotations(positions, turned)
@@ -114,32 +117,10 @@ def _feet(
     )
 
 
-@dataclass(frozen=True)
-class _Body:
-    """A skeleton in a pose to compare. positions: (J, 3), turned: (J, 4) in the world, local: (J, 4)."""
-
-    skeleton: Skeleton
-    rest: Rest
-    positions: Array
-    turned: Array
-    local: Array
-
-    @classmethod
-    def of(cls, skeleton: Skeleton, rest: Rest, pose: Array | None) -> _Body:
-        local = np.tile(np.array([0.0, 0.0, 0.0, 1.0]), (len(skeleton), 1)) if pose is None else pose
-        positions, turned = walked(skeleton, rest.offsets[None], local[None])
-        return cls(skeleton, rest, positions[0], turned[0], local)
-
-    @property
-    def short(self) -> float:
-        below = [index for index, joint in enumerate(self.skeleton.joints) if joint.parent >= 0]
-        return _SHORT * float(np.linalg.norm(self.rest.offsets[below], axis=1).max(initial=0.0))
-
-
 class _Transfer:
     """What takes poses of one body to another. pairs: joint of the target -> joint of the source."""
 
-    def __init__(self, one: _Body, two: _Body, pairs: dict[int, int], writer: HubWriter) -> None:
+    def __init__(self, one: PosedBody, two: PosedBody, pairs: dict[int, int], writer: HubWriter) -> None:
         self.one, self.two, self.pairs, self._writer = one, two, pairs, writer
         self._partners = partners(two.skeleton)
         self._above = self._matched_above()
@@ -201,7 +182,7 @@ class _Transfer:
                 continue
             upward = self._vectors(joint, middle[-1])
             assert upward is not None
-            found = [_frame(side, high) for side, high in zip(across, upward, strict=True)]
+            found = [upright_axes(side, high) for side, high in zip(across, upward, strict=True)]
             if found[0] is not None and found[1] is not None:
                 return found[0], found[1]
         return None
@@ -224,6 +205,7 @@ class _Transfer:
     def rotations(self, positions: Array, turned: Array) -> Array:
         """Local rotations (n, J, 4) of the target. positions (n, Js, 3), turned (n, Js, 4): of the source, in the
         world. Joints that cannot turn freely turn so that their bone points as it should, as nearly as they can."""
+        self._turn_limbs(positions, turned)
         skeleton = self.two.skeleton
         local = np.empty((len(positions), len(skeleton), 4))
         world = np.empty_like(local)
@@ -235,11 +217,45 @@ class _Transfer:
             if source is None:
                 local[:, index] = self.two.local[index]
             else:
-                turn = multiply(inverse(self.one.turned[source]), self._turns[index])
-                wanted = multiply(turned[:, source], multiply(turn, self.two.turned[index]))
-                local[:, index] = self._pointed(index, above, wanted, positions)
+                local[:, index] = self._pointed(index, above, self._wanted(index, turned), positions)
             world[:, index] = multiply(above, local[:, index])
         return local
+
+    def _wanted(self, index: int, turned: Array) -> Array:
+        """Rotations (n, 4) of a matched joint in the world, before its bone is pointed."""
+        source = self.pairs[index]
+        turn = multiply(inverse(self.one.turned[source]), self._turns[index])
+        return multiply(turned[:, source], multiply(turn, self.two.turned[index]))
+
+    def _turn_limbs(self, positions: Array, turned: Array) -> None:
+        """Turns limbs about themselves where the hinge below could not point its bone else."""
+        rows = np.unique(np.linspace(0, max(len(positions) - 1, 0), _LOOKED_AT).astype(np.intp))[: len(positions)]
+        positions, turned = positions[rows], turned[rows]
+        for joint in sorted(self.pairs):
+            hinge = self._ends[joint]
+            end = None if hinge is None else self._ends[hinge]
+            if hinge is None or end is None or not self._writer.is_free(joint) or self._writer.is_free(hinge):
+                continue
+            bone = self.two.positions[hinge] - self.two.positions[joint]
+            limb = (joint, hinge, end, bone / np.linalg.norm(bone), self._turns[joint])
+            error = partial(self._missed, limb, positions, turned)
+            error(best_twist(error))
+
+    def _missed(self, limb: tuple[int, int, int, Array, Array], positions: Array, turned: Array, angle: float) -> float:
+        """Degrees by which the bone at a hinge misses its direction, with the limb turned about itself by an angle.
+
+        limb: (joint, hinge, end of the hinge's bone, unit vector (3,) along the limb, its D before). The turn stays.
+        """
+        joint, hinge, end, bone, before = limb
+        self._turns[joint] = multiply(before, from_vector(angle * bone))
+        nothing = np.tile([0.0, 0.0, 0.0, 1.0], (len(positions), 1))
+        above = self._pointed(joint, nothing, self._wanted(joint, turned), positions)
+        local = self._pointed(hinge, above, self._wanted(hinge, turned), positions)
+        along = rotate(inverse(self.two.turned[hinge]), self.two.positions[end] - self.two.positions[hinge])
+        goal = positions[:, self.pairs[end]] - positions[:, self.pairs[hinge]]
+        missed = _angles(rotate(multiply(above, local), along), goal)
+        outside = beyond_limits(self.two.skeleton.joints[hinge], hinge, self._writer, local)
+        return float((missed + outside).mean()) if len(missed) else 0.0
 
     def _pointed(self, index: int, above: Array, wanted: Array, positions: Array) -> Array:
         """Local rotations (n, 4) that are near the wanted ones in the world and point the bone where it should be."""
@@ -270,7 +286,7 @@ class _Transfer:
                 first, second = first + float(np.linalg.norm(vectors[0])), second + float(np.linalg.norm(vectors[1]))
         return second / first if first else 1.0
 
-    def leg(self, body: _Body, source: bool) -> float:
+    def leg(self, body: PosedBody, source: bool) -> float:
         """The mean length of matched legs, from hip to ankle along the bones; 0 without legs."""
         places = {joint.name: index for index, joint in enumerate(self.two.skeleton.joints) if index in self.pairs}
         lengths = []
@@ -346,19 +362,13 @@ class _Transfer:
                 continue
             one = positions[:, self.pairs[end]] - positions[:, self.pairs[joint]]
             two = made[:, end] - made[:, joint]
-            sine = np.linalg.norm(np.cross(one, two), axis=1)
-            angles = np.degrees(np.arctan2(sine, (one * two).sum(axis=1)))
+            angles = _angles(one, two)
             largest, mean = (float(angles.max()), float(angles.mean())) if len(angles) else (0.0, 0.0)
             errors.append(BoneError(joint, end, self._ends[joint] == end, largest, mean))
         return tuple(errors)
 
 
-def _frame(side: Array, high: Array) -> Array | None:
-    """Axes (3, 3) as columns: to the side, up as far as it is across that, and across both."""
-    left = side / np.linalg.norm(side)
-    upward = high - (high @ left) * left
-    length = float(np.linalg.norm(upward))
-    if length < 0.1 * float(np.linalg.norm(high)):
-        return None
-    upward = upward / length
-    return np.stack([left, upward, np.cross(left, upward)], axis=1)
+def _angles(one: Array, two: Array) -> Array:
+    """Degrees (n,) between vectors (n, 3)."""
+    between: Array = np.degrees(np.arctan2(np.linalg.norm(np.cross(one, two), axis=1), (one * two).sum(axis=1)))
+    return between

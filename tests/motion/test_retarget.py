@@ -17,6 +17,7 @@ from service.mcml.joint_names import assign
 from service.motion.bone_mapping import Match, check_matches, suggest_matches
 from service.motion.clip import FrameBlock, full_shape
 from service.motion.frames import chosen_frames, joined
+from service.motion.hinges import best_twist
 from service.motion.hub import HubReader
 from service.motion.kinematics import global_positions
 from service.motion.lexemes import triple
@@ -181,6 +182,33 @@ def test_feet_of_a_body_with_hinges_are_held_too(shared: Path, name: str) -> Non
     before, after = (sum(getattr(foot, when) for foot in result.report.feet) for when in ("before", "after"))
     assert before > 0
     assert after <= 0.2 * before
+
+
+@pytest.mark.parametrize("name", ["bvh/bandai/dataset-1_walk_normal_001.bvh", "bvh/bandai/dataset-1_walk_angry_001.bvh",
+                                  "bvh/bandai/dataset-1_bye_normal_001.bvh"])  # fmt: skip
+def test_limbs_are_turned_so_that_hinges_can_bend(shared: Path, name: str) -> None:
+    """Knees and elbows of the target bend about one axis; the rest pose of the source does not say how limbs lie."""
+    target, _, target_reading = taken(shared / CMU)
+    skeleton, block, reading = taken(shared / name)
+    result = retarget(
+        skeleton, block, target, suggest_matches(skeleton, target), 1 / 30,
+        reading=reading, target_reading=target_reading,
+    )  # fmt: skip
+    limbs = [bone for bone in result.report.bones if bone.leads and "low_" in target.names[bone.joint]]
+    assert len(limbs) == 4
+    assert max(bone.mean for bone in limbs) < 1.0
+    # No knee bends forward: its limits say -10 to 170 degrees.
+    values = result.block.values[:, target.columns().index((target.names.index("left_low_leg"), 3))]
+    assert values.min() > -10
+    assert values.max() < 170
+
+
+def test_the_best_turn_is_found() -> None:
+    def error(angle: float, best: float = 2.345) -> float:
+        return float(np.degrees(abs((angle - best + np.pi) % (2 * np.pi) - np.pi)))
+
+    assert best_twist(error) == pytest.approx(2.345, abs=1e-3)
+    assert best_twist(lambda angle: error(angle, 0.01)) == 0.0
 
 
 def tree(seed: int) -> tuple[Skeleton, Skeleton]:
