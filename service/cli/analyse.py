@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,6 +26,8 @@ Assignments = Annotated[
     list[str] | None, typer.Argument(metavar="[NAME=VALUE]...", help="Parameters; values as JSON or plain text")
 ]
 ResultArgument = Annotated[str, typer.Argument(help="Result")]
+MOST_SHOWN = 12
+"""Items of a list that `info` shows."""
 
 
 def add_to(app: typer.Typer) -> None:
@@ -117,7 +119,10 @@ def show_job(job: Job, as_json: bool) -> None:
         if job.result:
             console.print(f"          result {job.result}")
     if job.problem is not None:
-        raise McmlError(job.problem.detail, remedy=job.problem.remedy)
+        error = McmlError(job.problem.detail, remedy=job.problem.remedy)
+        if job.problem.code:
+            error.details |= {"code": job.problem.code} | (job.problem.details or {})
+        raise error
     if job.state == "cancelled":
         raise typer.Exit(1)
 
@@ -134,6 +139,9 @@ def info(
         f"[bold]{found.name}[/bold]  {found.id}\n{found.analysis} of {len(found.inputs)} clips, {found.created}"
     )
     _show_result(found)
+    for part in found.parts.values():
+        for line in _facts(part.data.get("summary"), "  "):
+            console.print(line, markup=False, highlight=False)
 
 
 def _show_result(found: Result) -> None:
@@ -143,14 +151,37 @@ def _show_result(found: Result) -> None:
         console.print(f"  then: {', '.join(found.operations)}", style="dim")
 
 
+def _facts(value: Any, indent: str) -> Iterator[str]:
+    """Facts within facts as lines: plain ones together, lists an item a line; long lists are cut."""
+    if isinstance(value, dict):
+        plain = [f"{key} {_plain(item)}" for key, item in value.items() if not isinstance(item, list | dict)]
+        if plain:
+            yield indent + ", ".join(plain)
+        for key, item in value.items():
+            if isinstance(item, list | dict) and item:
+                yield f"{indent}{key}:"
+                yield from _facts(item, indent + "  ")
+    elif isinstance(value, list):
+        nested = any(isinstance(item, list | dict) for item in value)
+        if not nested:
+            yield indent + ", ".join(map(_plain, value[:MOST_SHOWN]))
+        for item in value[:MOST_SHOWN] if nested else ():
+            yield from _facts(item, indent)
+        if len(value) > MOST_SHOWN:
+            yield f"{indent}… {len(value):,} in all (--json)"
+    elif value is not None:
+        yield indent + _plain(value)
+
+
+def _plain(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
 def _gist(part: PartSummary) -> str:
     """What a part says, in a line: its plain numbers and texts, and the sizes of the rest."""
     words = []
     for key, value in part.data.items():
-        if isinstance(value, list | dict):
-            words.append(f"{key}: {len(value)}")
-        else:
-            words.append(f"{key} {value:.6g}" if isinstance(value, float) else f"{key} {value}")
+        words.append(f"{key}: {len(value)}" if isinstance(value, list | dict) else f"{key} {_plain(value)}")
     words += [f"{name} {'x'.join(map(str, about.shape))}" for name, about in part.arrays.items()]
     return (f"document {part.document} " if part.document else "") + ", ".join(words)
 

@@ -88,6 +88,7 @@ def test_reach_from_fit_to_file(mcml: Run, tmp_path: Path, place: str, request: 
     assert result in mcml("analyse", "results", *where)[1]
     shown = mcml("analyse", "reach", "info", result, *where)[1]
     assert "synthesize" in shown
+    assert "name age, unit year" in shown, "what the model can be asked for"
     code, output, _ = mcml("analyse", "reach", "synthesize", result, *WISH, *where)
     assert code == 0
     assert json.loads(output)["value"]["support"] in ("inside", "gap", "outside")
