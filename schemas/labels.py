@@ -31,3 +31,30 @@ class LabelQuery(BaseModel):
     project: str | None = None
     remove: bool = Field(False, description="Take the name off these frames instead")
     strict: bool = Field(False, description="Refuse names that are no anatomical movement")
+
+
+_SUGGESTED = {"name": MOTION_NAME, "first": 100, "last": 142, "degrees": 71.5, "confidence": 0.82}
+
+
+class SuggestedLabel(BaseModel):
+    """An anatomical movement that the motion seems to be: frames first to last, positions from 1.
+
+    degrees: how far the joint goes. confidence: 0 to 1, of how much of its motion is this movement, and how large it
+    is.
+    """
+
+    model_config = ConfigDict(json_schema_extra=shown(_SUGGESTED))
+
+    name: str
+    first: int
+    last: int
+    degrees: float
+    confidence: float
+
+
+class SuggestedLabels(BaseModel):
+    """To be accepted by `POST /documents/{id}/labels`, all or some."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_SUGGESTED]}))
+
+    items: list[SuggestedLabel]

@@ -9,10 +9,11 @@ from starlette.concurrency import run_in_threadpool
 
 from schemas.documents import ChangedDocument, ChangedDocuments, Label, LabelPage, LabelRequest
 from schemas.examples import DOCUMENT, MOTION_NAME
-from schemas.labels import LabelChange, LabelQuery
+from schemas.labels import LabelChange, LabelQuery, SuggestedLabels
 from schemas.queries import QueryRequest
 from service.actions.change_document import add_labels, remove_labels
 from service.actions.edit_labels import change_label, label_by_query, label_table, write_label_table
+from service.actions.suggest_labels import suggest_labels
 from service.api.dependencies import (
     MOST,
     AuthorDep,
@@ -60,6 +61,17 @@ def list_labels(
     shown = found[start : start + page.limit]
     more = encode_cursor(start + page.limit) if len(found) > start + page.limit else None
     return LabelPage(items=[_label(span) for span in shown], next_cursor=more)
+
+
+@router.get("/documents/{id}/labels/suggested", operation_id="suggest_labels")
+def get_suggestions(
+    id: DocumentId,
+    database: DatabaseDep,
+    confidence: Annotated[float, Query(ge=0, le=1, description="The least", examples=[0.6])] = 0.5,
+) -> SuggestedLabels:
+    """Anatomical movements found in the motion, as names for its frames. Nothing is written; POST those to accept."""
+    with database.read() as tx:
+        return SuggestedLabels(items=suggest_labels(tx, tx.documents.get(id), confidence))
 
 
 @router.post("/documents/{id}/labels", status_code=201, operation_id="add_labels")

@@ -27,7 +27,7 @@ from schemas.documents import (
 )
 from schemas.documents import Label as WireLabel
 from schemas.frames import FrameEdits, FramesEdited
-from schemas.labels import LabelQuery
+from schemas.labels import LabelQuery, SuggestedLabels
 from schemas.queries import QueryAnswer, QueryRequest
 from schemas.retarget import Retargeted, RetargetRequest
 from service.actions.change_document import add_labels
@@ -103,6 +103,9 @@ class Library(ABC):
     def write_label_table(
         self, table: bytes, project: str | None, *, strict: bool, replace: bool
     ) -> ChangedDocuments: ...
+
+    @abstractmethod
+    def suggested_labels(self, uuid: str, confidence: float) -> SuggestedLabels: ...
 
     @abstractmethod
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage: ...
@@ -204,6 +207,12 @@ class LocalLibrary(Library):
     def write_label_table(self, table: bytes, project: str | None, *, strict: bool, replace: bool) -> ChangedDocuments:
         with self.database.write() as tx:
             return _changed(write_label_table(tx, table, project, strict=strict, replace=replace))
+
+    def suggested_labels(self, uuid: str, confidence: float) -> SuggestedLabels:
+        from service.actions.suggest_labels import suggest_labels
+
+        with self.database.read() as tx:
+            return SuggestedLabels(items=suggest_labels(tx, tx.documents.get(uuid), confidence))
 
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage:
         with self.database.write() as tx:
@@ -317,6 +326,10 @@ class RemoteLibrary(Library):
         parameters |= {} if project is None else {"project": project}
         headers = {"content-type": "text/csv"}
         return ChangedDocuments(**self.send("PUT", "/labels", content=table, headers=headers, params=parameters).json())
+
+    def suggested_labels(self, uuid: str, confidence: float) -> SuggestedLabels:
+        parameters = {"confidence": confidence}
+        return SuggestedLabels(**self.send("GET", f"/documents/{uuid}/labels/suggested", params=parameters).json())
 
     def label(self, uuid: str, labels: list[tuple[str, int, int]], *, strict: bool) -> LabelPage:
         body = [{"name": name, "first": first, "last": last} for name, first, last in labels]

@@ -1,4 +1,4 @@
-"""`mcml labels`: labels of many documents at once."""
+"""`mcml labels`: labels of many documents at once, and suggested ones."""
 
 from __future__ import annotations
 
@@ -9,13 +9,16 @@ import typer
 
 from schemas.documents import ChangedDocuments
 from schemas.labels import LabelQuery
-from service.cli.shared import DatabaseOption, ServerOption, console, open_library
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
 from service.errors import McmlError
 
 
 def add_to(app: typer.Typer) -> None:
-    labels = typer.Typer(no_args_is_help=True, help="Labels of many documents: by query, and as tables.")
+    labels = typer.Typer(
+        no_args_is_help=True, help="Labels of many documents: by query, as tables; and from the motion."
+    )
     labels.command("query")(by_query)
+    labels.command("suggest")(suggest)
     labels.command("export")(export)
     labels.command("import")(import_)
     app.add_typer(labels, name="labels")
@@ -34,6 +37,29 @@ def by_query(
     """Name all frames that an XPath expression selects."""
     request = LabelQuery(name=name, xpath=xpath, project=project, document=document or [], remove=remove, strict=strict)
     _told(open_library(database, server).label_by_query(request))
+
+
+def suggest(
+    id: Annotated[str, typer.Argument(help="Document")],
+    confidence: Annotated[float, typer.Option(min=0, max=1, help="The least, 0 to 1")] = 0.5,
+    accept: Annotated[bool, typer.Option("--accept", help="Name the frames so, as one revision")] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find anatomical movements in a motion, as names for its frames."""
+    library = open_library(database, server)
+    found = library.suggested_labels(id, confidence)
+    if accept and found.items:
+        library.label(id, [(item.name, item.first, item.last) for item in found.items], strict=True)
+    if as_json:
+        print_json(found)
+        return
+    shown = table("name", "first#", "last#", "degrees#", "confidence#")
+    for item in found.items:
+        shown.add_row(item.name, f"{item.first}", f"{item.last}", f"{item.degrees:.0f}", f"{item.confidence:.2f}")
+    console.print(shown)
+    console.print(f"{len(found.items)} {'accepted' if accept else 'suggested'}")
 
 
 def export(

@@ -5,7 +5,10 @@ from __future__ import annotations
 import pytest
 from fastapi.testclient import TestClient
 
-from tests.builders import bvh
+from service.demo import body
+from service.formats import FORMATS
+from service.storage.database import Database
+from tests.builders import bvh, c3d_file, store
 
 API = "/api/v1"
 ANY = {"if-match": "*"}
@@ -101,3 +104,23 @@ def test_a_wrong_line_is_named_and_nothing_written(client: TestClient, uuid: str
     assert answer.status_code == 422
     assert answer.json()["where"] == {"line": number}
     assert labels(client, uuid) == [("hop", 10, 20), ("run", 15, 40)]
+
+
+def test_names_are_suggested_from_the_motion(client: TestClient, database: Database) -> None:
+    clip = body.clip("walk", 170.0, *body.walk(170.0, 4.0, 1.0, 6.0))
+    uuid = store(database, {"walk.bvh": b"".join(FORMATS["bvh"].write(clip, "bvh"))})[0]
+    before = client.get(f"{API}/documents/{uuid}").json()["revision"]
+    found = client.get(f"{API}/documents/{uuid}/labels/suggested").json()["items"]
+    assert {"left-leg-flexion", "right-leg-flexion", "left-knee-flexion"} & {item["name"] for item in found}
+    assert all(1 <= item["first"] <= item["last"] <= 240 and item["confidence"] >= 0.5 for item in found)
+    assert client.get(f"{API}/documents/{uuid}").json()["revision"] == before
+    surest = client.get(f"{API}/documents/{uuid}/labels/suggested", params={"confidence": 0.8}).json()["items"]
+    assert surest == [item for item in found if item["confidence"] >= 0.8]
+    wanted = [{key: item[key] for key in ("name", "first", "last")} for item in found]
+    answer = client.post(f"{API}/documents/{uuid}/labels?strict=true", json=wanted, headers={"if-match": "*"})
+    assert answer.status_code == 201, answer.text
+    assert client.get(f"{API}/documents/{uuid}").json()["revision"] == before + 1
+    markers = store(database, {"a.c3d": c3d_file()})[0]
+    refused = client.get(f"{API}/documents/{markers}/labels/suggested")
+    assert refused.status_code == 422
+    assert "Markers" in refused.json()["detail"]

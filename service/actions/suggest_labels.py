@@ -1,0 +1,40 @@
+"""Motion names for a document, from its motion."""
+
+from __future__ import annotations
+
+from schemas.labels import SuggestedLabel
+from service.actions.reshape_motion import read_whole
+from service.errors import DocumentError
+from service.mcml.motion_names import MotionName
+from service.motion.hub import HubReader
+from service.motion.movement_names import suggest_movements
+from service.motion.skeleton import Convention
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+
+
+def suggest_labels(tx: Transaction, stored: StoredDocument, confidence: float) -> list[SuggestedLabel]:
+    """Anatomical movements of at least that confidence, in order. Nothing is written.
+
+    Raises DocumentError for markers and without a frame time, ConversionError where nothing tells left from right.
+    """
+    seconds = stored.seconds_per_frame
+    if seconds is None:
+        raise DocumentError("The document has no frame time.", remedy="State it: PATCH the document with frame_time.")
+    whole = read_whole(tx, stored)
+    skeleton = whole.head.skeleton
+    if any(joint.convention is Convention.MARKER for joint in skeleton.joints):
+        raise DocumentError("Markers have no joint angles.", remedy="Choose a document of a body.")
+    reader = HubReader(skeleton, whole.reading)
+    found = suggest_movements(skeleton, reader.rest, reader.read(whole.block).rotations, seconds, whole.up)
+    return [
+        SuggestedLabel(
+            name=str(MotionName(one.side, one.part, one.movement)),
+            first=one.first + 1,
+            last=one.last + 1,
+            degrees=one.degrees,
+            confidence=one.confidence,
+        )
+        for one in found
+        if one.confidence >= confidence
+    ]
