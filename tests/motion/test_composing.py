@@ -249,6 +249,24 @@ def test_names_and_gaps_go_along() -> None:
     assert (placed[1] - placed[0]) == pytest.approx([2.0, 0, 0])
 
 
+def test_a_transition_has_no_sample_where_an_end_has_none() -> None:
+    skeleton = Skeleton(
+        tuple(Joint(name, -1, name, Convention.MARKER, ("Tx", "Ty", "Tz"), translation="absolute") for name in "ab")
+    )
+    columns = skeleton.columns()
+    full = full_shape(columns)
+    values = np.arange(18.0).reshape(3, 6)
+    gap = values.copy()
+    gap[2, 3:] = np.nan
+    whole_block = FrameBlock(values, columns, (full,), np.arange(3))
+    with_gap = FrameBlock(gap, columns, (full, (full[0], (1, 0))), np.arange(3), np.array([0, 0, 1]))
+    for pieces, rows in (((with_gap, whole_block), [2, 3, 4]), ((whole_block, with_gap), [7])):
+        made = compose(skeleton, [Piece(p, 0.1) for p in pieces], 0.1, transition=2, lengthen=False).block
+        expected = np.zeros(made.values.shape, dtype=bool)
+        expected[rows, 3:] = True
+        assert np.array_equal(np.isnan(made.values), expected)
+
+
 def test_what_cannot_be_composed_is_refused() -> None:
     clip = random_clip(Convention.LISTED, 3)
     with pytest.raises(ConversionError):

@@ -217,6 +217,21 @@ def test_a_limb_held_out_moves_horizontally(part: str, joint: str, side: str, ar
         assert named(skeleton, made(skeleton, arms_out, 0.0, f"{side}_{joint}", path)) == [(part, side, movement)]
 
 
+def test_what_is_little_of_a_movement_is_not_named() -> None:
+    skeleton = body(False, 0.0)
+
+    def arm(path: Rotation) -> set[str]:
+        return {movement for _, _, movement in named(skeleton, made(skeleton, False, 0.0, "left_up_arm", path))}
+
+    angles = np.radians(45) * smooth()[:, None]
+    slant, aside = np.array([-SLANT, 0, SLANT]), np.array([-0.95, 0, 0.312])
+    assert arm(Rotation.from_rotvec(angles * slant)) == {"flexion", "abduction"}
+    assert arm(Rotation.from_rotvec(angles * aside)) == {"flexion"}
+    # A limb that is lifted by less than 45 degrees does not move horizontally.
+    low = Rotation.from_rotvec([0, 0, np.radians(30)])
+    assert not any("horizontal" in name for name in arm(Rotation.from_rotvec(-2 * angles * [0, 1, 0]) * low))
+
+
 CIRCLES = {"head": "Head", "neck": "neck1", "trunk": "waist", "shoulder": "left_shoulder", "arm": "right_up_arm",
            "wrist": "left_hand", "leg": "left_up_leg", "foot": "right_foot", "fingers": "left_fingers",
            "finger-two": "left_finger_two", "thumb": "right_finger_one"}  # fmt: skip

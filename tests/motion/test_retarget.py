@@ -17,13 +17,15 @@ from service.mcml.joint_names import assign
 from service.motion.bone_mapping import Match, check_matches, suggest_matches
 from service.motion.clip import FrameBlock, full_shape
 from service.motion.frames import chosen_frames, joined
-from service.motion.hinges import best_twist
+from service.motion.hinges import best_twist, beyond_limits
 from service.motion.hub import HubReader
+from service.motion.hub_writer import HubWriter
 from service.motion.kinematics import global_positions
 from service.motion.lexemes import triple
 from service.motion.resizing import scale
 from service.motion.retarget import Retargeted, retarget
 from service.motion.rotation_vectors import angle_between
+from service.motion.rotations import from_euler, inverse, multiply
 from service.motion.skeleton import Array, Convention, Joint, Skeleton, numbers
 from service.motion.units import Reading, reading_of
 from tests.formats.test_real_files import opened
@@ -209,6 +211,18 @@ def test_the_best_turn_is_found() -> None:
 
     assert best_twist(error) == pytest.approx(2.345, abs=1e-3)
     assert best_twist(lambda angle: error(angle, 0.01)) == 0.0
+
+
+def test_limits_are_those_of_the_file() -> None:
+    knee = Joint("knee", -1, "knee", Convention.FIXED, ("Rx",), "X", axis=("0", "0", "20"), axis_order="XYZ",
+                 limits=("-10.0 170.0",))  # fmt: skip
+    writer = HubWriter(Skeleton((knee,)))
+    turn = writer.rest.orientations[0]
+    angles = np.array([-30.0, -10.0, 0.0, 170.0, 175.0])
+    local = multiply(multiply(turn, from_euler(np.radians(angles)[:, None], "X")), inverse(turn))
+    assert beyond_limits(knee, 0, writer, local) == pytest.approx([20, 0, 0, 0, 5], abs=1e-9)
+    assert not beyond_limits(replace(knee, limits=()), 0, writer, local).any()
+    assert not beyond_limits(replace(knee, limits=("-inf what",)), 0, writer, local).any()
 
 
 def tree(seed: int) -> tuple[Skeleton, Skeleton]:
