@@ -51,7 +51,7 @@ def start_analysis(
     if extends is not None:
         with database.read() as tx:
             result = tx.results.get(extends)
-        if analysis.extend is None or result.analysis != analysis.name:
+        if analysis.extend is None or result.analysis != analysis.name or result.continues:
             raise AnalysisError(
                 "not-extendable", f"{analysis.title} cannot add to this result.", remedy="Run the analysis anew."
             )

@@ -11,11 +11,11 @@ from service.actions.save_results import add_parts, load_parts, made_with
 from service.actions.start_analysis import checked_parameters
 from service.actions.store_clip import store_clip
 from service.analysis.catalogue import ANALYSES
-from service.analysis.interface import Answer, Operation
+from service.analysis.interface import Answer, Operation, Parts
 from service.errors import NotFoundError
 from service.settings import Settings
 from service.storage.database import Database
-from service.storage.results import StoredResult
+from service.storage.results import OPERATION, StoredResult
 
 KEPT = 8
 """Results whose models are kept ready. A result never changes, so what is kept is never stale."""
@@ -86,7 +86,7 @@ class Results:
                     name or f"{operation} of {stored.name}",
                     author,
                     stored.inputs,
-                    {"operation": operation, **checked.model_dump(mode="json")},
+                    {OPERATION: operation, **checked.model_dump(mode="json")},
                     made_with(),
                     parent=uuid,
                 )
@@ -103,25 +103,28 @@ class Results:
             if found is not None:
                 self._ready.move_to_end(uuid)
                 return found
-        with self._database.read() as tx:
-            stored = tx.results.get(uuid)
-            chain = [load_parts(tx, stored.key)]
-            parent = stored.parent
-            while parent is not None:
-                above = tx.results.get(parent)
-                chain.append(load_parts(tx, above.key))
-                parent = above.parent
-        parts: dict[str, Any] = {}
-        for layer in reversed(chain):
-            parts |= layer
-        analysis = ANALYSES.get(stored.analysis)
-        if analysis is None:
-            raise NotFoundError(f"There is no analysis {stored.analysis!r} any more.")
-        ready = analysis.prepare(parts)
-        with self._lock:
-            self._ready[uuid] = (stored, ready)
-            while len(self._ready) > KEPT:
-                self._ready.popitem(last=False)
+        # What operations kept holds no more than what is new, so that all paths of a space share one copy of it.
+        chain: list[tuple[StoredResult, Parts]] = []
+        above = uuid
+        while found is None:
+            with self._database.read() as tx:
+                stored = tx.results.get(above)
+                chain.append((stored, load_parts(tx, stored.key)))
+            if not stored.continues or stored.parent is None:
+                break
+            above = stored.parent
+            with self._lock:
+                found = self._ready.get(above)
+        ready = None if found is None else found[1]
+        for stored, parts in reversed(chain):
+            analysis = ANALYSES.get(stored.analysis)
+            if analysis is None:
+                raise NotFoundError(f"There is no analysis {stored.analysis!r} any more.")
+            ready = analysis.proceed(ready, parts) if stored.continues else analysis.prepare(parts)
+            with self._lock:
+                self._ready[stored.uuid] = (stored, ready)
+                while len(self._ready) > KEPT:
+                    self._ready.popitem(last=False)
         return stored, ready
 
     def _operation(self, stored: StoredResult, name: str) -> Operation:

@@ -159,6 +159,8 @@ class Analysis:
     parts: by name, those a result may have. operations: by name.
     run: (motions sorted by document id, parameters, progress) -> parts. Raises AnalysisError. Deterministic.
     prepare: (parts of a stored result) -> what its operations get as first argument, kept between calls.
+    proceed: (what is ready of a result, the parts that an operation on it kept) -> what is ready of those; shares
+    what is the same.
     extend: (parts of a stored result, motions to add, parameters, progress) -> parts of a new one; None where a result
     cannot grow.
     """
@@ -171,6 +173,7 @@ class Analysis:
     run: Callable[[Sequence[Motion], Any, Progress], Parts]
     operations: Mapping[str, Operation] = field(default_factory=dict)
     prepare: Callable[[Parts], Any] = lambda parts: parts
+    proceed: Callable[[Any, Parts], Any] = lambda ready, parts: ready
     extend: Callable[[Parts, Sequence[Motion], Any, Progress], Parts] | None = None
     fewest: int = 1
     most: int = 2000

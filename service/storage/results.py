@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 BLOCK_BYTES = 4 << 20
 """Of an array in one row, before compression."""
 
+OPERATION = "operation"
+"""The parameter of a kept result that names the operation that made it."""
+
 _PARENT = result.alias()
 _LISTED = (
     select(result, project.c.name.label("project_name"), _PARENT.c.uuid.label("parent_uuid"))
@@ -46,6 +49,11 @@ class StoredResult:
     parameters: dict[str, Any]
     made_with: dict[str, str]
     created: str
+
+    @property
+    def continues(self) -> bool:
+        """Whether an operation on its parent kept it: it holds what is new, and needs its parent."""
+        return self.parent is not None and OPERATION in self.parameters
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from service.actions.load_demo import add_clips
+from service.actions.use_result import Results
 from service.demo.face_takes import EXPRESSIONS, face_takes
 from service.settings import Settings
 from service.storage.database import Database
@@ -93,3 +94,29 @@ def test_a_misplaced_parameter_is_named(client: TestClient) -> None:
         assert answer.status_code == 422
         places = {error["in"] for error in answer.json()["errors"]}
         assert places == {f"body.{name}" for name in ("keys", "parameters") if (name in body) == (name == "keys")}
+
+
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_versions_of_a_path_share_the_space(client: TestClient, database: Database) -> None:
+    takes = [take.clip for take in face_takes(3, expressions=EXPRESSIONS[:2], every_marker=8, fps=24)]
+    add_clips(database, Settings(), "faces", takes, (), "")
+    done = wait(client, client.post(f"{API}/analyses/expression", json={"inputs": {"project": "faces"}}).json())
+    space = done["result"]
+    level = use(client, space, "level", level=0)["value"]
+    keys = [{key: level["candidates"][place][key] for key in ("document", "frame")} for place in (0, -1)]
+    path = use(client, space, "path", level=0, keys=keys, auto_route=True)["result"]
+    versions = [path]
+    for level in (1, 2):
+        versions.append(use(client, versions[-1], "refine", level=level, auto=True)["result"])
+    results = client.app.state.results  # type: ignore[attr-defined]
+    warm = [use(client, uuid, "playback", fps=24)["value"] for uuid in versions]
+    # Started anew, the last version first: whatever is not ready is read, once.
+    cold = Results(database, Settings())
+    assert [cold.use(uuid, "playback", {"fps": 24}, author="").answer.value.length_mm for uuid in versions[::-1]] == [
+        value["length_mm"] for value in warm[::-1]
+    ]
+    for kept in (results, cold):
+        assert len({id(kept._prepared(uuid)[1].positions) for uuid in [*versions, space]}) == 1
+    grown = {"inputs": {"project": "faces"}, "extends": path}
+    refused = client.post(f"{API}/analyses/expression", json=grown)
+    assert refused.json()["code"] == "not-extendable"

@@ -44,7 +44,7 @@ from service.analysis.expression_space.options import Options, options_of
 from service.analysis.expression_space.parts import parts_of
 from service.analysis.expression_space.playback import markers_of, sample
 from service.analysis.expression_space.space import build
-from service.analysis.expression_space.stored import Path, Stored, from_stored, path_part
+from service.analysis.expression_space.stored import Path, Stored, from_stored, on_path, path_part
 from service.analysis.interface import (
     Analysis,
     AnalysisError,
@@ -368,6 +368,7 @@ EXPRESSION = Analysis(
         "playback": Operation("Play a path as a motion of markers", ExpressionPlayback, ExpressionMotion, playback),
     },
     prepare=from_stored,
+    proceed=on_path,
     extend=lambda parts, motions, _, progress: extend(parts, motions, progress),
     fewest=1,
     most=2000,

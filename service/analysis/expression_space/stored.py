@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from copy import copy
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -42,7 +43,6 @@ class Stored:
     sizes: Sequence[NDArray[np.int64]]
     components: Sequence[int]
     path: Path | None = None
-    _places: dict[tuple[int, int], int] = field(default_factory=dict)
 
     @property
     def documents(self) -> Sequence[str]:
@@ -126,6 +126,13 @@ def from_stored(parts: Parts) -> Stored:
     _ = graph.matrix
     if "path" in parts:
         found.path = _path(found, parts["path"].data["path"])
+    return found
+
+
+def on_path(space: Stored, parts: Parts) -> Stored:
+    """The same space with the path that an operation kept."""
+    found = copy(space)
+    found.path = _path(space, parts["path"].data["path"])
     return found
 
 
