@@ -48,6 +48,7 @@ class Listed:
     frames: int
     frame_time: str | None
     revision: int
+    project: int
 
 
 ROWS_AT_A_TIME = 4096
@@ -116,7 +117,7 @@ class Columns:
     def __init__(self, tx: Transaction) -> None:
         self._tx = tx
 
-    def documents(self, keys: Sequence[int] | None = None, project_key: int | None = None) -> list[Listed]:
+    def documents(self, keys: Sequence[int] | None = None) -> list[Listed]:
         """The documents (all, if no keys are given) by name, then key."""
         at = self._tx.at
         newest = (
@@ -132,13 +133,11 @@ class Columns:
             source = document.join(held, and_(held.c.document == document.c.id, held.c.number == newest))
         about = (document.c.id, document.c.uuid, held.c.name, content.c.version, content.c.skeleton)
         query = (
-            select(*about, content.c.frames, content.c.frame_time, newest)
+            select(*about, content.c.frames, content.c.frame_time, newest, held.c.project)
             .select_from(source)
             .join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
             .where(self._tx.documents.visible(), document.c.deleted_commit > at)
         )
-        if project_key is not None:
-            query = query.where(held.c.project == project_key)
         if keys is not None:
             query = query.where(document.c.id.in_(_KEYS))
         found = self._tx.connection.execute(query).all() if keys is None else self._rows(query, keys)

@@ -44,7 +44,7 @@ class Columnar:
         self.tx = tx
         self.tree = tree
         self.start = start_of(tree)
-        self.frames = Frames(tx, self.start, scope)
+        self.frames = Frames(tx, self.start, scope, shared.listing)
         self._shared = shared
         self._check = check
 
@@ -115,8 +115,6 @@ class Columnar:
             return
         if self.start is not None:
             nodes = self.frames.of(columns.forest)
-            if self.start.indexed and all(step.axis in DOWNWARDS for step in self.start.steps):
-                columns.forest.look_only_at(nodes)
             nodes = columns.filtered(documents_of(nodes), nodes, self.start.predicates)
             rest = self.start.steps
         else:

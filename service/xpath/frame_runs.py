@@ -3,15 +3,58 @@
 from __future__ import annotations
 
 import json
+from bisect import insort
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from service.mcml.lexical import escape
+from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, NAME_WIDTH, NAMES_FROM, Ints, slots_of
 from service.xpath.pairs import expand
 from service.xpath.texts import to_number
+
+
+@dataclass(frozen=True, slots=True)
+class Labels:
+    """One document. starts: first frames of runs that carry the same motion names, the first one 1; names: theirs."""
+
+    starts: list[int]
+    names: list[tuple[str, ...]]
+
+    @property
+    def nbytes(self) -> int:
+        """About how much memory it takes."""
+        return 256 + 128 * len(self.starts)
+
+
+def read_labels(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Labels]:
+    """The motion names of each document by its key."""
+    spans: dict[int, list[tuple[int, int, str]]] = {}
+    for key, first, last, name in tx.columns.spans([listed.key for listed in documents]):
+        spans.setdefault(key, []).append((first, last, name))
+    return {listed.key: _labels(spans.get(listed.key, []), listed.frames) for listed in documents}
+
+
+def _labels(spans: Sequence[tuple[int, int, str]], frames: int) -> Labels:
+    """spans: (first, last, name) in the order in which a frame that several cover has their names."""
+    begins: dict[int, list[int]] = {1: []}
+    ends: dict[int, list[int]] = {}
+    for number, (first, last, _) in enumerate(spans):
+        begins.setdefault(first, []).append(number)
+        ends.setdefault(last + 1, []).append(number)
+    starts = sorted(start for start in {*begins, *ends} if start <= max(1, frames))
+    names: list[tuple[str, ...]] = []
+    covering: list[int] = []
+    for start in starts:
+        for number in ends.get(start, ()):
+            covering.remove(number)
+        for number in begins.get(start, ()):
+            insort(covering, number)
+        names.append(tuple(spans[number][2] for number in covering))
+    return Labels(starts, names)
 
 
 class LabelRuns:
@@ -20,33 +63,17 @@ class LabelRuns:
     names: of all runs one after the other, each its place in `stored`, and in `texts` as XML has it.
     """
 
-    def __init__(self, tx: Transaction, keys: Sequence[int], frames: Ints, only: tuple[int, int] | None = None) -> None:
-        spans: dict[int, list[tuple[int, int, str]]] = {}
-        for document, first, last, name in tx.columns.spans(keys, only):
-            spans.setdefault(document, []).append((first, last, name))
-        self.stored: list[str] = []
-        self.texts: list[str] = []
+    def __init__(self, labels: Sequence[Labels]) -> None:
         codes: dict[str, int] = {}
-        starts: list[int] = []
-        lengths: list[int] = []
-        names: list[int] = []
-        for place, key in enumerate(keys):
-            found = spans.get(key, [])
-            ends = {1, *(first for first, _, _ in found), *(last + 1 for _, last, _ in found)}
-            for start in sorted(end for end in ends if end <= max(1, int(frames[place]))):
-                covering = [name for first, last, name in found if first <= start <= last]
-                starts.append((place << (DOCUMENT_SHIFT - FRAME_SHIFT)) | start)
-                lengths.append(len(covering))
-                for name in covering:
-                    code = codes.setdefault(name, len(codes))
-                    if code == len(self.texts):
-                        self.stored.append(name)
-                        self.texts.append(escape(name))
-                    names.append(code)
-        self.starts: Ints = np.array(starts, np.int64)
-        self.lengths: Ints = np.array(lengths, np.int64)
-        self.offsets: Ints = np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
-        self.names: Ints = np.array(names, np.int64)
+        places = np.repeat(np.arange(len(labels)), [len(each.starts) for each in labels])
+        starts = np.array([start for each in labels for start in each.starts], np.int64)
+        self._of_runs = [names for each in labels for names in each.names]
+        self.starts: Ints = (places << (DOCUMENT_SHIFT - FRAME_SHIFT)) | starts
+        self.lengths: Ints = np.array([len(names) for names in self._of_runs], np.int64)
+        self.offsets: Ints = np.concatenate([[0], np.cumsum(self.lengths)])
+        numbers = [codes.setdefault(name, len(codes)) for names in self._of_runs for name in names]
+        self.names: Ints = np.array(numbers, np.int64)
+        self.texts = [escape(name) for name in codes]
 
     def run_of(self, nodes: Ints) -> Ints:
         return np.asarray(np.searchsorted(self.starts, nodes >> FRAME_SHIFT, side="right") - 1)
@@ -60,11 +87,7 @@ class LabelRuns:
         runs = self.run_of(frames)
         if not self.lengths[runs].any():
             return None
-        names = {run: tuple(self.stored[code] for code in self._codes_of(run)) for run in np.unique(runs).tolist()}
-        return [names[run] for run in runs.tolist()]
-
-    def _codes_of(self, run: int) -> list[int]:
-        return self.names[self.offsets[run] : self.offsets[run + 1]].tolist()  # type: ignore[no-any-return]
+        return [self._of_runs[run] for run in runs.tolist()]
 
     def codes(self, nodes: Ints) -> Ints:
         """The place in `texts` of the name that each motion_name (or its text) holds."""
@@ -77,20 +100,46 @@ class LabelRuns:
         return source, frames[source] + NAMES_FROM + NAME_WIDTH * number
 
 
+@dataclass(frozen=True, slots=True)
+class Ids:
+    """One document. runs: (n, 4) first position, first id, step, frames. texts: the ids of runs that are no integers,
+    by the number of the run."""
+
+    runs: Ints
+    texts: dict[int, list[str]]
+
+    @property
+    def nbytes(self) -> int:
+        """About how much memory it takes."""
+        return 256 + self.runs.nbytes + 64 * sum(map(len, self.texts.values()))
+
+
+def read_ids(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Ids]:
+    """The ids of the frames of each document by its key."""
+    runs: dict[int, list[tuple[int, int, int, int]]] = {listed.key: [] for listed in documents}
+    texts: dict[int, dict[int, list[str]]] = {listed.key: {} for listed in documents}
+    for key, first, count, first_id, step, text in tx.columns.frame_runs(list(runs)):
+        if text is not None:
+            texts[key][len(runs[key])] = json.loads(text)
+        runs[key].append((first, first_id or 0, step or 0, count))
+    return {key: Ids(np.array(found, np.int64).reshape(-1, 4), texts[key]) for key, found in runs.items()}
+
+
 class IdRuns:
     """Frame ids, as arithmetic where they are integers of equal steps."""
 
-    def __init__(self, tx: Transaction, keys: Sequence[int]) -> None:
-        place = {key: number for number, key in enumerate(keys)}
-        rows = [
-            ((place[document] << (DOCUMENT_SHIFT - FRAME_SHIFT)) | first, first_id or 0, step or 0, count, texts)
-            for document, first, count, first_id, step, texts in tx.columns.frame_runs(keys)
-        ]
-        rows.sort(key=lambda row: row[0])
-        self._texts = {number: json.loads(row[4]) for number, row in enumerate(rows) if row[4] is not None}
-        table = np.array([row[:4] for row in rows], np.int64).reshape(-1, 4)
-        self._keys, self._first, self._step, self._count = table.T
-        self._is_text = np.isin(np.arange(len(rows)), list(self._texts))
+    def __init__(self, ids: Sequence[Ids]) -> None:
+        lengths = [len(each.runs) for each in ids]
+        offsets = np.cumsum(lengths) - lengths
+        runs = np.concatenate([np.empty((0, 4), np.int64), *(each.runs for each in ids)])
+        first, self._first, self._step, self._count = runs.T
+        self._keys: Ints = (np.repeat(np.arange(len(ids)), lengths) << (DOCUMENT_SHIFT - FRAME_SHIFT)) | first
+        self._texts = {
+            offset + number: texts
+            for offset, each in zip(offsets.tolist(), ids, strict=True)
+            for number, texts in each.texts.items()
+        }
+        self._is_text = np.isin(np.arange(len(runs)), list(self._texts))
 
     def find(self, wanted: str | float) -> Ints:
         """The frame elements whose id is a text, or has this number; ascending."""

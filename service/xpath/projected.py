@@ -15,7 +15,7 @@ from service.storage.database import Transaction
 from service.xpath.evaluate import Evaluator, Nodes, Scalar
 from service.xpath.evaluate import Node as Found
 from service.xpath.limits import Limits
-from service.xpath.nodes import Node, Run, Scope
+from service.xpath.nodes import Node, Run
 from service.xpath.parse import Query
 from service.xpath.projection import Projection, projection
 from service.xpath.render import bone_names, labelled_blocks
@@ -26,12 +26,14 @@ from service.xpath.tree import Literal as Constant
 class Projected:
     """The answer of an expression over a scope, document by document."""
 
-    def __init__(self, evaluator: Evaluator, tx: Transaction, query: Query, scope: Scope, limits: Limits) -> None:
+    def __init__(
+        self, evaluator: Evaluator, tx: Transaction, query: Query, documents: Sequence[Listed], limits: Limits
+    ) -> None:
         self.evaluator = evaluator
         self.tx = tx
         self.limits = limits
         self.query, self.nth = without_index(query)
-        self.documents = tx.columns.documents(scope.keys, scope.project)
+        self.documents = documents
         self._xml = Xml(tx, limits, self.query.tree)
 
     @property

@@ -67,7 +67,7 @@ def _frames(forest: Forest, nodes: Ints) -> list[str]:
     for start in range(0, len(nodes), BLOCK_FRAMES):
         some = nodes[start : start + BLOCK_FRAMES]
         for document, block in read_frames(forest, some):
-            for text in b"".join(write_frames(block, forest.bone_names(document))).split(b"</frame>\n")[:-1]:
+            for text in b"".join(write_frames(block, forest.layouts[document].names)).split(b"</frame>\n")[:-1]:
                 result.append((text[:-1] + b"/>" if text.endswith(b'">') else text + b"</frame>").decode())
     return result
 
@@ -127,7 +127,7 @@ def _block(forest: Forest, nodes: Ints, slots: Ints, tracks: Sequence[tuple[Any,
     return FrameBlock(
         np.ascontiguousarray(values.T),
         tuple(place),
-        tuple(forest.shape(number) for number in numbers.tolist()),
+        tuple(forest.shapes.of_shape(number) for number in numbers.tolist()),
         ids if texts is None else texts,
         shape_of.reshape(-1).astype(np.intp),
         forest.labels.of_frames(nodes),

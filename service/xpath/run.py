@@ -80,8 +80,9 @@ class Queries:
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         limits = limits or self.limits()
         with self.database.read(LATEST if cursor is None else cursor.commit) as tx:
-            asking = _Asking(self, tx, query, _scope(tx, request), limits, wants_explain=request.explain)
-            page = _Page(request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
+            scope = self._scope(tx, request.document, request.project)
+            asking = _Asking(self, tx, query, scope, limits, wants_explain=request.explain)
+            page = _Page(self.shared, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
             answer = asking.answer(page)
             if request.explain:
                 answer.explain = asking.explained((time.perf_counter() - start) * 1000)
@@ -96,7 +97,8 @@ class Queries:
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         limits = limits or self.limits()
         with self.database.read() as tx:
-            asking = _Asking(self, tx, query, _scope(tx, request), limits, wants_explain=False)
+            scope = self._scope(tx, request.document, request.project)
+            asking = _Asking(self, tx, query, scope, limits, wants_explain=False)
             commit = tx.newest_commit()
             try:
                 parts = collect(tx, asking.nodes(), request.limit, limits.max_elements)
@@ -109,23 +111,18 @@ class Queries:
     ) -> tuple[int, list[Completion]]:
         """(first character that is replaced, completions) at a place in an expression, over a scope."""
         with self.database.read() as tx:
-            scope = _scope_of(tx, documents, project)
-            keys = [listed.key for listed in tx.columns.documents(scope.keys, scope.project)]
+            scope = self._scope(tx, documents, project)
+            keys = [listed.key for listed in self.shared.listing.documents(tx, scope.keys, scope.project)]
             columns = tx.columns
             return complete(text, at, lambda: columns.used_motion_names(keys), lambda: columns.used_bone_names(keys))
+
+    def _scope(self, tx: Transaction, documents: Sequence[str], project: str | None) -> Scope:
+        keys = [self.shared.listing.key(tx, uuid) for uuid in dict.fromkeys(documents)] if documents else None
+        return Scope(keys, tx.projects.get(project) if project else None, project)
 
     def limits(self) -> Limits:
         """The limits of one query."""
         return Limits(self.settings.query_seconds, self.settings.query_elements)
-
-
-def _scope(tx: Transaction, request: QueryRequest) -> Scope:
-    return _scope_of(tx, request.document, request.project)
-
-
-def _scope_of(tx: Transaction, documents: Sequence[str], project: str | None) -> Scope:
-    keys = [tx.documents.get(uuid).key for uuid in dict.fromkeys(documents)] if documents else None
-    return Scope(keys, tx.projects.get(project) if project else None, project)
 
 
 class _Asking:
@@ -185,13 +182,17 @@ class _Asking:
     def source(self, tree: Expression) -> Scan | Columnar:
         """Where the nodes of an expression come from."""
         plan = plan_scan(tree)
-        documents = [] if plan is None else self.tx.columns.documents(self.scope.keys, self.scope.project)
+        documents = [] if plan is None else self._documents()
         if plan is None or len(documents) > MAX_DOCUMENTS:
             return self._columnar(tree)
         whole = self.scope.keys is None and self.scope.project is None
         scan = Scan(self.tx, plan, documents, self.engine.shared, self.limits.check, whole_store=whole)
         self._explained("index", scan)
         return scan
+
+    def _documents(self) -> list[Listed]:
+        """Those that are asked."""
+        return self.engine.shared.listing.documents(self.tx, self.scope.keys, self.scope.project)
 
     def _columnar(self, tree: Expression) -> Columnar:
         found = Columnar(self.tx, tree, self.scope, self.engine.shared, self.limits.check)
@@ -233,13 +234,13 @@ class _Asking:
                 raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
             found = [item for item in answer.items if isinstance(item, Node)]
         else:
-            found = Projected(self.engine.evaluator, self.tx, self.query, self.scope, self.limits).nodes(0, most)
+            found = Projected(self.engine.evaluator, self.tx, self.query, self._documents(), self.limits).nodes(0, most)
         if len(found) > MAX_ON_XML:
             raise LimitError(f"The answer has more than {MAX_ON_XML:,} nodes.", remedy="Narrow the question.")
         return found
 
     def _sequences(self) -> Sequences:
-        return Sequences(self.engine.saxon, self.tx, self.query, self.scope, self.limits)
+        return Sequences(self.engine.saxon, self.tx, self.query, self._documents(), self.limits)
 
     def _by_saxon(self, page: _Page) -> QueryAnswer:
         source = self._sequences()
@@ -252,7 +253,7 @@ class _Asking:
         return page.of_sequence(self.tx, source.page(page.offset, page.limit + 1))
 
     def _on_xml(self, page: _Page) -> QueryAnswer:
-        source = Projected(self.engine.evaluator, self.tx, self.query, self.scope, self.limits)
+        source = Projected(self.engine.evaluator, self.tx, self.query, self._documents(), self.limits)
         if source.type == "nodes":
             return page.of_projected(self.tx, source)
         kind, value, each = source.scalars()
@@ -265,6 +266,7 @@ class _Asking:
 class _Page:
     """One page of nodes, runs or values."""
 
+    shared: Shared
     request: QueryRequest
     limit: int
     cursor: Cursor | None
@@ -309,7 +311,7 @@ class _Page:
         if self.offset + self.limit > MAX_RUNS:
             raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
         runs = list(islice(found, self.offset, self.offset + self.limit + 1))
-        items = run_items(tx, runs[: self.limit])
+        items = run_items(tx, self.shared, runs[: self.limit])
         return QueryAnswer(type="runs", items=list(items), next_cursor=self._next(tx, len(runs) > self.limit))
 
     def _nodes(self, tx: Transaction, nodes: list[Node]) -> QueryAnswer:
@@ -349,12 +351,12 @@ def without_index(tree: Expression) -> tuple[Expression, int | None]:
     return tree, None
 
 
-def run_items(tx: Transaction, runs: Sequence[Run]) -> list[RunItem]:
+def run_items(tx: Transaction, shared: Shared, runs: Sequence[Run]) -> list[RunItem]:
     """Runs as an answer shows them, their frame ids read together."""
-    keys = list(dict.fromkeys(run.stored.key for run in runs))
-    place = {key: number for number, key in enumerate(keys)}
+    documents = {run.stored.key: run.stored for run in runs}
+    place = {key: number for number, key in enumerate(documents)}
     ends = [(place[run.stored.key] << 48) | (end << 24) for run in runs for end in (run.first, run.last)]
-    numbers, others = IdRuns(tx, keys).numbers(np.array(ends, np.int64))
+    numbers, others = IdRuns(shared.ids.read(tx, list(documents.values()))).numbers(np.array(ends, np.int64))
     ids = [others.get(index, str(number)) for index, number in enumerate(numbers.tolist())]
     return [
         RunItem(

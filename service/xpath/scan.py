@@ -22,7 +22,8 @@ from service.storage.tables import CHUNK
 from service.xpath.axes import step as axis_step
 from service.xpath.forest import Forest
 from service.xpath.labels import motion_name_groups, ranges_of
-from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Bools, Floats, Ints
+from service.xpath.layouts import ShapeRuns
+from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Bools, Floats, Ints, frames_of
 from service.xpath.shared import Shared
 from service.xpath.tree import Expression, Path
 from service.xpath.vectors import Condition, Sample, attribute_conditions, bone_conditions, condition, conjunction
@@ -143,7 +144,7 @@ class Scan:
             kept = [listed for listed in kept if listed.key in self._labelled]
         self.forest = Forest(tx, kept, shared, whole_heads=False)
         self._place = {listed.key: place for place, listed in enumerate(kept)}
-        self._timeline = _Timeline(tx, self.forest.keys)
+        self._timeline = _Timeline(self.forest.shapes)
         self.rows_read = 0
 
     @property
@@ -316,11 +317,11 @@ def slots_of_chunks(chunks: Ints) -> Ints:
 class _Timeline:
     """Where in their documents the frames of slots are."""
 
-    def __init__(self, tx: Transaction, keys: Sequence[int]) -> None:
-        place = {key: number for number, key in enumerate(keys)}
-        rows = [(place[row[0]] << 32 | row[2], row[1], row[3]) for row in tx.columns.timelines(keys)]
-        rows.sort()
-        self._starts, self._first, self._count = np.array(rows, np.int64).reshape(-1, 3).T
+    def __init__(self, runs: ShapeRuns) -> None:
+        slots = (runs.places << 32) | runs.slots
+        order = np.argsort(slots)
+        self._starts, self._count = slots[order], runs.counts[order]
+        self._first = frames_of(runs.keys[order] << FRAME_SHIFT)
 
     def positions(self, places: Ints, slots: Ints) -> Ints:
         """The position of the frame in each slot, 0 where no frame of the document lies any more."""

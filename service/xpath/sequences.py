@@ -11,7 +11,7 @@ from service.storage.database import Transaction
 from service.xpath.evaluate import Node as Found
 from service.xpath.later import AGGREGATES
 from service.xpath.limits import Limits
-from service.xpath.nodes import Node, Run, Scope
+from service.xpath.nodes import Node, Run
 from service.xpath.parse import Query
 from service.xpath.projected import Xml, runs_of_nodes, without_index
 from service.xpath.saxon import Items, Saxon
@@ -35,10 +35,12 @@ class Answer:
 class Sequences:
     """The answer of an expression over a scope."""
 
-    def __init__(self, saxon: Saxon, tx: Transaction, query: Query, scope: Scope, limits: Limits) -> None:
+    def __init__(
+        self, saxon: Saxon, tx: Transaction, query: Query, documents: Sequence[Listed], limits: Limits
+    ) -> None:
         self.saxon = saxon
         self.limits = limits
-        self.documents: Sequence[Listed] = tx.columns.documents(scope.keys, scope.project)
+        self.documents = documents
         query, self.nth = without_index(query)
         self.tree = query.tree
         self.xml = Xml(tx, limits, query.tree)

@@ -2,15 +2,58 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Generic, Protocol, TypeVar
 
+from service.storage.columns import Listed
+from service.storage.database import Transaction
+from service.xpath.frame_runs import Ids, Labels, read_ids, read_labels
 from service.xpath.heads import Heads
+from service.xpath.kept import Kept
+from service.xpath.layouts import Layout, read_layouts
+from service.xpath.listing import Listing
 from service.xpath.tracks import Tracks
+
+
+class _Sized(Protocol):
+    @property
+    def nbytes(self) -> int: ...
+
+
+Part = TypeVar("Part", bound=_Sized)
+
+
+class OfDocuments(Generic[Part]):
+    """Parts of documents. At one revision a document never changes.
+
+    read: the part of each document by its key. limit: bytes kept.
+    """
+
+    def __init__(
+        self, read: Callable[[Transaction, Sequence[Listed]], Mapping[int, Part]], limit: int = 8 << 20
+    ) -> None:
+        self._read = read
+        self._kept = Kept[tuple[int, int], Part](limit, lambda part: part.nbytes)
+
+    def read(self, tx: Transaction, documents: Sequence[Listed]) -> list[Part]:
+        """The part of each document. tx: one that only reads, for a revision that may yet be taken back is none."""
+        wanted = {(listed.key, listed.revision): listed for listed in documents}
+
+        def missing(keys: list[tuple[int, int]]) -> dict[tuple[int, int], Part]:
+            parts = self._read(tx, [wanted[key] for key in keys])
+            return {key: parts[key[0]] for key in keys}
+
+        return self._kept.get([(listed.key, listed.revision) for listed in documents], missing)
 
 
 @dataclass(frozen=True)
 class Shared:
-    """heads: of documents, as nodes. tracks: decoded."""
+    """listing: which documents there are. heads, layouts, labels, ids: of documents. tracks: decoded."""
 
+    listing: Listing = field(default_factory=Listing)
     heads: Heads = field(default_factory=Heads)
+    layouts: OfDocuments[Layout] = field(default_factory=lambda: OfDocuments(read_layouts))
+    labels: OfDocuments[Labels] = field(default_factory=lambda: OfDocuments(read_labels))
+    ids: OfDocuments[Ids] = field(default_factory=lambda: OfDocuments(read_ids))
     tracks: Tracks = field(default_factory=Tracks)
