@@ -13,6 +13,7 @@ from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.identifiers import stored_form
 from service.storage.restoring import reopen_rows
+from service.storage.rows import skeleton_rows
 from service.storage.spans import StoredSpan
 from service.storage.undoing import undo_rows
 
@@ -78,7 +79,7 @@ def move_to_project(tx: Transaction, stored: StoredDocument, project: str) -> No
     """Skeletons are shared inside one project, so a move takes a copy of the skeleton along."""
     key = tx.projects.get_or_add(given_name(project, "project"))
     forest = tx.heads.skeleton(stored.skeleton)
-    skeleton = tx.heads.add_skeleton(key, forest, _joints(forest))
+    skeleton = tx.heads.add_skeleton(key, skeleton_rows(forest), _joints(forest))
     tx.documents.move(stored.key, key)
     tx.documents.write_content(
         stored.key,

@@ -52,8 +52,9 @@ def convert_files(
             raise FormatError(
                 f"The files hold {len(found.clips)} motions, not one.", remedy="Convert one motion at a time."
             )
-        document, stream, _ = open_clip(found.clips[0], options, settings)
-        head = to_head(document, frame_time or stream.head.frame_time)
+        opened = open_clip(found.clips[0], options, settings)
+        stream = opened.stream
+        head = to_head(opened.document, frame_time or stream.head.frame_time)
         clip = ClipStream(head, stream.blocks, stream.frames, stream.notices)
         name, part = known[target]
         if name == "mcml":

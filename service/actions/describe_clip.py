@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +13,7 @@ from service.errors import Notice
 from service.mcml.joint_names import NamingReport
 from service.motion.clip import ClipHead
 from service.motion.kinematics import rest_positions
-from service.motion.skeleton import Array, Convention
+from service.motion.skeleton import Array, Convention, Skeleton
 
 _HEIGHTS = (("m", 0.8, 3.0), ("ft", 3.5, 8.0), ("inch", 40.0, 95.0), ("cm", 95.0, 260.0), ("mm", 800.0, 2600.0))
 
@@ -60,20 +63,38 @@ def up_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
     return {"value": None, "stated": False, "why": f"the file names no up axis; the rest pose is longest along {axis}"}
 
 
-def receipt(head: ClipHead, frames: int, names: NamingReport | None, notices: list[Notice]) -> dict[str, Any]:
-    """The whole receipt as plain JSON values."""
-    orders: dict[str, int] = {}
-    for joint in head.skeleton.joints:
-        if joint.rotation_order and any(channel.startswith("R") for channel in joint.channels):
-            orders[joint.rotation_order] = orders.get(joint.rotation_order, 0) + 1
-    positions = rest_positions(head.skeleton)
-    extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(3)
-    conventions = {joint.convention for joint in head.skeleton.joints}
+@dataclass(frozen=True)
+class SkeletonFacts:
+    """What a receipt says of a skeleton. extent: of its rest pose along X, Y, Z. orders: joints of each one."""
+
+    extent: Array
+    channels: int
+    orders: Mapping[str, int]
+    conventions: frozenset[Convention]
+    translations: tuple[str, ...]
+
+
+def skeleton_facts(skeleton: Skeleton) -> SkeletonFacts:
+    positions = rest_positions(skeleton)
+    turning = [joint for joint in skeleton.joints if any(channel.startswith("R") for channel in joint.channels)]
+    return SkeletonFacts(
+        extent=np.ptp(positions, axis=0) if len(positions) else np.zeros(3),
+        channels=len(skeleton.columns()),
+        orders=Counter(joint.rotation_order for joint in turning if joint.rotation_order),
+        conventions=frozenset(joint.convention for joint in skeleton.joints),
+        translations=tuple(sorted({joint.translation for joint in skeleton.joints if joint.translation})),
+    )
+
+
+def receipt(
+    head: ClipHead, facts: SkeletonFacts, frames: int, names: NamingReport | None, notices: list[Notice]
+) -> dict[str, Any]:
+    """The whole receipt as plain JSON values. facts: of the head's skeleton."""
     return {
         "format": head.format,
         "frames": frames,
         "joints": len(head.skeleton),
-        "channels": len(head.skeleton.columns()),
+        "channels": facts.channels,
         "naming": None
         if names is None
         else {
@@ -81,15 +102,15 @@ def receipt(head: ClipHead, frames: int, names: NamingReport | None, notices: li
             "mapped": dict(names.mapped),
             "unmapped": [{"source": source, "name": name, "why": why} for source, name, why in names.unmapped],
         },
-        "unit": unit_facts(head, extent),
+        "unit": unit_facts(head, facts.extent),
         "frame_rate": rate_facts(head),
-        "up_axis": up_facts(head, extent),
-        "rotation_orders": orders,
-        "conventions": sorted(convention.value for convention in conventions),
-        "translation": sorted({joint.translation for joint in head.skeleton.joints if joint.translation}),
+        "up_axis": up_facts(head, facts.extent),
+        "rotation_orders": dict(facts.orders),
+        "conventions": sorted(convention.value for convention in facts.conventions),
+        "translation": list(facts.translations),
         "encoding": {part.part: part.encoding for part in head.sources},
         "number_style": head.number_style,
-        "markers": Convention.MARKER in conventions,
+        "markers": Convention.MARKER in facts.conventions,
         "notices": [
             {"kind": notice.kind, "what": notice.what, "at": None if notice.at is None else str(notice.at)}
             for notice in notices

@@ -21,6 +21,7 @@ from service.mcml.writer import write_element
 from service.motion.skeleton import CHANNEL_INDEX
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.rows import skeleton_rows
 
 _MOTION = re.compile(
     r"/mcml/motion/(?:(?P<leaf>frames|frametime)"
@@ -294,7 +295,7 @@ def _store_head(tx: Transaction, stored: StoredDocument, document: Element, befo
     names = joint_names(document)
     skeleton = stored.skeleton
     if forest != old.children[1:]:
-        skeleton = tx.heads.add_skeleton(stored.project_key, forest, len(names))
+        skeleton = tx.heads.add_skeleton(stored.project_key, skeleton_rows(forest), len(names))
         # Bones keep their numbers when others go, so a number is found by the name, not by the place.
         number = {escape(name): bone for bone, name in tx.heads.bone_names(stored.key).items()}
         if len(names) == len(before):

@@ -15,7 +15,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from service.actions.check_names import check_frame_time, given_name, name_of_file
-from service.actions.describe_clip import receipt
 from service.actions.gather_files import Clip, SkeletonLookup, gathered
 from service.actions.import_options import ImportOptions
 from service.actions.keep_upload import WORKERS, Upload
@@ -23,12 +22,12 @@ from service.actions.open_clip import open_clip
 from service.errors import DocumentError, McmlError, Notice
 from service.formats.format import SourceFile
 from service.mcml import motion_names
-from service.mcml.dtd import validate_by_shapes
 from service.mcml.elements import Element
 from service.motion.clip import ClipHead, ClipStream
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.encoding import ClipEncoder
+from service.storage.rows import SkeletonRows, skeleton_rows
 from service.storage.tracks import Piece
 
 FLUSH_BYTES = 16 << 20
@@ -159,6 +158,7 @@ class _Read:
     """What was read of a clip, all but its rows. facts: the receipt."""
 
     document: Element
+    skeleton: SkeletonRows
     head: ClipHead
     encoder: ClipEncoder
     facts: dict[str, Any]
@@ -219,7 +219,8 @@ class _Importer:
             twins = self._twins() if self.skips_twins else []
             if twins:
                 return self._stored(twins[0])
-            document, stream, report = open_clip(self.clip, self.options, self.settings)
+            opened = open_clip(self.clip, self.options, self.settings)
+            stream = opened.stream
             encoder = ClipEncoder(self.executor)
             for block in stream.blocks():
                 self._keep(encoder.add(block))
@@ -227,12 +228,13 @@ class _Importer:
                     self.progress(self.clip.name, encoder.frames, stream.frames)
             encoder.close()
             head = replace(stream.head, frame_time=self._frame_time(stream))
-            if self.clip.format != "mcml":
-                validate_by_shapes(document, [(shape, 1) for shape in encoder.shapes], head.skeleton.names)
+            opened.check(encoder.shapes)
             self._make_names_canonical(encoder, stream)
             self._add_labels(encoder)
-            facts = receipt(head, encoder.frames, report, stream.notices)
-            self._found = _Read(document, head, encoder, facts)
+            forest = opened.document.children[1:]
+            rows = skeleton_rows(forest) if opened.shared is None else opened.shared.rows
+            facts = opened.receipt(head, encoder.frames)
+            self._found = _Read(opened.document, rows, head, encoder, facts)
         return None
 
     def finish(self) -> None:
@@ -344,7 +346,7 @@ class _Importer:
         tx.documents.write_content(
             key,
             0,
-            skeleton=tx.heads.add_skeleton(self.project, document.children[1:], len(head.skeleton)),
+            skeleton=tx.heads.add_skeleton(self.project, self._found.skeleton, len(head.skeleton)),
             version=document.attributes["version"],
             frames=encoder.frames,
             frame_time=head.frame_time,

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from service.actions.describe_clip import receipt
 from service.actions.gather_files import gathered
 from service.actions.import_options import ImportOptions
 from service.actions.open_clip import open_clip
 from service.errors import McmlError
 from service.formats.format import SourceFile
-from service.mcml.dtd import validate_by_shapes
 from service.mcml.elements import to_head
 from service.motion.clip import Shape
 from service.settings import Settings
@@ -25,21 +23,20 @@ def inspect_files(
         problems = list(found.problems)
         for clip in found.clips:
             try:
-                document, stream, report = open_clip(clip, options, settings)
+                opened = open_clip(clip, options, settings)
                 frames = 0
                 shapes: dict[Shape, None] = {}
-                for block in stream.blocks():
+                for block in opened.stream.blocks():
                     frames += len(block)
                     shapes.update(dict.fromkeys(block.shapes))
-                head = to_head(document, stream.head.frame_time)
-                if clip.format != "mcml":
-                    validate_by_shapes(document, [(shape, 1) for shape in shapes], head.skeleton.names)
+                head = to_head(opened.document, opened.stream.head.frame_time)
+                opened.check(shapes)
                 joints = [
                     {"name": joint.name, "source_name": joint.source_name, "parent": joint.parent}
                     for joint in head.skeleton.joints
                 ]
                 files_of_clip = [file.name for file in clip.files.values()]
-                facts = receipt(head, frames, report, stream.notices)
+                facts = opened.receipt(head, frames)
                 clips.append({"files": files_of_clip, "header": head.fields, "joints": joints, "receipt": facts})
             except McmlError as error:
                 problems.append((clip.name, error.in_file(clip.name)))

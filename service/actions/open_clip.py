@@ -1,28 +1,56 @@
-"""The clip in files: its head as elements, its frames as a stream, and how its joints were named."""
+"""The clip in files: its head as elements, its frames as a stream, and what its skeleton shares with others."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
 
 from service.actions.check_names import check_head
+from service.actions.describe_clip import receipt, skeleton_facts
 from service.actions.edit_header import checked_axis, checked_property, checked_unit, with_facts
 from service.actions.gather_files import Clip
 from service.actions.import_options import ImportOptions
+from service.actions.shared_skeleton import SharedSkeleton, shared_skeleton
 from service.formats import FORMATS
 from service.formats.format import Limits, ReadOptions
-from service.mcml import joint_names
-from service.mcml.elements import Element, from_head, to_head
-from service.mcml.joint_names import NamingReport
+from service.mcml.dtd import validate_by_shapes
+from service.mcml.elements import Element, mcml_element, to_head, write_header
 from service.mcml.reader import Limits as McmlLimits
 from service.mcml.reader import read_document
-from service.motion.clip import ClipStream
+from service.mcml.vocabulary import SKELETON
+from service.motion.clip import ClipHead, ClipStream, Shape
 from service.settings import Settings
 
 
-def open_clip(
-    clip: Clip, options: ImportOptions, settings: Settings
-) -> tuple[Element, ClipStream, NamingReport | None]:
-    """The `mcml` element without motion, the stream of frames, and how joints were named, of a clip's files."""
+@dataclass
+class OpenClip:
+    """document: the `mcml` element without motion, to be read only. shared: None where the files are MCML."""
+
+    document: Element
+    stream: ClipStream
+    shared: SharedSkeleton | None = None
+
+    def check(self, shapes: Iterable[Shape]) -> None:
+        """DocumentError unless what was made of another format's files, with frames of these shapes, is valid.
+
+        A document is valid where each of its elements is: its skeleton was checked when it was made, and uploaded
+        MCML while it was read.
+        """
+        if self.shared is not None:
+            bare = mcml_element(self.document.children[0], [Element(SKELETON)])
+            others = [(shape, 1) for shape in shapes if shape != self.shared.shape]
+            validate_by_shapes(bare, others, self.shared.skeleton.names)
+
+    def receipt(self, head: ClipHead, frames: int) -> dict[str, Any]:
+        """The receipt, once all frames were read. head: as it is stored."""
+        facts = skeleton_facts(head.skeleton) if self.shared is None else self.shared.facts
+        report = None if self.shared is None else self.shared.report
+        return receipt(head, facts, frames, report, self.stream.notices)
+
+
+def open_clip(clip: Clip, options: ImportOptions, settings: Settings) -> OpenClip:
+    """The clip that the files hold. Raises what readers raise."""
     if clip.format == "mcml":
         read = read_document(clip.files["mcml"].stream, _mcml_limits(settings), options.encoding)
         check_head(read.document, read.clip.head, settings.max_joints)
@@ -33,10 +61,10 @@ def open_clip(
             unit=options.unit,
             up=options.up,
         )
-        return document, read.clip.with_head(to_head(document, read.clip.head.frame_time)), None
+        return OpenClip(document, read.clip.with_head(to_head(document, read.clip.head.frame_time)))
     reader = ReadOptions(encoding=options.encoding, translation=options.translation, limits=_limits(settings))
     stream = FORMATS[clip.format].read(clip.files, reader)
-    skeleton, report = joint_names.named(stream.head.skeleton)
+    shared = shared_skeleton(stream.head.skeleton)
     fields = {"filename": clip.name.rsplit("/", 1)[-1]} | stream.head.fields
     if options.unit:
         fields["calibration_unit"] = checked_unit(options.unit)
@@ -44,12 +72,12 @@ def open_clip(
         fields["global_axis_of_gravity"] = checked_axis(options.up)
     head = replace(
         stream.head,
-        skeleton=skeleton,
+        skeleton=shared.skeleton,
         fields=fields,
         description=options.description.strip(),
         properties=tuple(checked_property(*item) for item in options.properties),
     )
-    return from_head(head), stream.with_head(head), report
+    return OpenClip(mcml_element(write_header(head), shared.elements), stream.with_head(head), shared)
 
 
 def _limits(settings: Settings) -> Limits:

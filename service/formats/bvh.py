@@ -8,20 +8,23 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from typing import BinaryIO
 
-from service.errors import FormatError, Notice
-from service.formats.bvh_hierarchy import read_hierarchy, write_hierarchy
+from service.errors import FormatError, LimitError, Notice
+from service.formats.bvh_hierarchy import LONGEST_SHARED, read_hierarchy, shared_hierarchy, write_hierarchy
 from service.formats.bvh_motion import Motion, guess_translation
 from service.formats.format import Limits, Part, ReadOptions, SourceFile, need_convention
-from service.formats.lines import Lines, Token, Tokens, detect_encoding, encoded, shown
+from service.formats.lines import Encoding, Lines, Token, Tokens, detect_encoding, encoded, shown
 from service.formats.number_text import detect_style, rows_of_text
 from service.formats.numbers import is_number, is_whole, what_is_wrong
 from service.motion.clip import ClipHead, ClipStream, SourcePart
 from service.motion.layout import Held, count_frames
 from service.motion.lexemes import lexeme
-from service.motion.skeleton import Convention
+from service.motion.skeleton import Convention, Skeleton
 
 _MOTION = re.compile(rb"\bMOTION\s+Frames\b", re.IGNORECASE)
+_MOTION_LINE = re.compile(rb"^MOTION\s+Frames\b", re.IGNORECASE | re.MULTILINE)
 _ASSUMED_FRAME_TIME = "0.00833333"
 
 
@@ -43,8 +46,7 @@ class Bvh:
         stream = file.stream
         encoding = detect_encoding(stream, options.encoding, stop=lambda block: _MOTION.search(block) is not None)
         notices = list(encoding.notices)
-        tokens = Tokens(Lines(stream, encoding))
-        skeleton = read_hierarchy(tokens, options.limits, notices)
+        skeleton, tokens = _read_skeleton(stream, encoding, options.limits, notices)
         frames, frame_time = _read_motion_head(tokens, options.limits, len(skeleton.columns()), notices)
         motion = Motion(stream, tokens.offset(), skeleton, frames, encoding.start)
         sample = motion.sample()
@@ -61,6 +63,23 @@ class Bvh:
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
         need_convention(clip.head.skeleton, self.convention, self.title)
         return _write(clip)
+
+
+def _read_skeleton(
+    stream: BinaryIO, encoding: Encoding, limits: Limits, notices: list[Notice]
+) -> tuple[Skeleton, Tokens]:
+    """The skeleton, and the words behind it. Files of one session share its text, which is then read once."""
+    stream.seek(encoding.start)
+    text = stream.read(LONGEST_SHARED)
+    motion = _MOTION_LINE.search(text)
+    if motion is not None:
+        # What is wrong is said below, where the whole file is at hand.
+        with suppress(FormatError, LimitError):
+            shared = shared_hierarchy(text[: motion.start()], encoding.codec, limits)
+            notices += shared.notices
+            return shared.skeleton, Tokens(Lines(stream, encoding, encoding.start + motion.start(), shared.lines + 1))
+    tokens = Tokens(Lines(stream, encoding))
+    return read_hierarchy(tokens, limits, notices), tokens
 
 
 def _read_motion_head(tokens: Tokens, limits: Limits, channels: int, notices: list[Notice]) -> tuple[int, str | None]:

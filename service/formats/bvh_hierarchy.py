@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Final
 
 from service.errors import FormatError, LimitError, Notice, Place
 from service.formats.format import Limits
-from service.formats.lines import BLANKS, Token, Tokens, shown
+from service.formats.lines import BLANKS, Encoding, Lines, Token, Tokens, shown
 from service.formats.numbers import is_number, what_is_wrong
 from service.motion.skeleton import Convention, EndSite, Joint, Skeleton, Triple, unique_names
 
@@ -16,6 +19,9 @@ _CHANNEL_OF = {
     for kind, letter in (("position", "T"), ("rotation", "R"))
     for axis in "XYZ"
 }
+LONGEST_SHARED: Final = 1 << 15
+"""Bytes of a hierarchy that is kept for files to come; a person of 80 joints takes 10,000."""
+
 _KEYWORDS = frozenset({"{", "}", "OFFSET", "CHANNELS", "JOINT", "ROOT", "END", "MOTION"})
 _WORD_OF = {channel: f"{channel[1].upper()}{word[1:]}" for word, channel in _CHANNEL_OF.items()}
 
@@ -31,6 +37,26 @@ class _Open:
     channels: tuple[str, ...] | None = None
     children: int = 0
     end_sites: list[EndSite] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class SharedHierarchy:
+    """What a hierarchy's text says, whichever file it stands in. lines: how many it has."""
+
+    skeleton: Skeleton
+    notices: tuple[Notice, ...]
+    lines: int
+
+
+@lru_cache(maxsize=64)
+def shared_hierarchy(text: bytes, codec: str, limits: Limits) -> SharedHierarchy:
+    """As `read_hierarchy`, of a text that holds nothing else and ends with a line."""
+    notices: list[Notice] = []
+    tokens = Tokens(Lines(io.BytesIO(text), Encoding(codec, 0)))
+    skeleton = read_hierarchy(tokens, limits, notices)
+    if tokens.peek() is not None:
+        raise _unexpected(tokens.peek(), "MOTION", tokens)
+    return SharedHierarchy(skeleton, tuple(notices), tokens.here.line or 0)
 
 
 def read_hierarchy(tokens: Tokens, limits: Limits, notices: list[Notice]) -> Skeleton:

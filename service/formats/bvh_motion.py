@@ -40,6 +40,7 @@ class Motion:
         self._columns = skeleton.columns()
         self._frames = frames
         self._text_start = text_start
+        self._first: Array | None = None
 
     def sample(self) -> Sample:
         """What the translation mode and the number style are guessed from; empty where it is not all numbers."""
@@ -48,11 +49,21 @@ class Motion:
         if len(text) == SAMPLE_BYTES:
             text = text[: max(text.rfind(b" "), text.rfind(b"\n"), text.rfind(b"\t"), text.rfind(b"\r")) + 1]
         width = len(self._columns)
-        values = parse_numbers(text)
-        if values is None or not width:
+        values = self._begins(text) if width else None
+        if values is None:
             return Sample(b"", np.empty((0, width)))
         frames = min(self._frames, len(values) // width)
         return Sample(text if self._frames else b"", values[: frames * width].reshape(frames, width))
+
+    def _begins(self, text: bytes) -> Array | None:
+        """The numbers of the text with which the motion begins, None where a word of it is none."""
+        piece = NumberStream(self._stream, self._start).next()
+        # Of a short clip that is all: `blocks` need not parse it again.
+        self._first = None if piece is None else parse_numbers(piece[0])
+        count = count_tokens(text)
+        if self._first is None or len(self._first) < count:
+            return parse_numbers(text)
+        return self._first[:count]
 
     def blocks(self, notices: list[Notice]) -> Iterator[FrameBlock]:
         """All frames. Raises FormatError with the place of a bad number, and where the file ends too early."""
@@ -80,7 +91,7 @@ class Motion:
         self._report_surplus(source, len(rest), notices)
 
     def _parsed(self, text: bytes, offset: int, before: int) -> Array:
-        values = parse_numbers(text)
+        values = parse_numbers(text) if self._first is None or offset != self._start else self._first
         if values is not None:
             return values
         bad = bad_token(text)
@@ -134,32 +145,15 @@ def guess_translation(skeleton: Skeleton, sample: Array, wanted: str, notices: l
     if wanted in ("absolute", "relative"):
         joints = tuple(replace(joint, translation=wanted) if joint.translation else joint for joint in skeleton.joints)
         return replace(skeleton, joints=joints)
-    columns = skeleton.columns()
-    relative: dict[int, str] = {}
-    moving: dict[int, list[tuple[int, int]]] = {}
-    for column, (owner, channel) in enumerate(columns):
-        if channel < 3:
-            moving.setdefault(owner, []).append((column, channel))
-    means = sample.mean(axis=0) if len(sample) else None
-    for index, mine in moving.items():
-        joint = skeleton.joints[index]
-        offset = numbers(joint.offset)
-        if means is None or not offset.any():
-            continue
-        mean = means[[column for column, _ in mine]]
-        target = offset[[channel for _, channel in mine]]
-        large = np.abs(target) >= 0.1 * np.linalg.norm(target)
-        # Files exist whose OFFSET holds the place on the floor of another take; the height gives them away.
-        near_offset = (np.abs(mean - target) < 0.25 * np.abs(target)) & large
-        if np.linalg.norm(mean) < np.linalg.norm(mean - target) and not near_offset.any():
-            relative[index] = joint.source_name
+    relative = dict.fromkeys(_added_to_offset(skeleton, sample))
     if not relative:
         return skeleton
-    shown = ", ".join(repr(name) for name in list(relative.values())[:5])
+    names = [skeleton.joints[index].source_name for index in relative]
+    shown = ", ".join(map(repr, names[:5]))
     notices.append(
         Notice(
             "guess",
-            f"positions of {shown}{' …' if len(relative) > 5 else ''} lie nearer to 0 than to the OFFSET: read as "
+            f"positions of {shown}{' …' if len(names) > 5 else ''} lie nearer to 0 than to the OFFSET: read as "
             "added to it. Say translation=absolute if they replace it",
         )
     )
@@ -168,3 +162,23 @@ def guess_translation(skeleton: Skeleton, sample: Array, wanted: str, notices: l
         for index, joint in enumerate(skeleton.joints)
     )
     return replace(skeleton, joints=joints)
+
+
+def _added_to_offset(skeleton: Skeleton, sample: Array) -> list[int]:
+    """The joints whose positions look like additions to their OFFSET."""
+    places = [(joint, axis, place) for place, (joint, axis) in enumerate(skeleton.columns()) if axis < 3]
+    joints = list(dict.fromkeys(joint for joint, _, _ in places))
+    if not joints or not len(sample):
+        return []
+    rows = {joint: row for row, joint in enumerate(joints)}
+    offsets = np.array([numbers(skeleton.joints[joint].offset) for joint in joints])
+    mean, target = np.zeros((2, len(joints), 3))
+    at = [rows[joint] for joint, _, _ in places], [axis for _, axis, _ in places]
+    mean[at] = sample[:, [place for _, _, place in places]].mean(axis=0)
+    target[at] = offsets[at]
+    size = np.linalg.norm(target, axis=1)
+    large = np.abs(target) >= 0.1 * size[:, None]
+    # Files exist whose OFFSET holds the place on the floor of another take; the height gives them away.
+    near_offset = ((np.abs(mean - target) < 0.25 * np.abs(target)) & large).any(axis=1)
+    nearer_to_zero = np.linalg.norm(mean, axis=1) < np.linalg.norm(mean - target, axis=1)
+    return [joints[row] for row in np.flatnonzero(nearer_to_zero & ~near_offset & offsets.any(axis=1)).tolist()]

@@ -12,7 +12,7 @@ import re
 import numpy as np
 import orjson
 
-from service.formats.numbers import parse_numbers
+from service.formats.numbers import parse_numbers, token_bounds
 from service.motion.skeleton import Array
 
 SHORTEST = "shortest"
@@ -27,9 +27,9 @@ _TO_LINES = {
 
 def detect_style(sample: bytes) -> str:
     """The style in which most numbers of a text are written; SHORTEST where none fits more than half."""
-    words = sample.split()
+    bounds = token_bounds(sample)
     # Spread over the sample: the first frame is often a pose of zeros.
-    tokens = words[:: len(words) // SAMPLE_TOKENS + 1]
+    tokens = [sample[start:end] for start, end in bounds[:: len(bounds) // SAMPLE_TOKENS + 1].tolist()]
     text = b" ".join(tokens)
     values = parse_numbers(text)
     if values is None or not tokens:

@@ -14,6 +14,7 @@ from typing import BinaryIO, Final
 
 import numpy as np
 import simdjson
+from numpy.typing import NDArray
 
 from service.errors import FormatError
 from service.formats.lines import blocks_of, line_and_column, shown
@@ -27,6 +28,7 @@ LONGEST_NUMBER: Final = 400
 
 _DECIMAL = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _SEPARATORS = bytes(44 if chr(code) in " \t\n\r\v\f" else code for code in range(256))
+_IS_BLANK = bytes(chr(code) in " \t\n\r\v\f" for code in range(256))
 _COMMA: Final = ord(",")
 _BLANK: Final = ord(" ")
 _ZERO: Final = ord("0")
@@ -200,6 +202,15 @@ class NumberStream:
         return text, start
 
 
+def token_bounds(text: bytes) -> NDArray[np.intp]:
+    """(n, 2): where each of the words separated by white space begins and ends, in bytes.
+
+    Several times faster than to split the text, where only some of the words are looked at.
+    """
+    blank = np.frombuffer(b"\1%b\1" % text.translate(_IS_BLANK), dtype=np.bool_)
+    return np.flatnonzero(blank[1:] != blank[:-1]).reshape(-1, 2)
+
+
 def count_tokens(text: bytes) -> int:
     """How many words separated by white space a text has."""
-    return len(text.split())
+    return len(token_bounds(text))

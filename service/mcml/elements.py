@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from service.errors import DocumentError, Place
 from service.mcml.bones import read_skeleton, write_skeleton
@@ -32,7 +32,7 @@ from service.mcml.vocabulary import (
 from service.motion.clip import ClipHead, SourcePart
 
 __all__ = ["Element", "addresses", "check_counts", "from_head", "header_of", "joint_names", "leaf", "refresh_counts"]
-__all__ += ["to_head"]
+__all__ += ["mcml_element", "to_head", "write_header"]
 
 DEFAULT_STYLE = "shortest"
 
@@ -43,7 +43,12 @@ def from_head(head: ClipHead) -> Element:
     `to_head(from_head(head), head.frame_time) == head`; frame_time stands in the motion (Table 4, 3).
     Parts of `head.sources` need different `part` names, or the comments of equal ones cannot be told apart.
     """
-    return Element(MCML, {"version": LANGUAGE_VERSION}, "", [_write_header(head), *write_skeleton(head.skeleton)])
+    return mcml_element(write_header(head), write_skeleton(head.skeleton))
+
+
+def mcml_element(header: Element, skeleton: Iterable[Element]) -> Element:
+    """An `mcml` element without motion. skeleton: `root`, where there is one, and `skeleton`."""
+    return Element(MCML, {"version": LANGUAGE_VERSION}, "", [header, *skeleton])
 
 
 def to_head(document: Element, frame_time: str | None = None) -> ClipHead:
@@ -128,7 +133,8 @@ def _counts(document: Element, frames: int) -> Sequence[tuple[str, int, str]]:
     return ((NUM_SEGMENTS, joints, "joints (the root counts)"), (NUM_FRAMES, frames, "frames"))
 
 
-def _write_header(head: ClipHead) -> Element:
+def write_header(head: ClipHead) -> Element:
+    """The `header` of a clip."""
     header = Element(HEADER, {"format": escape(head.format)})
     if head.number_style != DEFAULT_STYLE:
         header.attributes["number_style"] = head.number_style

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import and_, bindparam, delete, func, insert, or_, select, update
 
 from service.mcml.elements import Element
-from service.storage.rows import digest, to_elements, to_rows
+from service.storage.rows import SkeletonRows, to_elements, to_rows
 from service.storage.tables import CURRENT, bone, content, document, header, property_, skeleton, skeleton_element
 
 if TYPE_CHECKING:
@@ -94,11 +94,9 @@ class Heads:
         self._tx.connection.execute(delete(property_).where(property_.c.document == document_key))
         self._tx.insert_rows(property_, _properties(document_key, element))
 
-    def add_skeleton(self, project_key: int, forest: list[Element], joints: int) -> int:
+    def add_skeleton(self, project_key: int, made: SkeletonRows, joints: int) -> int:
         """The key of this skeleton in the project: the stored one where an equal one is stored."""
-        rows = to_rows(forest, level=1)
-        key_hash = digest(rows)
-        wanted = {"project": project_key, "hash": key_hash}
+        wanted = {"project": project_key, "hash": made.hash}
         found = self._tx.connection.execute(_EQUAL_SKELETON, wanted).scalar_one_or_none()
         if found is None:
             # Another import may be storing an equal one: who waited for it finds it.
@@ -106,8 +104,8 @@ class Heads:
             found = self._tx.connection.execute(_EQUAL_SKELETON, wanted).scalar_one_or_none()
         if found is not None:
             return int(found)
-        key = self._tx.insert_row(skeleton, project=project_key, hash=key_hash, joints=joints)
-        self._tx.insert_rows(skeleton_element, [row | {"skeleton": key} for row in rows])
+        key = self._tx.insert_row(skeleton, project=project_key, hash=made.hash, joints=joints)
+        self._tx.insert_rows(skeleton_element, [row | {"skeleton": key} for row in made.rows])
         return key
 
     def write_bones(self, document_key: int, names: list[str], from_commit: int) -> None:

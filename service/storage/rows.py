@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import orjson
@@ -52,7 +53,16 @@ def to_elements(rows: Iterable[Any]) -> list[Element]:
     return forest
 
 
-def digest(rows: Sequence[dict[str, Any]]) -> str:
-    """SHA-256 of the rows' content: equal trees, equal digests."""
+@dataclass(frozen=True)
+class SkeletonRows:
+    """A skeleton as the store has it. hash: of its content; equal trees have equal ones."""
+
+    hash: str
+    rows: tuple[dict[str, Any], ...]
+
+
+def skeleton_rows(forest: Sequence[Element]) -> SkeletonRows:
+    """The rows of the `root` element, where there is one, and the `skeleton` element."""
+    rows = to_rows(forest, level=1)
     content = [(row["level"], row["tag"], row["attributes"], row["text"]) for row in rows]
-    return hashlib.sha256(orjson.dumps(content)).hexdigest()
+    return SkeletonRows(hashlib.sha256(orjson.dumps(content)).hexdigest(), tuple(rows))
