@@ -75,15 +75,11 @@ _SHAPE_RUNS = (
 )
 _SHAPES = select(shape.c.document, shape.c.shape, shape.c.bones).where(shape.c.document.in_(_KEYS))
 _BONE_NAMES = select(bone.c.document, bone.c.bone, bone.c.name).where(bone.c.document.in_(_KEYS), _valid(bone))
-_BONES_NAMED = select(bone.c.document, bone.c.bone).where(
-    bone.c.name == bindparam("name"), bone.c.document.in_(_KEYS), _valid(bone)
-)
 _SPANS = (
     select(span.c.document, span.c.first, span.c.last, span.c.name)
     .where(span.c.document.in_(_KEYS), _valid(span))
     .order_by(span.c.document, span.c.rank, span.c.id)
 )
-_SPANS_IN = _SPANS.where(span.c.first <= bindparam("last"), span.c.last >= bindparam("first"))
 _FRAME_RUNS = (
     select(
         frame_run.c.document,
@@ -96,19 +92,20 @@ _FRAME_RUNS = (
     .where(frame_run.c.document.in_(_KEYS), _valid(frame_run))
     .order_by(frame_run.c.document, frame_run.c.first)
 )
-_TRACK_KEY = (track.c.document, track.c.chunk, track.c.bone, track.c.from_commit, track.c.channels)
-_TRACKS = select(*_TRACK_KEY).where(track.c.document.in_(_KEYS), _valid(track))
+_TRACK_KEY = (track.c.document, track.c.chunk, track.c.bone, track.c.from_commit)
 _IN_CHUNKS = and_(track.c.chunk >= bindparam("low"), track.c.chunk <= bindparam("high"))
-_TRACKS_IN = _TRACKS.where(_IN_CHUNKS)
+_OF_BONES = track.c.bone.in_(bindparam("bones", expanding=True))
+_TRACKS = select(*_TRACK_KEY, track.c.channels).where(track.c.document.in_(_KEYS), _valid(track), _IN_CHUNKS)
 _TRACK_DATA = select(*_TRACK_KEY, track.c.codec, track.c.data).where(
-    track.c.document.in_(_KEYS), _valid(track), _IN_CHUNKS, track.c.bone.in_(bindparam("bones", expanding=True))
+    track.c.document.in_(_KEYS), _valid(track), _IN_CHUNKS, _OF_BONES
 )
-_TRACKS_NAMED = (
-    select(*_TRACK_KEY)
-    .select_from(bone)
-    .join(track, and_(track.c.document == bone.c.document, track.c.bone == bone.c.bone))
-    .where(bone.c.name == bindparam("name"), _valid(bone), _valid(track))
-)
+_ZONES = select(
+    *_TRACK_KEY,
+    track.c.channels,
+    track.c.has_missing,
+    track.c.count,
+    *(track.c[f"{end}_{channel}"] for channel in CHANNELS for end in ("min", "max")),
+).where(track.c.document.in_(_KEYS), _valid(track))
 
 
 class Columns:
@@ -168,18 +165,9 @@ class Columns:
         """The names of all spans of the documents."""
         return sorted({row[3] for row in self._rows(_SPANS, keys)})
 
-    def bones_named(self, name: str, keys: Sequence[int]) -> dict[int, int]:
-        """The number of the bone of this name in each of the documents that has one."""
-        return {row[0]: row[1] for row in self._rows(_BONES_NAMED, keys, name=name)}
-
-    def spans(self, keys: Sequence[int], frames: tuple[int, int] | None = None) -> list[Any]:
-        """Rows (document, first, last, name) in order of document and of the motion_names in a frame.
-
-        frames: only spans that touch these, first to last.
-        """
-        if frames is None:
-            return list(self._rows(_SPANS, keys))
-        return list(self._rows(_SPANS_IN, keys, first=frames[0], last=frames[1]))
+    def spans(self, keys: Sequence[int]) -> list[Any]:
+        """Rows (document, first, last, name) in order of document and of the motion_names in a frame."""
+        return list(self._rows(_SPANS, keys))
 
     def frame_runs(self, keys: Sequence[int]) -> list[Any]:
         """Rows (document, first, count, first_id, step, texts) in order of document and position."""
@@ -205,42 +193,23 @@ class Columns:
         return {key: to_elements(found) for key, found in rows.items()}
 
     def tracks(
-        self,
-        keys: Sequence[int],
-        bones: Sequence[int] | None = None,
-        chunks: tuple[int, int] | None = None,
-        bounds: Sequence[tuple[str, int, float]] = (),
+        self, keys: Sequence[int], chunks: tuple[int, int], bones: Sequence[int] | None = None
     ) -> Iterator[Any]:
-        """Rows (document, chunk, bone, from_commit, channels) of the tracks of some bones or all.
+        """Rows (document, chunk, bone, from_commit, channels) of the tracks of some bones or all, of chunks first to
+        last."""
+        query = _TRACKS if bones is None else _TRACKS.where(_OF_BONES)
+        given = {} if bones is None else {"bones": bones}
+        return self._rows(query, keys, low=chunks[0], high=chunks[1], **given)
 
-        chunks: first and last. bounds: ("min" | "max", channel, bound): by their zone maps, only tracks whose least
-        sample is not above the bound, or greatest not below it.
-        """
-        query = _TRACKS if chunks is None else _TRACKS_IN
-        if bones is not None:
-            query = query.where(track.c.bone.in_(bones))
-        given = {} if chunks is None else {"low": chunks[0], "high": chunks[1]}
-        return self._rows(_within(query, bounds), keys, **given)
-
-    def tracks_named(
-        self,
-        name: str,
-        keys: Sequence[int] | None,
-        chunks: tuple[int, int] | None = None,
-        bounds: Sequence[tuple[str, int, float]] = (),
-    ) -> Iterator[Any]:
-        """As `tracks`, of the bones of a name, whatever their numbers. keys: None for all documents there are."""
-        query = _within(_TRACKS_NAMED, bounds)
-        given: dict[str, Any] = {"name": name}
-        if chunks is not None:
-            query = query.where(_IN_CHUNKS)
-            given |= {"low": chunks[0], "high": chunks[1]}
-        if keys is None:
-            return iter(self._tx.connection.execute(query, given | {"at": self._tx.at}).all())
-        return self._rows(query.where(bone.c.document.in_(_KEYS)), keys, **given)
+    def zones(self, keys: Sequence[int], bones: Sequence[int] | None = None) -> list[Any]:
+        """Rows (document, chunk, bone, from_commit, channels, has_missing, count, and for each channel least and
+        greatest sample, None where it has none) of the tracks of some bones or all."""
+        if bones is None:
+            return list(self._rows(_ZONES, keys))
+        return list(self._rows(_ZONES.where(_OF_BONES), keys, bones=bones))
 
     def track_data(self, keys: Sequence[int], bones: Sequence[int], chunks: tuple[int, int]) -> Iterator[Any]:
-        """Rows (document, chunk, bone, from_commit, channels, codec, data)."""
+        """Rows (document, chunk, bone, from_commit, codec, data)."""
         return self._rows(_TRACK_DATA, keys, bones=bones, low=chunks[0], high=chunks[1])
 
     def _rows(self, query: Select[Any], keys: Sequence[int], **given: Any) -> Iterator[Any]:
@@ -250,9 +219,3 @@ class Columns:
             for part in self._tx.connection.execute(query, given).partitions(ROWS_AT_A_TIME):
                 yield from part
 
-
-def _within(query: Select[Any], bounds: Sequence[tuple[str, int, float]]) -> Select[Any]:
-    for end, channel, bound in bounds:
-        zone = track.c[f"{end}_{CHANNELS[channel]}"]
-        query = query.where(zone >= bound if end == "max" else zone <= bound)
-    return query

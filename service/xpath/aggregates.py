@@ -36,7 +36,7 @@ def number(function: str, source: Scan | Columnar) -> float | None:
         return float(source.count())
     total, count = 0.0, 0
     least, greatest = math.inf, -math.inf
-    for found in _numbers(source):
+    for found in _numbers(function, source):
         count += len(found)
         total += float(found.sum())
         # NaN stays NaN: a text that is no number spoils all.
@@ -48,10 +48,12 @@ def number(function: str, source: Scan | Columnar) -> float | None:
     return {"min": least, "max": greatest, "avg": total / count}[function]
 
 
-def _numbers(source: Scan | Columnar) -> Iterator[Floats]:
+def _numbers(function: str, source: Scan | Columnar) -> Iterator[Floats]:
+    """The numbers of the nodes; of the least and the greatest, some that hold it."""
     sample = source.plan.sample if isinstance(source, Scan) else None
     if isinstance(source, Scan) and sample is not None:
-        yield from source.samples(sample)
+        extreme = function in ("min", "max")
+        yield from source.extremes(sample, greatest=function == "max") if extreme else source.samples(sample)
         return
     for forest, nodes in source.chunks():
         yield numbers(forest, nodes)

@@ -105,7 +105,7 @@ def _track_rows(forest: Forest, documents: Ints, chunks: Ints) -> Iterator[Any]:
         for stretch in _stretches(wanted):
             stretches.setdefault(stretch, []).append(forest.keys[document])
     for stretch, keys in stretches.items():
-        yield from forest.tx.columns.tracks(keys, None, stretch)
+        yield from forest.tx.columns.tracks(keys, stretch)
 
 
 def _block(forest: Forest, nodes: Ints, slots: Ints, tracks: Sequence[tuple[Any, Array]]) -> FrameBlock:

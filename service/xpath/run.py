@@ -169,8 +169,8 @@ class _Asking:
         """How the answer came about."""
         self.explain.milliseconds = milliseconds
         if self._scan is not None:
-            self.explain.tracks_read = self._scan.rows_read
-            self.explain.tracks_skipped = self._scan.all_tracks() - self._scan.rows_read
+            self.explain.tracks_read = self._scan.tracks_read
+            self.explain.tracks_skipped = self._scan.all_tracks() - self._scan.tracks_read
         return self.explain
 
     def nodes(self) -> Source:
@@ -185,8 +185,7 @@ class _Asking:
         documents = [] if plan is None else self._documents()
         if plan is None or len(documents) > MAX_DOCUMENTS:
             return self._columnar(tree)
-        whole = self.scope.keys is None and self.scope.project is None
-        scan = Scan(self.tx, plan, documents, self.engine.shared, self.limits.check, whole_store=whole)
+        scan = Scan(self.tx, plan, documents, self.engine.shared, self.limits.check)
         self._explained("index", scan)
         return scan
 

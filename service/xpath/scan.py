@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -21,17 +20,29 @@ from service.storage.encoding import channels_of
 from service.storage.tables import CHUNK
 from service.xpath.axes import step as axis_step
 from service.xpath.forest import Forest
+from service.xpath.intervals import Interval
 from service.xpath.labels import motion_name_groups, ranges_of
 from service.xpath.layouts import ShapeRuns
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Bools, Floats, Ints, frames_of
 from service.xpath.shared import Shared
 from service.xpath.tree import Expression, Path
-from service.xpath.vectors import Condition, Sample, attribute_conditions, bone_conditions, condition, conjunction
+from service.xpath.vectors import (
+    Condition,
+    Sample,
+    attribute_conditions,
+    bone_conditions,
+    condition,
+    conjunction,
+    present,
+)
+from service.xpath.zones import BITS, BONE, CHUNK_NUMBER, FRAMES, Table, read_zones, tracks_of
 
 FIRST_UNITS = 128
 """Often the first page is all that is wanted."""
 UNITS = 2048
 """Tracks of the leading bone that are looked at together: half a million samples a channel."""
+BATCH_FRAMES = 1 << 19
+"""Frames of the documents whose zone maps are looked at together, about."""
 
 
 @dataclass(frozen=True)
@@ -103,9 +114,7 @@ def plan_scan(tree: Expression) -> ScanPlan | None:
         attribute, on_attribute = compiled_attribute
         conditions += on_attribute
     if target == FRAME_BONE and attribute in CHANNEL_INDEX:
-        sample = (bone, CHANNEL_INDEX[attribute])
-        present = Condition(lambda block: ~np.isnan(block[sample]), frozenset({sample}), frozenset({sample}))
-        conditions.append(present)
+        conditions.append(present((bone, CHANNEL_INDEX[attribute])))
     if not conditions:
         return None
     whole = conjunction(conditions)
@@ -121,7 +130,7 @@ def plan_scan(tree: Expression) -> ScanPlan | None:
 
 
 class Scan:
-    """Runs a plan over documents, given in order of the answer. whole_store: these are all there are."""
+    """Runs a plan over documents, given in order of the answer."""
 
     def __init__(
         self,
@@ -130,22 +139,18 @@ class Scan:
         documents: Sequence[Listed],
         shared: Shared,
         check: Callable[[], None] = lambda: None,
-        *,
-        whole_store: bool = False,
     ) -> None:
         self.tx = tx
         self.plan = plan
-        self._tracks = shared.tracks
+        self._shared = shared
         self._check = check
-        self._whole_store = whole_store and not plan.names
         kept = list(documents)
         self._labelled = ranges_of(tx, plan.names, [listed.key for listed in kept]) if plan.names else None
         if self._labelled is not None:
             kept = [listed for listed in kept if listed.key in self._labelled]
         self.forest = Forest(tx, kept, shared, whole_heads=False)
-        self._place = {listed.key: place for place, listed in enumerate(kept)}
         self._timeline = _Timeline(self.forest.shapes)
-        self.rows_read = 0
+        self.tracks_read = 0
 
     @property
     def documents(self) -> Sequence[Listed]:
@@ -167,15 +172,41 @@ class Scan:
 
     def all_tracks(self) -> int:
         """How many tracks the leading bone has, those that zone maps rule out too."""
-        lead = self.plan.lead
-        if lead is None:
-            return sum(1 for _ in self.tx.columns.tracks(self.forest.keys, None))
-        return sum(1 for _ in self.tx.columns.tracks_named(unescape(lead), self.forest.keys))
+        return sum(len(self._tracks(some, self.plan.lead)) for some in self._batches())
 
     def samples(self, sample: Sample) -> Iterator[Floats]:
         """The numbers of the channel that is asked for, of all hits."""
-        for hits in self._hits():
-            yield hits.block[sample][hits.holds]
+        for units in self._units():
+            for some in self._parts(units):
+                block = self._read(some)
+                yield block[sample][self._holds(some, block)]
+
+    def extremes(self, sample: Sample, *, greatest: bool) -> Iterator[Floats]:
+        """The greatest (or least) number of that channel, where there is any.
+
+        Of tracks all of whose frames are hits, zone maps tell it; others are read while they may hold a greater one.
+        """
+        sign = 1.0 if greatest else -1.0
+        best = -np.inf
+        for units in self._units():
+            ends = units.ends(sample)
+            most = ends.high if greatest else -ends.low
+            whole = units.must & (self._there(units).sum(axis=1) == units.lead.about[FRAMES])
+            if whole.any():
+                best = max(best, float(most[whole].max()))
+            rest = np.flatnonzero(~whole)
+            rest = rest[np.argsort(-most[rest], kind="stable")]
+            for start in range(0, len(rest), FIRST_UNITS):
+                some = rest[start : start + FIRST_UNITS]
+                some = some[most[some] > best]
+                if not len(some):
+                    break
+                self._check()
+                block = self._read(units[some])
+                values = sign * block[sample][self._holds(units[some], block)]
+                best = max(best, float(values.max(initial=-np.inf)))
+        if best > -np.inf:
+            yield np.array([sign * best])
 
     def _targets(self, hits: _Hits) -> Ints:
         plan = self.plan
@@ -189,108 +220,135 @@ class Scan:
         return nodes if plan.attribute is None else axis_step(self.forest, nodes, "attribute", plan.attribute)[1]
 
     def _hits(self) -> Iterator[_Hits]:
-        units = self._units()
+        for units in self._units():
+            for some in self._parts(units):
+                holds = np.arange(CHUNK) < some.lead.about[FRAMES][:, None]
+                unsure = np.flatnonzero(~some.must)
+                if len(unsure):
+                    holds[unsure] = self._holds(some[unsure], self._read(some[unsure]))
+                holds &= self._there(some)
+                if holds.any():
+                    yield _Hits(holds, some.lead)
+
+    def _parts(self, units: _Units) -> Iterator[_Units]:
+        """Units that are looked at together. The first are few: often the first page is all that is wanted."""
+        places, chunks = units.lead.places, units.lead.about[CHUNK_NUMBER]
+        # Frames whose order is not that of their slots stay together, and so do the bones of one stretch of frames, or
+        # the order of the answer would break.
+        moved = np.isin(places, self._timeline.moved)
+        edges = np.flatnonzero((np.diff(places) != 0) | ((np.diff(chunks) != 0) & ~moved[1:])) + 1
         start, some = 0, FIRST_UNITS
         while start < len(units):
-            stop = min(len(units), start + some)
-            some = min(UNITS, some * 4)
-            while self.plan.any_bone and stop < len(units) and units[stop][:2] == units[stop - 1][:2]:
-                # The bones of one stretch of frames stay together, or the order of the answer would break.
-                stop += 1
             self._check()
-            found = self._look(units[start:stop])
-            if found.count:
-                yield found
-            start = stop
+            found = np.searchsorted(edges, start + some)
+            stop = int(edges[found]) if found < len(edges) else len(units)
+            yield units[start:stop]
+            start, some = stop, min(UNITS, some * 4)
 
-    def _units(self) -> list[tuple[int, int, Any]]:
-        """(document's place, chunk, row) of the leading tracks whose zone maps allow a hit, in order."""
-        lead = self.plan.lead
-        if lead is None:
-            rows = list(self.tx.columns.tracks(self.forest.keys, None, None, self._bounds(None)))
-        else:
-            rows = list(self._rows(lead, None if self._whole_store else self.forest.keys, None))
-            rows = [row for row in rows if row[0] in self._place]
-        self.rows_read += len(rows)
-        units = [(self._place[row[0]], row[1], row) for row in rows]
-        units.sort(key=lambda unit: (unit[0], unit[1], unit[2][2]))
-        return units
-
-    def _rows(self, name: str, keys: Sequence[int] | None, chunks: tuple[int, int] | None) -> Iterator[Any]:
-        return self.tx.columns.tracks_named(unescape(name), keys, chunks, self._bounds(name))
-
-    def _bounds(self, name: str | None) -> list[tuple[str, int, float]]:
-        """What zone maps must allow for a bone."""
-        result = []
-        for (bone, channel), operator, number in self.plan.condition.bounds:
-            if bone == name:
-                result += [("max", channel, number)] if operator in (">", ">=", "=") else []
-                result += [("min", channel, number)] if operator in ("<", "<=", "=") else []
-        return result
-
-    def _look(self, units: Sequence[tuple[int, int, Any]]) -> _Hits:
-        """The hits in some units."""
-        condition = self.plan.condition
-        columns: dict[Sample, Floats] = {}
-        self._fill(columns, self.plan.lead, list(range(len(units))), [row for _, _, row in units], len(units))
-        others = {name for name, _ in condition.samples} - {self.plan.lead}
-        where: dict[tuple[int, int], list[int]] = {}
-        for index, (place, chunk, _) in enumerate(units):
-            where.setdefault((place, chunk), []).append(index)
-        keys = [self.forest.keys[place] for place in dict.fromkeys(place for place, _, _ in units)]
-        span = (min(unit[1] for unit in units), max(unit[1] for unit in units))
-        for name in others:
-            if name is None:
+    def _units(self) -> Iterator[_Units]:
+        """The leading tracks that may hold a hit, some documents at a time, in the order of their frames."""
+        condition, lead_name = self.plan.condition, self.plan.lead
+        names = {name for name, _ in condition.samples if name is not None} - {lead_name}
+        for places in self._batches():
+            lead = self._tracks(places, lead_name)
+            if not len(lead):
                 continue
-            rows, indices = [], []
-            for row in self._rows(name, keys, span):
-                for index in where.get((self._place[row[0]], row[1]), ()):
-                    rows.append(row)
-                    indices.append(index)
-            self._fill(columns, name, indices, rows, len(units))
-        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            holds = condition.holds(columns)
-        places = np.array([place for place, _, _ in units], np.int64)
-        chunks = np.array([chunk for _, chunk, _ in units], np.int64)
-        holds = holds & self._timeline.here(places, chunks)
-        if self._labelled is not None:
-            holds &= self._labels(places, chunks)
-        return _Hits(holds, places, chunks, np.array([row[2] for _, _, row in units], np.int64), columns)
+            others = {name: self._tracks(places, name).facing(lead) for name in names}
+            units = _Units(lead, others, np.zeros(len(lead), bool))
+            verdict = condition.judge({sample: units.ends(sample) for sample in condition.samples})
+            order = np.flatnonzero(verdict.may)
+            if self.plan.any_bone:
+                order = order[np.lexsort((*lead.about[[BONE, CHUNK_NUMBER]][:, order], lead.places[order]))]
+            if len(order):
+                yield _Units(lead, others, verdict.must)[order]
 
-    def _labels(self, places: Ints, chunks: Ints) -> Bools:
-        """Which frames carry the motion names that are asked for."""
-        found = np.zeros((len(places), CHUNK), bool)
+    def _batches(self) -> Iterator[range]:
+        """The places of documents whose zone maps are looked at together."""
+        start = frames = 0
+        for place, stored in enumerate(self.forest.documents):
+            if frames and frames + stored.frames > BATCH_FRAMES:
+                yield range(start, place)
+                start, frames = place, 0
+            frames += stored.frames
+        yield range(start, len(self.forest))
+
+    def _tracks(self, places: range, name: str | None) -> Table:
+        """The tracks of the bone of a name, or of all bones, of some documents."""
+        documents = self.forest.documents[places.start : places.stop]
+        if name is None:
+            return tracks_of(self._shared.zones.read(self.tx, documents), places.start, None)
+        stored = unescape(name)
+        numbers = [layout.numbers.get(stored, -1) for layout in self.forest.layouts[places.start : places.stop]]
+        if len(documents) == 1 and documents[0].frames > BATCH_FRAMES:
+            # It would fill what is kept alone, or be read in vain.
+            zones = read_zones(self.tx, documents, numbers)[documents[0].key]
+            return tracks_of([zones], places.start, numbers)
+        return tracks_of(self._shared.zones.read(self.tx, documents), places.start, numbers)
+
+    def _read(self, units: _Units) -> dict[Sample, Floats]:
+        """The samples that the condition reads, (units, CHUNK), NaN where a frame has none."""
+        self.tracks_read += len(units)
+        block: dict[Sample, Floats] = {}
+        for name, table in [(self.plan.lead, units.lead), *units.others.items()]:
+            wanted = [channel for bone, channel in self.plan.condition.samples if bone == name]
+            held = np.flatnonzero(table.about[BITS])
+            for channel in wanted:
+                block[name, channel] = np.full((len(units), CHUNK), np.nan)
+            rows = table[held].rows()
+            for index, row, values in zip(held.tolist(), rows, self._shared.tracks.read(self.tx, rows), strict=True):
+                channels = channels_of(row[4])
+                for channel in wanted:
+                    if channel in channels:
+                        block[name, channel][index, : values.shape[1]] = values[channels.index(channel)]
+        return block
+
+    def _holds(self, units: _Units, block: dict[Sample, Floats]) -> Bools:
+        """Which frames of some units fulfil the condition and are asked for."""
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            return self.plan.condition.holds(block) & self._there(units)
+
+    def _there(self, units: _Units) -> Bools:
+        """Which frames of some units the documents still have, and carry the motion names that are asked for."""
+        places, chunks = units.lead.places, units.lead.about[CHUNK_NUMBER]
+        found = self._timeline.here(places, chunks)
+        if self._labelled is None:
+            return found
         positions = self._timeline.positions(places[:, None], slots_of_chunks(chunks))
+        named = np.zeros(found.shape, bool)
         for place in np.unique(places).tolist():
             rows = np.flatnonzero(places == place)
-            for first, last in (self._labelled or {})[self.forest.keys[place]]:
-                found[rows] |= (positions[rows] >= first) & (positions[rows] <= last)
-        return found
+            for first, last in self._labelled[self.forest.keys[place]]:
+                named[rows] |= (positions[rows] >= first) & (positions[rows] <= last)
+        return found & named
 
-    def _fill(
-        self, columns: dict[Sample, Floats], name: str | None, indices: Sequence[int], rows: Sequence[Any], units: int
-    ) -> None:
-        """Set the samples of a bone from its tracks."""
-        wanted = [channel for bone, channel in self.plan.condition.samples if bone == name]
-        for channel in wanted:
-            columns[name, channel] = np.full((units, CHUNK), np.nan)
-        for index, row, values in zip(indices, rows, self._tracks.read(self.tx, rows), strict=True):
-            held = channels_of(row[4])
-            for channel in wanted:
-                if channel in held:
-                    columns[name, channel][index, : values.shape[1]] = values[held.index(channel)]
+
+@dataclass(frozen=True)
+class _Units:
+    """Stretches of up to 256 frames. lead: the leading track of each. others: by name, those of other bones over the
+    same frames. must: where each frame of the leading track fulfils the condition, as zone maps tell."""
+
+    lead: Table
+    others: dict[str, Table]
+    must: Bools
+
+    def __len__(self) -> int:
+        return len(self.lead)
+
+    def __getitem__(self, which: Ints | slice) -> _Units:
+        others = {name: table[which] for name, table in self.others.items()}
+        return _Units(self.lead[which], others, self.must[which])
+
+    def ends(self, sample: Sample) -> Interval:
+        name, channel = sample
+        return self.others.get(name or "", self.lead).ends(channel, self.lead.about[FRAMES])
 
 
 @dataclass(frozen=True)
 class _Hits:
-    """holds: (units, CHUNK), where the condition is fulfilled. places, chunks: where a unit lies. bones: number of the
-    bone of each leading track. block: the samples."""
+    """holds: (units, CHUNK), where the condition is fulfilled. lead: the leading track of each unit."""
 
     holds: Bools
-    places: Ints
-    chunks: Ints
-    bones: Ints
-    block: dict[Sample, Floats]
+    lead: Table
 
     @property
     def count(self) -> int:
@@ -299,9 +357,10 @@ class _Hits:
     def frames(self, timeline: _Timeline) -> tuple[Ints, Ints]:
         """The frames, and for each the bone."""
         unit, offset = np.nonzero(self.holds)
-        positions = timeline.positions(self.places[unit], self.chunks[unit] * CHUNK + offset)
-        frames = (self.places[unit] << DOCUMENT_SHIFT) | (positions << FRAME_SHIFT)
-        bones = self.bones[unit]
+        places, chunks = self.lead.places[unit], self.lead.about[CHUNK_NUMBER, unit]
+        positions = timeline.positions(places, chunks * CHUNK + offset)
+        frames = (places << DOCUMENT_SHIFT) | (positions << FRAME_SHIFT)
+        bones = self.lead.about[BONE, unit]
         if len(frames) > 1 and (np.diff(frames) < 0).any():
             # Frames may have been put into another order than that of their slots.
             order = np.argsort(frames, kind="stable")
@@ -315,13 +374,15 @@ def slots_of_chunks(chunks: Ints) -> Ints:
 
 
 class _Timeline:
-    """Where in their documents the frames of slots are."""
+    """Where in their documents the frames of slots are. moved: places of documents whose frames are not in the order of
+    their slots."""
 
     def __init__(self, runs: ShapeRuns) -> None:
         slots = (runs.places << 32) | runs.slots
         order = np.argsort(slots)
         self._starts, self._count = slots[order], runs.counts[order]
         self._first = frames_of(runs.keys[order] << FRAME_SHIFT)
+        self.moved = np.unique(runs.places[1:][np.diff(slots) < 0])
 
     def positions(self, places: Ints, slots: Ints) -> Ints:
         """The position of the frame in each slot, 0 where no frame of the document lies any more."""

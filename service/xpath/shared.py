@@ -14,6 +14,7 @@ from service.xpath.kept import Kept
 from service.xpath.layouts import Layout, read_layouts
 from service.xpath.listing import Listing
 from service.xpath.tracks import Tracks
+from service.xpath.zones import Zones, read_zones
 
 
 class _Sized(Protocol):
@@ -49,11 +50,12 @@ class OfDocuments(Generic[Part]):
 
 @dataclass(frozen=True)
 class Shared:
-    """listing: which documents there are. heads, layouts, labels, ids: of documents. tracks: decoded."""
+    """listing: which documents there are. heads, layouts, labels, ids, zones: of documents. tracks: decoded."""
 
     listing: Listing = field(default_factory=Listing)
     heads: Heads = field(default_factory=Heads)
     layouts: OfDocuments[Layout] = field(default_factory=lambda: OfDocuments(read_layouts))
     labels: OfDocuments[Labels] = field(default_factory=lambda: OfDocuments(read_labels))
     ids: OfDocuments[Ids] = field(default_factory=lambda: OfDocuments(read_ids))
+    zones: OfDocuments[Zones] = field(default_factory=lambda: OfDocuments(read_zones, 24 << 20))
     tracks: Tracks = field(default_factory=Tracks)

@@ -118,7 +118,7 @@ def samples(forest: Forest, nodes: Ints) -> Floats:
     for asked, kept, chunks in _requests(forest, documents, bones, slot // CHUNK):
         rows = [
             row
-            for row in forest.tx.columns.tracks(asked, kept, chunks)
+            for row in forest.tx.columns.tracks(asked, chunks, kept)
             if (place[row.document] << 48) | (row.bone << 32) | row.chunk in wanted
         ]
         for row, data in zip(rows, forest.shared.tracks.read(forest.tx, rows), strict=True):

@@ -3,7 +3,8 @@
 A predicate such as `frame_bone[@name='Hips']/@Ty > 90 and @Rx < @Ry` is the same arithmetic in every frame. Compiled,
 it is a function of a block: for each sample that it names, an array over many frames, NaN where a frame has none.
 Only predicates that some sample decides are compiled, those that no frame without it can fulfil: they alone may be
-answered from the tracks of that sample.
+answered from the tracks of that sample. The same arithmetic on the ends of zone maps (`intervals`) says beforehand in
+which tracks no frame fulfils a predicate, and in which each does.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ import numpy as np
 
 from service.mcml.vocabulary import FRAME_BONE
 from service.motion.skeleton import CHANNEL_INDEX
+from service.xpath import intervals
 from service.xpath.functions import arithmetic, round_half_up
+from service.xpath.intervals import Interval, Verdict
 from service.xpath.labels import named, without_self
 from service.xpath.numbering import Bools, Floats
 from service.xpath.tree import Call, Expression, Literal, Operation, Path, Step
@@ -26,20 +29,25 @@ Sample: TypeAlias = tuple[str | None, int]
 """Name of the bone (None: the frame_bone that is asked for) and number of the channel."""
 Own: TypeAlias = str | Sample | None
 Block: TypeAlias = Mapping[Sample, Floats]
+Ends: TypeAlias = Mapping[Sample, Interval]
+"""Of each sample, by the zone maps of some tracks."""
 
 RELATIONS = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "=": np.equal}
 TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=": "=", "!=": "!="}
 _ROUNDING: dict[str, Callable[[Floats], Floats]] = {
-    "floor": np.floor, "ceiling": np.ceil, "round": round_half_up, "abs": np.abs, "number": np.asarray,
+    "floor": np.floor, "ceiling": np.ceil, "round": round_half_up, "number": np.asarray,
 }  # fmt: skip
+"""Functions that never make the greater of two numbers the smaller."""
 
 
 @dataclass(frozen=True)
 class Condition:
-    """holds: which frames of a block fulfil the predicate. samples: all that it reads. strict: samples without which
-    no frame fulfils it. bounds: for zone maps, (sample, operator, number): no frame fulfils it otherwise."""
+    """holds: which frames of a block fulfil the predicate. judge: what zone maps say of that. samples: all that it
+    reads. strict: samples without which no frame fulfils it. bounds: (sample, operator, number): no frame fulfils it
+    otherwise."""
 
     holds: Callable[[Block], Bools]
+    judge: Callable[[Ends], Verdict]
     samples: frozenset[Sample]
     strict: frozenset[Sample]
     bounds: tuple[tuple[Sample, str, float], ...] = ()
@@ -47,9 +55,11 @@ class Condition:
 
 @dataclass(frozen=True)
 class _Number:
-    """value: of each frame. sample: the one node that it is, if it is a node and no computed number."""
+    """value: of each frame. ends: of each track. sample: the one node that it is, if it is a node and no computed
+    number."""
 
     value: Callable[[Block], Floats]
+    ends: Callable[[Ends], Interval]
     samples: frozenset[Sample] = field(default_factory=frozenset)
     sample: Sample | None = None
     constant: float | None = None
@@ -83,9 +93,20 @@ def _logic(predicate: Operation, context: str, own: Own) -> Condition | None:
     if predicate.operator == "and":
         strict = frozenset[Sample]().union(*(part.strict for part in found))
         bounds = tuple(bound for part in found for bound in part.bounds)
-        return Condition(lambda block: _all(part.holds(block) for part in found), samples, strict, bounds)
+        return Condition(
+            lambda block: _all(part.holds(block) for part in found),
+            lambda ends: intervals.all_of([part.judge(ends) for part in found]),
+            samples,
+            strict,
+            bounds,
+        )
     strict = frozenset.intersection(*(part.strict for part in found))
-    return Condition(lambda block: ~_all(~part.holds(block) for part in found), samples, strict)
+    return Condition(
+        lambda block: ~_all(~part.holds(block) for part in found),
+        lambda ends: intervals.any_of([part.judge(ends) for part in found]),
+        samples,
+        strict,
+    )
 
 
 def _all(parts: object) -> Bools:
@@ -98,20 +119,28 @@ def _comparison(operator: str, left: _Number, right: _Number) -> Condition | Non
         return None
     if operator == "!=":
         return _unequal(left, right)
+
+    def judge(ends: Ends) -> Verdict:
+        return intervals.compared(operator, left.ends(ends), right.ends(ends))
+
     if operator == "=" and left.sample is not None and right.sample is not None:
         # Two nodes are equal as strings: 0.0 and -0.0 are not.
         def same(block: Block) -> Bools:
             one, other = left.value(block), right.value(block)
             return np.asarray((one == other) & (np.signbit(one) == np.signbit(other)))
 
-        return Condition(same, samples, samples)
+        return Condition(same, judge, samples, samples)
     bounds = []
     for one, other, said in ((left, right, operator), (right, left, TURNED[operator])):
         if one.sample is not None and other.constant is not None and not math.isnan(other.constant):
             bounds.append((one.sample, said, other.constant))
     relation = RELATIONS[operator]
     return Condition(
-        lambda block: np.asarray(relation(left.value(block), right.value(block))), samples, samples, tuple(bounds)
+        lambda block: np.asarray(relation(left.value(block), right.value(block))),
+        judge,
+        samples,
+        samples,
+        tuple(bounds),
     )
 
 
@@ -125,21 +154,30 @@ def _unequal(left: _Number, right: _Number) -> Condition | None:
         there = _all(~np.isnan(block[node]) for node in nodes)
         return np.asarray(there & (left.value(block) != right.value(block)))
 
-    return Condition(differ, left.samples | right.samples, frozenset(nodes))
+    return Condition(
+        differ, lambda ends: intervals.unknown(ends[nodes[0]]), left.samples | right.samples, frozenset(nodes)
+    )
 
 
 def _number(expression: Expression, context: str, own: Own) -> _Number | None:
     if isinstance(expression, Literal):
         if isinstance(expression.value, str):
             return None
-        value = expression.value
-        return _Number(lambda block: np.asarray(value), constant=value)
+        return _constant(expression.value)
     if isinstance(expression, Path):
         sample = _sample(expression, context, own)
-        return None if sample is None else _Number(lambda block: block[sample], frozenset({sample}), sample)
+        if sample is None:
+            return None
+        return _Number(lambda block: block[sample], lambda ends: ends[sample], frozenset({sample}), sample)
     if isinstance(expression, Call) and expression.function in _ROUNDING and len(expression.arguments) == 1:
         inner = _number(expression.arguments[0], context, own)
-        return None if inner is None else _computed(_ROUNDING[expression.function], inner)
+        if inner is None:
+            return None
+        function = _ROUNDING[expression.function]
+        return _computed(function, lambda ends: intervals.monotonic(function, ends), inner)
+    if isinstance(expression, Call) and expression.function == "abs":
+        inner = _number(expression.arguments[0], context, own)
+        return None if inner is None else _computed(np.abs, intervals.magnitude, inner)
     if not isinstance(expression, Operation) or expression.operator not in ("+", "-", "*", "div", "mod", "negate"):
         return None
     parts = [_number(operand, context, own) for operand in expression.operands]
@@ -147,26 +185,30 @@ def _number(expression: Expression, context: str, own: Own) -> _Number | None:
     if len(found) < len(parts):
         return None
     if expression.operator == "negate":
-        return _computed(np.negative, found[0])
+        return _computed(np.negative, intervals.negative, found[0])
     result = found[0]
     for part in found[1:]:
         result = _joined(expression.operator, result, part)
     return result
 
 
-def _computed(function: Callable[[Floats], Floats], inner: _Number) -> _Number:
+def _constant(value: float) -> _Number:
+    return _Number(lambda block: np.asarray(value), lambda ends: intervals.exactly(value), constant=value)
+
+
+def _computed(function: Callable[[Floats], Floats], of_ends: Callable[[Interval], Interval], inner: _Number) -> _Number:
     if inner.constant is not None:
-        value = float(function(np.asarray(inner.constant)))
-        return _Number(lambda block: np.asarray(value), constant=value)
-    return _Number(lambda block: function(inner.value(block)), inner.samples)
+        return _constant(float(function(np.asarray(inner.constant))))
+    return _Number(lambda block: function(inner.value(block)), lambda ends: of_ends(inner.ends(ends)), inner.samples)
 
 
 def _joined(operator: str, left: _Number, right: _Number) -> _Number:
     if left.constant is not None and right.constant is not None:
-        value = float(arithmetic(operator, np.asarray(left.constant), np.asarray(right.constant)))
-        return _Number(lambda block: np.asarray(value), constant=value)
+        return _constant(float(arithmetic(operator, np.asarray(left.constant), np.asarray(right.constant))))
     return _Number(
-        lambda block: arithmetic(operator, left.value(block), right.value(block)), left.samples | right.samples
+        lambda block: arithmetic(operator, left.value(block), right.value(block)),
+        lambda ends: intervals.computed(operator, left.ends(ends), right.ends(ends)),
+        left.samples | right.samples,
     )
 
 
@@ -192,11 +234,17 @@ def _sample(path: Path, context: str, own: Own) -> Sample | None:
     return None if name is None else (name, channel)
 
 
+def present(sample: Sample) -> Condition:
+    """That a frame has the sample."""
+    own = frozenset({sample})
+    return Condition(lambda block: ~np.isnan(block[sample]), lambda ends: intervals.present(ends[sample]), own, own)
+
+
 def _existence(path: Path, context: str, own: Own) -> Condition | None:
     """`@Rx`, or `frame_bone[@name='B'][@Rx > 45]`, as a predicate."""
     sample = _sample(path, context, own)
     if sample is not None:
-        return Condition(lambda block: ~np.isnan(block[sample]), frozenset({sample}), frozenset({sample}))
+        return present(sample)
     if context == FRAME_BONE or path.absolute or path.start is not None or len(path.steps) not in (1, 2):
         return None
     bone = bone_conditions(path.steps[0])
@@ -224,6 +272,7 @@ def conjunction(parts: list[Condition]) -> Condition:
     """All of them."""
     return Condition(
         lambda block: _all(part.holds(block) for part in parts),
+        lambda ends: intervals.all_of([part.judge(ends) for part in parts]),
         frozenset[Sample]().union(*(part.samples for part in parts)),
         frozenset[Sample]().union(*(part.strict for part in parts)),
         tuple(bound for part in parts for bound in part.bounds),

@@ -1,0 +1,123 @@
+"""Zone maps: which tracks documents have, and what the samples of each lie between."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from service.motion.skeleton import CHANNELS
+from service.storage.columns import Listed
+from service.storage.database import Transaction
+from service.xpath.intervals import Interval
+from service.xpath.numbering import Floats, Ints
+from service.xpath.tracks import Row
+
+DOCUMENT, CHUNK_NUMBER, BONE, COMMIT, BITS, GAPS, FRAMES = range(7)
+"""Rows of `about`: key of the document, numbers of chunk and bone, the commit that wrote the track, the channels that
+it has, those of them that some frame lacks, and how many frames it has."""
+
+
+@dataclass(frozen=True, slots=True)
+class Zones:
+    """The tracks of one document, by bone, then chunk.
+
+    about: (7, n). least, greatest: (channels, n), NaN where a track lacks the channel. bones: first and last + 1 of the
+    tracks of each bone by its number.
+    """
+
+    about: Ints
+    least: Floats
+    greatest: Floats
+    bones: dict[int, tuple[int, int]]
+
+    @property
+    def nbytes(self) -> int:
+        """About how much memory it takes."""
+        return self.about.nbytes + self.least.nbytes + self.greatest.nbytes + 256 * len(self.bones)
+
+
+def read_zones(tx: Transaction, documents: Sequence[Listed], numbers: Sequence[int] | None = None) -> dict[int, Zones]:
+    """The zone maps of each document by its key. numbers: only those of these bones."""
+    width = BITS + 3 + 2 * len(CHANNELS)
+    rows = np.array(tx.columns.zones([listed.key for listed in documents], numbers), np.float64).reshape(-1, width)
+    rows = rows[np.lexsort((rows[:, CHUNK_NUMBER], rows[:, BONE], rows[:, DOCUMENT]))]
+    result = {}
+    for listed in documents:
+        start, stop = np.searchsorted(rows[:, DOCUMENT], [listed.key, listed.key + 1])
+        own = rows[start:stop].T
+        held, first = np.unique(own[BONE], return_index=True)
+        edges = np.append(first, stop - start).tolist()
+        bones = dict(zip(held.astype(int).tolist(), pairwise(edges), strict=True))
+        least, greatest = own[FRAMES + 1 :: 2], own[FRAMES + 2 :: 2]
+        result[listed.key] = Zones(
+            own[: FRAMES + 1].astype(np.int64), np.ascontiguousarray(least), np.ascontiguousarray(greatest), bones
+        )
+    return result
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Tracks of several documents, their places ascending. about, least, greatest: as of one document."""
+
+    places: Ints
+    about: Ints
+    least: Floats
+    greatest: Floats
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def __getitem__(self, which: Ints | slice) -> Table:
+        return Table(self.places[which], self.about[:, which], self.least[:, which], self.greatest[:, which])
+
+    def facing(self, other: Table) -> Table:
+        """For each track of another table the one of the same frames, where there is none one without channels.
+
+        These are tracks of one bone a document.
+        """
+        keys, wanted = self._frames(), other._frames()
+        index = np.searchsorted(keys, wanted)
+        found = np.append(keys, -1)[index] == wanted
+        about = np.zeros((len(self.about), len(wanted)), np.int64)
+        about[:, found] = self.about[:, index[found]]
+        least, greatest = np.full((2, len(CHANNELS), len(wanted)), np.nan)
+        least[:, found] = self.least[:, index[found]]
+        greatest[:, found] = self.greatest[:, index[found]]
+        return Table(other.places, about, least, greatest)
+
+    def _frames(self) -> Ints:
+        return np.asarray((self.places << 32) | self.about[CHUNK_NUMBER], np.int64)
+
+    def ends(self, channel: int, frames: Ints) -> Interval:
+        """What the samples of a channel lie between. frames: how many of each track are asked for."""
+        some = (self.about[BITS] >> channel & 1).astype(bool)
+        gaps = (self.about[GAPS] >> channel & 1).astype(bool)
+        always = some & ~gaps & (self.about[FRAMES] >= frames)
+        return Interval(self.least[channel], self.greatest[channel], some, always)
+
+    def rows(self) -> list[Row]:
+        """What the tracks are read by."""
+        return list(map(tuple, self.about[:GAPS].T.tolist()))
+
+
+def tracks_of(zones: Sequence[Zones], first: int, bones: Sequence[int] | None) -> Table:
+    """The tracks of documents, whose places are numbered from `first`. bones: of one bone of each, -1 for none."""
+    if bones is None:
+        parts = [(number, slice(None)) for number in range(len(zones))]
+    else:
+        found = [(number, zones[number].bones.get(bone)) for number, bone in enumerate(bones)]
+        parts = [(number, slice(*ends)) for number, ends in found if ends is not None]
+    about = [zones[number].about[:, some] for number, some in parts]
+    lengths = [part.shape[1] for part in about]
+    return Table(
+        np.repeat(np.array([first + number for number, _ in parts], np.int64), lengths),
+        np.concatenate([np.empty((FRAMES + 1, 0), np.int64), *about], axis=1),
+        np.concatenate([_NONE, *(zones[number].least[:, some] for number, some in parts)], axis=1),
+        np.concatenate([_NONE, *(zones[number].greatest[:, some] for number, some in parts)], axis=1),
+    )
+
+
+_NONE = np.empty((len(CHANNELS), 0))
