@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT, shown
+from schemas.retarget import WantedMapping
 
 
 class Layer(BaseModel):
@@ -20,6 +21,7 @@ class Layer(BaseModel):
     bones: list[str] = Field(min_length=1, max_length=10_000, description="By MCML name")
     strength: float = Field(1.0, ge=0, le=1, description="1: wholly as in the other clip")
     ease: int = Field(0, ge=0, le=100_000, description="Frames over which the layer comes and goes")
+    mapping: WantedMapping = None
 
 
 class Segment(BaseModel):
@@ -34,6 +36,7 @@ class Segment(BaseModel):
     xpath: str | None = Field(None, max_length=10_000, examples=[f"//frame[motion_name='{MOTION_NAME}']"])
     project: str | None = Field(None, description="With `xpath`: look only there")
     layers: list[Layer] = Field([], max_length=100)
+    mapping: WantedMapping = None
 
     @model_validator(mode="after")
     def _names_something(self) -> Segment:

@@ -2,40 +2,114 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import BaseModel, ConfigDict, Field
 
-from schemas.examples import DOCUMENT, PROJECT, shown
+from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT, TIME, example_of, shown
+from schemas.jobs import Selection
+from schemas.problem import Problem
 
 
 class JointPair(BaseModel):
     """A joint of the source and the one of the target that moves as it does, by their MCML names."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
     source: str
     target: str
 
 
-class RetargetRequest(BaseModel):
+Pairs = Annotated[list[JointPair], Field(min_length=1, max_length=10_000)]
+WantedMapping = Annotated[
+    Pairs | Annotated[str, Field(min_length=1, max_length=1024)] | None,
+    Field(description="All pairs of joints, or the name of a saved mapping; if left out, pairs are suggested"),
+]
+
+
+class Retargeting(BaseModel):
     """Whose skeleton, and which joint is which."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    skeleton: str = Field(description="Document whose skeleton the motion is brought to", examples=[DOCUMENT])
+    mapping: WantedMapping = None
+    clean_feet: bool = Field(False, description="Hold feet where they stand")
+    project: str | None = Field(
+        None, min_length=1, max_length=256, description="Of the new document, and of the mapping; default the source's"
+    )
+    preview: bool = Field(False, description="Say what would be mapped, and how well; store nothing")
+
+
+class RetargetRequest(Retargeting):
+    """A motion, and the skeleton that it is brought to."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"skeleton": DOCUMENT, "clean_feet": True, "name": "walk of the robot", "project": PROJECT}
+        )
+    )
+
+    name: str | None = Field(
+        None, min_length=1, max_length=1024, description="Of the new document; default the source's"
+    )
+
+
+class RetargetMany(Retargeting):
+    """Motions of many documents, and the skeleton that they are brought to."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"selection": {"project": PROJECT, "motion_name": MOTION_NAME}, "skeleton": DOCUMENT, "project": "robot"}
+        )
+    )
+
+    selection: Selection = Field(description="Which documents; the one with the skeleton is left out")
+
+
+class SavedMapping(BaseModel):
+    """Which joint is which, under a name, for the documents of a project."""
 
     model_config = ConfigDict(
         extra="forbid",
         json_schema_extra=shown(
-            {"skeleton": DOCUMENT, "clean_feet": True, "name": "walk of the robot", "project": PROJECT}
+            {"pairs": [{"source": "left_up_leg", "target": "left_hip"}, {"source": "torso7", "target": "waist"}]}
         ),
     )
 
-    skeleton: str = Field(description="Document whose skeleton the motion is brought to")
-    mapping: list[JointPair] | None = Field(
-        None, max_length=10_000, description="All pairs; if left out those that are suggested. Ask with `preview` first"
+    pairs: Pairs
+
+
+class Mapping(SavedMapping):
+    """version: counts the changes from 1. author, changed: of the last one."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "name": "cmu to robot",
+                "project": PROJECT,
+                "version": 2,
+                "author": "local",
+                "changed": TIME,
+                "pairs": [{"source": "left_up_leg", "target": "left_hip"}],
+            }
+        )
     )
-    clean_feet: bool = Field(False, description="Hold feet where they stand")
-    name: str | None = Field(
-        None, min_length=1, max_length=1024, description="Of the new document; default the source's"
-    )
-    project: str | None = Field(None, min_length=1, max_length=256, description="Default the source's")
-    preview: bool = Field(False, description="Say what would be mapped, and how well; store nothing")
+
+    name: str
+    project: str
+    version: int
+    author: str
+    changed: str
+
+
+class MappingPage(BaseModel):
+    """Saved mappings, by project and name."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"items": [example_of(Mapping)]}))
+
+    items: list[Mapping]
+    next_cursor: str | None = None
 
 
 class JointMatch(JointPair):
@@ -103,3 +177,16 @@ class Retargeted(BaseModel):
     bones: list[BoneError]
     feet: list[FootSliding]
     notices: list[str]
+
+
+class RetargetedOne(BaseModel):
+    """One of many documents: what was made of it, or why nothing was."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown({"source": DOCUMENT, "name": "walk", "made": example_of(Retargeted)})
+    )
+
+    source: str
+    name: str
+    made: Retargeted | None = None
+    problem: Problem | None = None

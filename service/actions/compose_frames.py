@@ -10,14 +10,17 @@ import numpy as np
 
 from schemas.compose import Composed, ComposedSeam, ComposedSegment, ComposeRequest, Layer, Segment
 from schemas.queries import QueryRequest, RunItem
+from service.actions.fit_skeleton import JointMapping, fit, with_body
+from service.actions.keep_mapping import mapping_of
 from service.actions.read_clip import read_clip
 from service.actions.reshape_motion import Whole, read_whole
 from service.actions.store_clip import store_stream
 from service.errors import DocumentError
 from service.motion.clip import ClipHead, ClipStream, FrameBlock
 from service.motion.composing import Piece, compose, layered
-from service.motion.frames import eased
-from service.motion.skeleton import Skeleton
+from service.motion.frames import eased, joined, rows_of
+from service.motion.resampling import resampled
+from service.motion.units import reading_of, up_of
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
@@ -29,13 +32,17 @@ MOST_FRAMES = 1_000_000
 
 @dataclass(frozen=True)
 class _Source:
-    """Frames of one document at one revision. segment: which one of the request they belong to."""
+    """Frames of one document at one revision. segment: which one of the request they belong to. first: from 0."""
 
     segment: int
     stored: StoredDocument
     whole: Whole
     frame_time: float
     first: int
+    mapping: JointMapping | None
+
+    def __len__(self) -> int:
+        return len(self.whole.block)
 
     @property
     def name(self) -> str:
@@ -48,14 +55,14 @@ def compose_frames(
 ) -> Composed:
     """Make the document, or in a preview only say what it would be.
 
-    Raises DocumentError where skeletons differ or a frame time is not known, NotFoundError for frames not there.
+    Raises DocumentError where skeletons do not fit or a frame time is not known, NotFoundError for frames not there.
     """
     segments = list(_resolved(queries, request.segments))
     with database.read() as tx:
-        sources = [_source(tx, number, segment) for number, segment in segments]
+        sources = [_source(tx, request.project, number, segment) for number, segment in segments]
         head = _head(tx, request, sources[0])
-        skeleton = head.skeleton
-        blocks = [_on(tx, skeleton, source, segment) for source, (_, segment) in zip(sources, segments, strict=True)]
+        fitting = _Fitting(tx, head, request.project)
+        blocks = fitting.all(sources, segments)
     frame_time = sources[0].frame_time if request.rate is None else 1 / request.rate
     seconds = sum(len(block) * source.frame_time for block, source in zip(blocks, sources, strict=True))
     if seconds / frame_time > MOST_FRAMES:
@@ -65,15 +72,15 @@ def compose_frames(
         for block, source, (_, segment) in zip(blocks, sources, segments, strict=True)
     ]
     made = compose(
-        skeleton,
+        head.skeleton,
         pieces,
         frame_time,
         transition=request.transition,
         style=request.style,
         lengthen=request.lengthen,
         align=request.align,
-        up=sources[0].whole.up,
-        reading=sources[0].whole.reading,
+        up=up_of(head),
+        reading=reading_of(head),
     )
     block = made.block if request.labels else replace(made.block, motion_names=None)
     uuid = None
@@ -107,7 +114,7 @@ def compose_frames(
             )
             for seam in made.seams
         ],
-        notices=[notice.what for notice in made.shortfall.notices(skeleton)],
+        notices=[*fitting.notices, *(notice.what for notice in made.shortfall.notices(head.skeleton))],
     )
 
 
@@ -137,7 +144,7 @@ def _resolved(queries: Queries, segments: list[Segment]) -> Iterator[tuple[int, 
                 if isinstance(item, RunItem):
                     found += 1
                     run = {"first": item.first, "last": item.last, "revision": item.revision}
-                    yield number, Segment(document=item.document, layers=segment.layers, **run)
+                    yield number, segment.model_copy(update={"xpath": None, "document": item.document, **run})
             cursor = answer.next_cursor
             if cursor is None:
                 break
@@ -145,27 +152,30 @@ def _resolved(queries: Queries, segments: list[Segment]) -> Iterator[tuple[int, 
             raise DocumentError(f"Segment {number}: the expression finds no frames.", remedy="Try it with GET /xpath.")
 
 
-def _source(tx: Transaction, number: int, segment: Segment) -> _Source:
+def _source(tx: Transaction, project: str, number: int, segment: Segment) -> _Source:
     assert segment.document is not None
     current = tx.documents.get(segment.document)
     then = tx if segment.revision is None else tx.at_commit(tx.documents.commit_of(current.key, segment.revision))
     stored = then.documents.get(segment.document)
-    seconds = stored.seconds_per_frame
-    if seconds is None:
-        raise DocumentError(f"{stored.name} has no frame time.", remedy="State it: PATCH the document with frame_time.")
+    seconds = _seconds(stored)
     whole = read_whole(then, stored, segment.first, segment.last)
-    return _Source(number, stored, whole, seconds, segment.first - 1)
+    return _Source(number, stored, whole, seconds, segment.first - 1, mapping_of(tx, project, segment.mapping))
+
+
+def _seconds(stored: StoredDocument) -> float:
+    if stored.seconds_per_frame is None:
+        raise DocumentError(f"{stored.name} has no frame time.", remedy="State it: PATCH the document with frame_time.")
+    return stored.seconds_per_frame
 
 
 def _head(tx: Transaction, request: ComposeRequest, first: _Source) -> ClipHead:
     """Header of one document, skeleton of another."""
-    head = first.whole.head
+    head = body = first.whole.head
     if request.header is not None:
-        other = _head_of(tx, request.header)
-        head = replace(other, skeleton=head.skeleton)
+        head = _head_of(tx, request.header)
     if request.skeleton is not None:
-        head = replace(head, skeleton=_head_of(tx, request.skeleton).skeleton)
-    return head
+        body = _head_of(tx, request.skeleton)
+    return head if head is body else with_body(head, body)
 
 
 def _head_of(tx: Transaction, uuid: str) -> ClipHead:
@@ -185,53 +195,53 @@ def _timed(head: ClipHead, frame_time: float, sources: list[_Source]) -> ClipHea
     return replace(head, fields=fields, frame_time=repr(frame_time), sources=())
 
 
-def _on(tx: Transaction, skeleton: Skeleton, source: _Source, segment: Segment) -> FrameBlock:
-    """A segment's frames on the skeleton of the result, with its layers."""
-    block = on_skeleton(skeleton, source.whole.head.skeleton, source.whole.block, source.stored.name)
-    for layer in segment.layers:
-        block = _layered(tx, skeleton, source, block, layer)
-    return block
+class _Fitting:
+    """Brings frames onto the skeleton of the result."""
 
+    def __init__(self, tx: Transaction, head: ClipHead, project: str) -> None:
+        self._tx, self._head, self._project = tx, head, project
+        self.notices: list[str] = []
 
-def _layered(tx: Transaction, skeleton: Skeleton, source: _Source, block: FrameBlock, layer: Layer) -> FrameBlock:
-    stored = tx.documents.get(layer.document)
-    over = read_whole(tx, stored, layer.first, layer.last)
-    if stored.seconds_per_frame != source.frame_time:
-        raise DocumentError(
-            f"{stored.name} has another frame rate than {source.stored.name}.", remedy="Resample one of them first."
-        )
-    unknown = [bone for bone in layer.bones if bone not in skeleton.names]
-    if unknown:
-        raise DocumentError(f"The skeleton has no bone {unknown[0]!r}.", remedy="Name bones by their MCML names.")
-    joints = [skeleton.names.index(bone) for bone in layer.bones]
-    count = min(len(block), len(over.block))
-    strength = np.zeros(len(block))
-    strength[:count] = layer.strength * eased(count, 0, count - 1, layer.ease)
-    other = on_skeleton(skeleton, over.head.skeleton, over.block, stored.name)
-    return layered(skeleton, block, other, joints, strength, source.whole.reading).block
+    def all(self, sources: list[_Source], segments: list[tuple[int, Segment]]) -> list[FrameBlock]:
+        """The frames of every source, with its layers."""
+        alike: dict[tuple[str, JointMapping | None], list[int]] = {}
+        for index, source in enumerate(sources):
+            alike.setdefault((source.name, source.mapping), []).append(index)
+        blocks = [source.whole.block for source in sources]
+        for indices in alike.values():
+            # At once, so that pieces of one clip are brought to another body in one way.
+            first = sources[indices[0]]
+            whole = replace(first.whole, block=joined(blocks[index] for index in indices))
+            fitted = self._fitted(first.stored, whole, first.mapping, first.frame_time)
+            ends = np.cumsum([len(sources[index]) for index in indices])
+            for index, end in zip(indices, ends.tolist(), strict=True):
+                blocks[index] = rows_of(fitted, end - len(sources[index]), end)
+        for index, (source, (_, segment)) in enumerate(zip(sources, segments, strict=True)):
+            for layer in segment.layers:
+                blocks[index] = self._layered(source, blocks[index], layer)
+        return blocks
 
+    def _fitted(
+        self, stored: StoredDocument, whole: Whole, mapping: JointMapping | None, frame_time: float
+    ) -> FrameBlock:
+        fitted = fit(whole, self._head, mapping, frame_time)
+        said = [f"{stored.name}: {notice}" for notice in fitted.notices]
+        self.notices += [notice for notice in said if notice not in self.notices]
+        return fitted.block
 
-def on_skeleton(target: Skeleton, own: Skeleton, block: FrameBlock, name: str) -> FrameBlock:
-    """Frames with joints as another skeleton numbers them. DocumentError unless both are the same body."""
-    if own == target:
-        return block
-    place = {joint.name: index for index, joint in enumerate(target.joints)}
-    for joint in own.joints:
-        other = target.joints[place[joint.name]] if joint.name in place else None
-        parents = (_parent(own, joint.parent), None if other is None else _parent(target, other.parent))
-        same = other is not None and parents[0] == parents[1] and replace(joint, parent=0) == replace(other, parent=0)
-        if not same or len(own) != len(target):
-            raise DocumentError(
-                f"{name}: {joint.name!r} is not the same bone as in the skeleton of the result.",
-                remedy="Retarget it onto that skeleton first: POST /documents/{id}/retarget.",
-            )
-    number = [place[joint.name] for joint in own.joints]
-    return replace(
-        block,
-        columns=tuple((number[joint], channel) for joint, channel in block.columns),
-        shapes=tuple(tuple((number[joint], bits) for joint, bits in shape) for shape in block.shapes),
-    )
-
-
-def _parent(skeleton: Skeleton, index: int) -> str:
-    return skeleton.joints[index].name if index >= 0 else ""
+    def _layered(self, source: _Source, block: FrameBlock, layer: Layer) -> FrameBlock:
+        skeleton, reading = self._head.skeleton, reading_of(self._head)
+        unknown = [bone for bone in layer.bones if bone not in skeleton.names]
+        if unknown:
+            raise DocumentError(f"The skeleton has no bone {unknown[0]!r}.", remedy="Name bones by their MCML names.")
+        stored = self._tx.documents.get(layer.document)
+        seconds = _seconds(stored)
+        whole = read_whole(self._tx, stored, layer.first, layer.last)
+        other = self._fitted(stored, whole, mapping_of(self._tx, self._project, layer.mapping), seconds)
+        if seconds != source.frame_time:
+            other = resampled(skeleton, other, seconds, source.frame_time, reading).block
+        count = min(len(block), len(other))
+        strength = np.zeros(len(block))
+        strength[:count] = layer.strength * eased(count, 0, count - 1, layer.ease)
+        joints = [skeleton.names.index(bone) for bone in layer.bones]
+        return layered(skeleton, block, other, joints, strength, reading).block

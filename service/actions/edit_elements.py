@@ -127,6 +127,9 @@ def _conflict(address: str, before: str | None, after: str | None) -> ConflictEr
         f"{address} was changed since: it was {_short(before)}, it is {_short(after)}.",
         at=Place(element=address),
         remedy="Read the document again and decide.",
+        code="changed-meanwhile",
+        before=before,
+        after=after,
     )
 
 

@@ -137,7 +137,8 @@ class _Line:
 def write_label_table(
     tx: Transaction, content: bytes, project: str | None = None, *, strict: bool = False, replace: bool = False
 ) -> list[StoredDocument]:
-    """Labels of many documents from a CSV table; all or none. Answers the documents that changed.
+    """Labels of many documents from a CSV table; all or none. Answers the documents that changed; a label that is there
+    already is not added again.
 
     Columns: `document` (an id) or `name`, `label`, `first`, `last`. replace: the labels that the documents of the table
     had go. DocumentError with the line.
@@ -158,10 +159,16 @@ def write_label_table(
                     at=Place(line=line.number),
                     remedy="Frame numbers are positions, from 1, both ends included.",
                 )
-        if replace:
-            tx.spans.close([span.key for span in tx.spans.of(stored.key)])
-        add_labels(tx, stored, [line.label for line in mine], strict=strict)
-        changed.append(tx.documents.get(stored.uuid))
+        spans = {(span.name, span.first, span.last): span.key for span in tx.spans.of(stored.key)}
+        labels = [line.label for line in mine]
+        wanted = [(motion_names.canonical(name, strict=strict), first, last) for name, first, last in labels]
+        gone = [key for label, key in spans.items() if label not in wanted] if replace else []
+        new = [label for label in dict.fromkeys(wanted) if label not in spans]
+        if new or gone:
+            tx.spans.close(gone)
+            if not add_labels(tx, stored, new, strict=strict):
+                tx.documents.add_revision(stored, "unlabel", "labels of a table")
+            changed.append(tx.documents.get(stored.uuid))
     return changed
 
 

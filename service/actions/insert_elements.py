@@ -1,6 +1,7 @@
 """Elements put into a document, or in the place of others. What comes is validated where it stands, then written.
 
-Inside the motion a frame is the least that is written: a frame_bone or motion_name that comes makes its frame anew.
+Inside the motion a frame is the least that is written: a frame_bone or motion_name that comes makes its frame anew,
+unless it takes the place of a frame_bone of the same bone.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import re
 from dataclasses import replace
 from typing import Literal
 
-from service.actions.edit_element import edit_head, parent_of
+from service.actions.edit_element import Change, apply_change, edit_head, parent_of
 from service.actions.edit_frames import frame_at
 from service.actions.splice_frames import check_range, splice_frames
 from service.errors import DocumentError, NotFoundError, Place
@@ -78,6 +79,10 @@ def replace_element(tx: Transaction, stored: StoredDocument, address: str, eleme
         at = int(inside[1])
         element = frame_at(tx, stored, at)
         place = _place(element, inside[2], int(inside[3] or 1), address)
+        change = _change(element.children[place], elements)
+        if change is not None:
+            apply_change(tx, stored, address, change)
+            return
         element.children[place : place + 1] = elements
         _splice(tx, stored, at, 1, [element], renumber=False)
     elif address.startswith("/mcml/motion"):
@@ -90,6 +95,17 @@ def replace_element(tx: Transaction, stored: StoredDocument, address: str, eleme
             children[place : place + 1] = elements
 
         edit_head(tx, stored, address, edit)
+
+
+def _change(old: Element, new: list[Element]) -> Change | None:
+    """What makes one frame_bone another of the same bone: less is written than for a frame that is made anew."""
+    if [old.tag] != [element.tag for element in new] or old.tag != "frame_bone" or new[0].text or new[0].children:
+        return None
+    (element,) = new
+    if element.attributes.get("name") != old.attributes["name"]:
+        return None
+    gone: dict[str, str | None] = dict.fromkeys(old.attributes.keys() - element.attributes.keys())
+    return Change(gone | {name: text for name, text in element.attributes.items() if name != "name"})
 
 
 def _into_head(tx: Transaction, stored: StoredDocument, address: str, where: Where, elements: list[Element]) -> None:

@@ -12,12 +12,12 @@ from service.actions.splice_frames import check_range, splice_frames
 from service.errors import DocumentError
 from service.mcml.elements import header_of
 from service.motion.clip import ClipHead, FrameBlock
-from service.motion.frames import adjusted, eased, joined
+from service.motion.frames import adjusted, eased, joined, rows_of
 from service.motion.mirroring import mirrored
 from service.motion.resampling import resampled
 from service.motion.skeleton import CHANNEL_INDEX, Array
 from service.motion.smoothing import smoothed
-from service.motion.units import Reading, reading_of
+from service.motion.units import Reading, reading_of, up_of
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 
@@ -38,7 +38,7 @@ class Whole:
 
     @property
     def up(self) -> str:
-        return self.head.fields.get("global_axis_of_gravity", "Y").strip().upper()[-1:]
+        return up_of(self.head)
 
     def joints(self, bones: Sequence[str]) -> list[int]:
         """Numbers of bones by their names, all without any. DocumentError."""
@@ -76,7 +76,7 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> None:
             block = _smoothed(whole, edit, strength, _rate(stored))
         else:
             block = _adjusted(whole, edit, strength)
-        block = _rows(block, first - start, last - start + 1)
+        block = rows_of(block, first - start, last - start + 1)
     splice_frames(tx, stored, first, last - first + 1, [_as_bones(tx, stored, whole, block)], renumber=False)
 
 
@@ -101,16 +101,6 @@ def _adjusted(whole: Whole, edit: AdjustFrames, strength: Array) -> FrameBlock:
     if not columns:
         raise DocumentError("None of these bones has such a channel.", remedy="See its channels in the document.")
     return adjusted(whole.block, columns, strength, edit.factor, edit.offset)
-
-
-def _rows(block: FrameBlock, start: int, end: int) -> FrameBlock:
-    return replace(
-        block,
-        values=block.values[start:end],
-        ids=block.ids[start:end],
-        shape_of=None if block.shape_of is None else block.shape_of[start:end],
-        motion_names=None if block.motion_names is None else list(block.motion_names)[start:end],
-    )
 
 
 def _resample(tx: Transaction, stored: StoredDocument, edit: ResampleFrames) -> None:

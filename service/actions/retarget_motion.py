@@ -1,24 +1,36 @@
-"""A stored motion on the skeleton of another document, as a new document."""
+"""Stored motions on the skeleton of another document, as new documents."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
-from schemas.retarget import BoneError, FootSliding, JointMatch, Retargeted, RetargetRequest
+from schemas.retarget import (
+    BoneError,
+    FootSliding,
+    JointMatch,
+    Retargeted,
+    RetargetedOne,
+    Retargeting,
+    RetargetMany,
+    RetargetRequest,
+)
+from service.actions.describe_problem import problem_of
+from service.actions.fit_skeleton import JointMapping, are_markers, match_joints, upright, with_body
+from service.actions.keep_mapping import mapping_of
 from service.actions.reshape_motion import Whole, read_whole
+from service.actions.select_documents import select_documents
 from service.actions.store_clip import store_stream
-from service.errors import DocumentError
-from service.motion.bone_mapping import Match, suggest_matches
-from service.motion.clip import ClipHead, ClipStream
+from service.errors import DocumentError, McmlError
+from service.motion.clip import ClipStream
 from service.motion.retarget import Retargeted as Result
 from service.motion.retarget import retarget
-from service.motion.skeleton import Convention, Skeleton
+from service.motion.skeleton import Skeleton
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.documents import StoredDocument
-
-_OF_SKELETON = ("skeleton_name", "calibration_unit", "global_axis_of_gravity", "bone_length_axis", "units_angle")
-"""Fields of a header that belong to the skeleton's own numbers."""
+from service.xpath.run import Queries
 
 
 def retarget_motion(
@@ -26,35 +38,93 @@ def retarget_motion(
 ) -> Retargeted:
     """Bring a motion onto another skeleton.
 
-    Raises DocumentError for markers, axes that differ, and names that are not there.
+    Raises DocumentError for markers and for names that are not there, ConversionError where no joints match.
     """
     with database.read() as tx:
         stored, other = tx.documents.get(uuid), tx.documents.get(request.skeleton)
         source, target = read_whole(tx, stored), read_whole(tx, other, 1, 1)
+        mapping = mapping_of(tx, request.project or stored.project, request.mapping)
+    return _retarget(database, settings, (stored, source), (other, target), mapping, request, request.name, author)
+
+
+def retarget_many(
+    database: Database, queries: Queries, settings: Settings, request: RetargetMany, author: str
+) -> Iterator[RetargetedOne]:
+    """Bring the motions of all selected documents onto another skeleton, one after the other; each is done or says why
+    not. What fails for all, as a selection of nothing or a mapping that is not there, is raised before the first."""
+    selected, _ = select_documents(database, queries, request.selection)
+    with database.read() as tx:
+        other = tx.documents.get(request.skeleton)
+        target = read_whole(tx, other, 1, 1)
+        if isinstance(request.mapping, str) and request.project is not None:
+            mapping_of(tx, request.project, request.mapping)
+    if are_markers(target.head.skeleton):
+        raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
+    return _each(database, settings, [str(item["document"]) for item in selected], (other, target), request, author)
+
+
+def _each(
+    database: Database,
+    settings: Settings,
+    documents: list[str],
+    body: tuple[StoredDocument, Whole],
+    request: RetargetMany,
+    author: str,
+) -> Iterator[RetargetedOne]:
+    for uuid in documents:
+        if uuid == body[0].uuid:
+            continue
+        name = ""
+        try:
+            with database.read() as tx:
+                stored = tx.documents.get(uuid)
+                name = stored.name
+                source = read_whole(tx, stored)
+                mapping = mapping_of(tx, request.project or stored.project, request.mapping)
+            made = _retarget(database, settings, (stored, source), body, mapping, request, None, author)
+            yield RetargetedOne(source=uuid, name=name, made=made)
+        except McmlError as error:
+            yield RetargetedOne(source=uuid, name=name, problem=problem_of(error))
+
+
+def _retarget(
+    database: Database,
+    settings: Settings,
+    motion: tuple[StoredDocument, Whole],
+    body: tuple[StoredDocument, Whole],
+    mapping: JointMapping | None,
+    request: Retargeting,
+    name: str | None,
+    author: str,
+) -> Retargeted:
+    (stored, source), (other, target) = motion, body
     seconds = stored.seconds_per_frame
     if seconds is None:
         raise DocumentError("The document has no frame time.", remedy="State it: PATCH the document with frame_time.")
-    _check(source, target)
+    if are_markers(source.head.skeleton) or are_markers(target.head.skeleton):
+        raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
+    source, notices = upright(source, target.up)
     one, two = source.head.skeleton, target.head.skeleton
     made = retarget(
         one,
         source.block,
         two,
-        _matches(one, two, request),
+        match_joints(one, two, mapping),
         seconds,
         reading=source.reading,
         target_reading=target.reading,
         clean=request.clean_feet,
-        up=source.up,
+        up=target.up,
     )
     document = None
     if not request.preview:
+        head = replace(with_body(source.head, target.head), frame_time=stored.frame_time)
         block = made.block
         document = store_stream(
             database,
-            ClipStream(_head(source.head, target.head, stored), lambda: iter([block]), len(block)),
+            ClipStream(head, lambda: iter([block]), len(block)),
             settings,
-            name=request.name or stored.name,
+            name=name or stored.name,
             project=request.project or stored.project,
             author=author,
             provenance={
@@ -63,58 +133,21 @@ def retarget_motion(
                     {"document": stored.uuid, "revision": stored.revision},
                     {"document": other.uuid, "revision": other.revision},
                 ],
-                "parameters": request.model_dump(mode="json", exclude_defaults=True),
+                "parameters": _parameters(request, mapping),
             },
         )
-    return _told(document, made, one, two)
+    return _told(document, made, one, two, notices)
 
 
-def _check(source: Whole, target: Whole) -> None:
-    for whole in (source, target):
-        if any(joint.convention is Convention.MARKER for joint in whole.head.skeleton.joints):
-            raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
-    if source.up != target.up:
-        raise DocumentError(
-            f"{source.up} points up in the motion, {target.up} in the skeleton.",
-            remedy="Export one with up=, and import it.",
-        )
+def _parameters(request: Retargeting, mapping: JointMapping | None) -> dict[str, Any]:
+    """As asked; a saved mapping by its pairs too, for it may be changed later."""
+    asked = request.model_dump(mode="json", exclude_defaults=True, exclude={"selection"})
+    if isinstance(request.mapping, str) and mapping is not None:
+        asked["pairs"] = [pair.model_dump() for pair in mapping.pairs]
+    return asked
 
 
-def _matches(source: Skeleton, target: Skeleton, request: RetargetRequest) -> tuple[Match, ...]:
-    if request.mapping is None:
-        return suggest_matches(source, target)
-    suggested = {(match.source, match.target): match for match in suggest_matches(source, target)}
-    found = []
-    for pair in request.mapping:
-        for name, skeleton, what in ((pair.source, source, "motion"), (pair.target, target, "skeleton")):
-            if name not in skeleton.names:
-                raise DocumentError(f"The {what} has no joint {name!r}.", remedy="Ask with preview for all names.")
-        key = source.names.index(pair.source), target.names.index(pair.target)
-        found.append(suggested.get(key) or Match(*key, 1.0, "you said so"))
-    return tuple(found)
-
-
-def _head(source: ClipHead, target: ClipHead, stored: StoredDocument) -> ClipHead:
-    """What is said of the motion, with the body of the other document."""
-    fields = {
-        name: text for name, text in source.fields.items() if name not in (*_OF_SKELETON, "num_frames", "num_segments")
-    }
-    fields |= {name: text for name, text in target.fields.items() if name in _OF_SKELETON}
-    for name in ("units_mass", "units_length", "scale_factor", "euler_rotation_order"):
-        fields.pop(name, None)
-        if name in target.fields:
-            fields[name] = target.fields[name]
-    return replace(
-        source,
-        format=target.format,
-        skeleton=target.skeleton,
-        fields=fields,
-        frame_time=stored.frame_time,
-        sources=target.sources,
-    )
-
-
-def _told(document: str | None, made: Result, source: Skeleton, target: Skeleton) -> Retargeted:
+def _told(document: str | None, made: Result, source: Skeleton, target: Skeleton, notices: list[str]) -> Retargeted:
     report = made.report
     return Retargeted(
         document=document,
@@ -145,5 +178,6 @@ def _told(document: str | None, made: Result, source: Skeleton, target: Skeleton
             FootSliding(foot=target.names[foot.joint], stances=len(foot.contacts), before=foot.before, after=foot.after)
             for foot in report.feet
         ],
-        notices=[notice.what for notice in [*report.notices(source, target), *made.shortfall.notices(target)]],
+        notices=notices
+        + [notice.what for notice in [*report.notices(source, target), *made.shortfall.notices(target)]],
     )

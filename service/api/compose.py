@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
+import orjson
 from fastapi import APIRouter, Response
+from fastapi.responses import StreamingResponse
 
 from schemas.compose import Composed, ComposeRequest
-from schemas.retarget import Retargeted, RetargetRequest
+from schemas.examples import example_of
+from schemas.retarget import Retargeted, RetargetedOne, RetargetMany, RetargetRequest
 from service.actions.compose_frames import compose_frames
-from service.actions.retarget_motion import retarget_motion
+from service.actions.retarget_motion import retarget_many, retarget_motion
 from service.api.dependencies import AuthorDep, DatabaseDep, DocumentId, QueriesDep, SettingsDep
 
 router = APIRouter(tags=["compose"])
+
+_LINES: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "A line of JSON for each document, as soon as it is done",
+        "content": {"application/x-ndjson": {"example": orjson.dumps(example_of(RetargetedOne)).decode() + "\n"}},
+    }
+}
 
 
 @router.post("/compose", status_code=201, operation_id="compose", response_model_exclude_none=True)
@@ -57,3 +70,21 @@ def post_retarget(
     else:
         response.headers["location"] = f"/api/v1/documents/{made.document}"
     return made
+
+
+@router.post("/retarget", operation_id="retarget_many", response_class=Response, responses=_LINES)
+def post_retarget_many(
+    request: RetargetMany, database: DatabaseDep, settings: SettingsDep, queries: QueriesDep, author: AuthorDep
+) -> StreamingResponse:
+    """Bring the motions of all selected documents onto one skeleton, each as a new document.
+
+    The answer is a line a document, as soon as it is done: what was made, or the problem that kept it from being made.
+    Who leaves stops the work; documents that are done stay. With `preview` nothing is stored.
+    """
+    made = retarget_many(database, queries, settings, request, author)
+
+    def lines() -> Iterator[bytes]:
+        for item in made:
+            yield item.model_dump_json(exclude_none=True).encode() + b"\n"
+
+    return StreamingResponse(lines(), media_type="application/x-ndjson")

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from schemas.compose import ComposeRequest
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json
+from schemas.compose import Composed, ComposeRequest
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_api, print_json
 
 _RANGE = re.compile(
     r"(?P<document>[0-9a-fA-F-]{36})(?:@(?P<revision>\d{1,9}))?(?::(?P<first>\d{1,9})-(?P<last>\d{1,9}))?"
@@ -51,7 +51,8 @@ def compose(
             "preview": preview,
         }
     )
-    made = open_library(database, server).compose(request)
+    asked = request.model_dump(exclude_unset=True, exclude_none=True)
+    made = Composed(**open_api(database, server).send("POST", "/compose", json=asked).json())
     if as_json:
         print_json(made)
         return

@@ -3,12 +3,27 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 import typer
 
-from schemas.frames import FrameEdits
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json
+from schemas.frames import FrameEdit, FrameEdits, FramesEdited
+from service.cli.shared import (
+    DatabaseOption,
+    JsonOption,
+    MessageOption,
+    RevisionOption,
+    ServerOption,
+    console,
+    if_match,
+    open_api,
+    print_json,
+)
+
+_EDITS = {get_args(kind.model_fields["do"].annotation)[0]: kind for kind in get_args(get_args(FrameEdit)[0])}
+"""What can be done with frames, by name."""
+_NAMES = {"insert": {"to": "at", "source": "document"}}
+"""Options that the API calls otherwise."""
 
 
 def add_to(app: typer.Typer) -> None:
@@ -17,29 +32,62 @@ def add_to(app: typer.Typer) -> None:
 
 def frames(
     id: Annotated[str, typer.Argument(help="Document")],
-    do: Annotated[str, typer.Argument(help="delete, keep, reverse, move or insert")],
-    range: Annotated[str, typer.Argument(metavar="FIRST-LAST", help="Frames, positions from 1")],
+    do: Annotated[str, typer.Argument(help=", ".join(_EDITS))],
+    range: Annotated[
+        str | None, typer.Argument(metavar="FIRST-LAST", help="Frames, positions from 1; resample takes all")
+    ] = None,
     to: Annotated[int | None, typer.Option("--to", help="move, insert: before this frame")] = None,
     source: Annotated[str | None, typer.Option("--from", help="insert: document that has the frames")] = None,
+    rate: Annotated[float | None, typer.Option(help="resample: frames a second")] = None,
+    seconds: Annotated[float | None, typer.Option(help="smooth: standard deviation of the Gaussian")] = None,
+    channels: Annotated[list[str] | None, typer.Option("--channel", help="adjust: Rx, Ty …; may be repeated")] = None,
+    factor: Annotated[float | None, typer.Option(help="adjust: multiply by this")] = None,
+    offset: Annotated[float | None, typer.Option(help="adjust: then add this")] = None,
+    bones: Annotated[
+        list[str] | None, typer.Option("--bone", help="adjust, smooth: only this; may be repeated")
+    ] = None,
+    ease: Annotated[int | None, typer.Option(help="adjust, smooth: frames at either end to come and go")] = None,
     keep_ids: Annotated[bool, typer.Option("--keep-ids", help="Leave frame ids as they are")] = False,
-    message: Annotated[str, typer.Option("-m", "--message", help="Why, for the history")] = "",
+    message: MessageOption = "",
+    revision: RevisionOption = None,
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Delete, keep, reverse, move or insert a range of frames, as one revision."""
-    match = re.fullmatch(r"(\d{1,10})(?:-(\d{1,10}))?", range)
-    if match is None or do not in ("delete", "keep", "reverse", "move", "insert"):
-        raise typer.BadParameter("say delete, keep, reverse, move or insert, and a range such as 10-20")
-    edit: dict[str, Any] = {"do": do, "first": int(match[1]), "last": int(match[2] or match[1])}
-    if do in ("move", "insert"):
-        if to is None:
-            raise typer.BadParameter(f"{do} needs --to FRAME")
-        edit["to" if do == "move" else "at"] = to
-    if do == "insert" and source is not None:
-        edit["document"] = source
-    request = FrameEdits(edits=[edit], renumber=not keep_ids, message=message)
-    done = open_library(database, server).edit_frames(id, request)
+    """Delete, keep, reverse, move, insert, mirror, smooth, adjust or resample frames, as one revision."""
+    kind = _EDITS.get(do)
+    if kind is None:
+        raise typer.BadParameter(f"say one of {', '.join(_EDITS)}", param_hint="DO")
+    given: dict[str, Any] = {
+        "to": to,
+        "source": source,
+        "rate": rate,
+        "seconds": seconds,
+        "channels": channels,
+        "factor": factor,
+        "offset": offset,
+        "bones": bones,
+        "ease": ease,
+    }
+    edit: dict[str, Any] = {
+        _NAMES.get(do, {}).get(key, key): value for key, value in given.items() if value not in (None, [])
+    }
+    match = re.fullmatch(r"(\d{1,10})(?:-(\d{1,10}))?", range or "")
+    if match is not None:
+        edit |= {"first": int(match[1]), "last": int(match[2] or match[1])}
+    elif range is not None:
+        raise typer.BadParameter("write a range such as 10-20", param_hint="FIRST-LAST")
+    # A wrong request costs exit code 2, as all wrong usage does.
+    for name, field in kind.model_fields.items():
+        if field.is_required() and name not in edit and name != "do":
+            raise typer.BadParameter(f"{do} needs {'FIRST-LAST' if name in ('first', 'last') else '--' + name}")
+    unused = sorted(set(edit) - set(kind.model_fields))
+    if unused:
+        raise typer.BadParameter(f"{do} has no use for {', '.join(unused)}")
+    request = FrameEdits(edits=[{"do": do} | edit], renumber=not keep_ids, message=message)
+    asked = request.model_dump(exclude_unset=True)
+    answer = open_api(database, server).send("POST", f"/documents/{id}/frames", json=asked, headers=if_match(revision))
+    done = FramesEdited(**answer.json())
     if as_json:
         print_json(done)
     else:

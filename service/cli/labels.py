@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from schemas.documents import ChangedDocuments
-from schemas.labels import LabelQuery
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
+from schemas.labels import SuggestedLabels
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_api, print_json, table
 from service.errors import McmlError
 
 
@@ -35,8 +35,9 @@ def by_query(
     server: ServerOption = None,
 ) -> None:
     """Name all frames that an XPath expression selects."""
-    request = LabelQuery(name=name, xpath=xpath, project=project, document=document or [], remove=remove, strict=strict)
-    _told(open_library(database, server).label_by_query(request))
+    asked = {"name": name, "xpath": xpath, "document": document or [], "remove": remove, "strict": strict}
+    asked |= {} if project is None else {"project": project}
+    _told(ChangedDocuments(**open_api(database, server).send("POST", "/labels", json=asked).json()))
 
 
 def suggest(
@@ -48,10 +49,13 @@ def suggest(
     as_json: JsonOption = False,
 ) -> None:
     """Find anatomical movements in a motion, as names for its frames."""
-    library = open_library(database, server)
-    found = library.suggested_labels(id, confidence)
+    api = open_api(database, server)
+    url, asked = f"/documents/{id}/labels", {"confidence": confidence}
+    answer = api.send("GET", f"{url}/suggested", params=asked)
+    found = SuggestedLabels(**answer.json())
     if accept and found.items:
-        library.label(id, [(item.name, item.first, item.last) for item in found.items], strict=True)
+        body = [item.model_dump(include={"name", "first", "last"}) for item in found.items]
+        api.send("POST", url, json=body, params={"strict": True}, headers={"if-match": "*"})
     if as_json:
         print_json(found)
         return
@@ -69,8 +73,8 @@ def export(
     server: ServerOption = None,
 ) -> None:
     """Write labels as a table: document, label, first, last."""
-    text = open_library(database, server).label_table(project)
-    output.write_text(text, encoding="utf-8", newline="")
+    answer = open_api(database, server).send("GET", "/labels", params={} if project is None else {"project": project})
+    output.write_bytes(answer.content)
     console.print(f"wrote    {output}")
 
 
@@ -83,9 +87,12 @@ def import_(
     server: ServerOption = None,
 ) -> None:
     """Add labels from a table; all of it, or nothing."""
-    library = open_library(database, server)
+    asked: dict[str, Any] = {"strict": strict, "replace": replace}
+    asked |= {} if project is None else {"project": project}
+    api, headers = open_api(database, server), {"content-type": "text/csv"}
     try:
-        _told(library.write_label_table(table.read_bytes(), project, strict=strict, replace=replace))
+        answer = api.send("PUT", "/labels", content=table.read_bytes(), params=asked, headers=headers)
+        _told(ChangedDocuments(**answer.json()))
     except McmlError as error:
         raise error.in_file(table.name) from error
 

@@ -6,16 +6,26 @@ import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from schemas.documents import ImportedDocument
+from schemas.documents import ChangedDocuments, DocumentDetail, ImportedDocument, LabelPage
 from service.actions.export_motion import ExportOptions
 from service.actions.import_options import ImportOptions, Label, parse_label, parse_property
-from service.cli.access import Library, name_of
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
+from service.cli.access import name_of
+from service.cli.api import Api
+from service.cli.shared import (
+    DatabaseOption,
+    JsonOption,
+    ServerOption,
+    console,
+    open_api,
+    open_library,
+    print_json,
+    table,
+)
 from service.errors import McmlError, UnsupportedError
 from service.storage.documents import DocumentFilter
 
@@ -234,15 +244,16 @@ def label(
     as_json: JsonOption = False,
 ) -> None:
     """Name frames of a document, or set properties of many documents from a table."""
-    library = open_library(database, server)
+    api = open_api(database, server)
     if properties is not None:
-        _set_properties(library, properties, project, as_json)
+        _set_properties(api, properties, project, as_json)
         return
     if id is None or not labels:
         raise typer.BadParameter("name a document and its labels, or --properties TABLE")
-    frames = library.document(id).frames
-    wanted = [parse_label(text) for text in labels]
-    added = library.label(id, [_ends(item, frames) for item in wanted], strict=strict)
+    frames = DocumentDetail(**api.send("GET", f"/documents/{id}").json()).frames
+    body = [_range(parse_label(text), frames) for text in labels]
+    asked, headers = {"strict": strict}, {"if-match": "*"}
+    added = LabelPage(**api.send("POST", f"/documents/{id}/labels", json=body, params=asked, headers=headers).json())
     if as_json:
         print_json(added)
         return
@@ -250,9 +261,11 @@ def label(
         console.print(f"named    {item.first}-{item.last}  {item.name}")
 
 
-def _set_properties(library: Library, path: Path, project: str | None, as_json: bool) -> None:
+def _set_properties(api: Api, path: Path, project: str | None, as_json: bool) -> None:
+    asked, headers = {} if project is None else {"project": project}, {"content-type": "text/csv"}
     try:
-        changed = library.set_properties(path.read_bytes(), project)
+        answer = api.send("POST", "/properties", content=path.read_bytes(), params=asked, headers=headers)
+        changed = ChangedDocuments(**answer.json())
     except McmlError as error:
         raise error.in_file(path.name) from error
     if as_json:
@@ -263,5 +276,5 @@ def _set_properties(library: Library, path: Path, project: str | None, as_json: 
     console.print(f"{len(changed.items)} changed")
 
 
-def _ends(label: Label, frames: int) -> tuple[str, int, int]:
-    return label.name, 1 if label.first is None else label.first, frames if label.last is None else label.last
+def _range(label: Label, frames: int) -> dict[str, Any]:
+    return {"name": label.name, "first": label.first or 1, "last": frames if label.last is None else label.last}

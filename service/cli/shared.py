@@ -12,11 +12,16 @@ from rich.console import Console
 from rich.table import Table
 
 from service.cli.access import Library, LocalLibrary, RemoteLibrary
+from service.cli.api import Api, local_api, remote_api
 from service.settings import Settings
 from service.storage.database import Database
 
 DatabaseOption = Annotated[str | None, typer.Option("--database", help="Store to work on, as an SQLAlchemy URL")]
 ServerOption = Annotated[str | None, typer.Option("--server", help="Work against this server instead, http://…")]
+MessageOption = Annotated[str, typer.Option("-m", "--message", help="Why, for the history")]
+RevisionOption = Annotated[
+    int | None, typer.Option("--revision", min=1, help="Only if the document is still at this revision")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts")]
 
 console = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 1000)
@@ -43,8 +48,19 @@ def open_library(database: str | None, server: str | None) -> Library:
     """The library that a command works on: a store here, or a server."""
     settings = chosen_settings(database)
     if server:
-        return RemoteLibrary(server, settings.token)
+        return RemoteLibrary(remote_api(server, settings.token))
     return LocalLibrary(open_database(settings), settings)
+
+
+def open_api(database: str | None, server: str | None) -> Api:
+    """The REST API of a server, or of the service in this process."""
+    settings = chosen_settings(database)
+    return remote_api(server, settings.token) if server else local_api(open_database(settings), settings)
+
+
+def if_match(revision: int | None) -> dict[str, str]:
+    """The header of a change: for one revision, or for whatever is current."""
+    return {"if-match": "*" if revision is None else f'"{revision}"'}
 
 
 def print_json(answer: BaseModel | list[Any] | dict[str, Any]) -> None:

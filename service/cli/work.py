@@ -157,7 +157,7 @@ class LocalWork(Work):
 
 class RemoteWork(Work):
     def __init__(self, library: RemoteLibrary) -> None:
-        self._send = library.send
+        self._send = library.api.send
 
     def start(self, order: Order, progress: Progress) -> Job:
         body: dict[str, Any] = {

@@ -107,6 +107,17 @@ def chosen_frames(block: FrameBlock, rows: Rows, ids: NDArray[np.int64] | None =
     )
 
 
+def rows_of(block: FrameBlock, start: int, end: int) -> FrameBlock:
+    """Frames start to end - 1 of a block, places from 0."""
+    return replace(
+        block,
+        values=block.values[start:end],
+        ids=block.ids[start:end],
+        shape_of=None if block.shape_of is None else block.shape_of[start:end],
+        motion_names=None if block.motion_names is None else list(block.motion_names)[start:end],
+    )
+
+
 def eased(frames: int, first: int, last: int, ease: int = 0) -> Array:
     """Strength (n,) of an edit of the frames first to last, both included: 0 outside, 1 inside.
 

@@ -11,8 +11,11 @@ from service.errors import ConversionError
 from service.motion.clip import ClipStream, FrameBlock, Shape
 from service.motion.lexemes import lexeme, triple
 from service.motion.rotations import from_euler, from_fixed_euler, multiply, to_euler
-from service.motion.skeleton import CHANNELS, Convention, EndSite, Joint, Skeleton, Triple, numbers
+from service.motion.skeleton import CHANNELS, TRANSLATIONS, Convention, EndSite, Joint, Skeleton, Triple, numbers
 from service.motion.units import Reading, reading_of
+
+_LENGTHS = (*TRANSLATIONS, "residual")
+"""Channels in the unit of length: the residual of a marker is measured as its coordinates are (c3d.org)."""
 
 
 def scale(clip: ClipStream, factor: float, unit: str | None = None) -> ClipStream:
@@ -36,7 +39,7 @@ def scale(clip: ClipStream, factor: float, unit: str | None = None) -> ClipStrea
     def blocks() -> Iterator[FrameBlock]:
         for block in clip.blocks():
             lengths = [
-                CHANNELS[channel][0] == "T" or (channel == 6 and conventions[joint] is Convention.FIXED)
+                CHANNELS[channel] in _LENGTHS or (channel == 6 and conventions[joint] is Convention.FIXED)
                 for joint, channel in block.columns
             ]
             yield replace(block, values=block.values * np.where(lengths, factor, 1.0))

@@ -46,6 +46,11 @@ def metres_of(head: ClipHead) -> float | None:
     return UNITS.get(unit.strip().lower()) if unit else None
 
 
+def up_of(head: ClipHead) -> str:
+    """The axis that points up, "X", "Y" or "Z": Y where the header does not say."""
+    return head.fields.get("global_axis_of_gravity", "Y").strip().upper()[-1:]
+
+
 def inches_of_asf(length: float) -> float:
     """Metres of one value of an ASF and its AMC whose local unit is the inch: 0.0564444 at length 0.45 (CMU)."""
     return INCH / length

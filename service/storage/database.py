@@ -4,7 +4,8 @@
     with database.write("kim") as tx: ...      # committed at the end, or nothing happened
 
 A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.heads`, `tx.tracks`,
-`tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`, `tx.jobs`, `tx.results`.
+`tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`, `tx.jobs`, `tx.results`,
+`tx.mappings`.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from service.storage.documents import Documents
 from service.storage.heads import Heads
 from service.storage.identifiers import now
 from service.storage.jobs import Jobs
+from service.storage.mappings import Mappings
 from service.storage.projects import Projects, Tokens
 from service.storage.results import Results
 from service.storage.spans import Spans
@@ -125,6 +127,10 @@ class Transaction:
     @cached_property
     def results(self) -> Results:
         return Results(self)
+
+    @cached_property
+    def mappings(self) -> Mappings:
+        return Mappings(self)
 
     @cached_property
     def tokens(self) -> Tokens:

@@ -288,6 +288,20 @@ document_upload = Table(
     Column("upload", ForeignKey("upload.id"), nullable=False, index=True),
 )
 
+joint_mapping = Table(
+    "joint_mapping",
+    metadata,
+    Column("id", KEY, primary_key=True),
+    Column("project", ForeignKey("project.id"), nullable=False),
+    Column("name", NAME, nullable=False),
+    Column("version", Integer, nullable=False),
+    Column("author", NAME, nullable=False),
+    Column("changed", String(32), nullable=False),
+    Column("pairs", Text, nullable=False),
+    UniqueConstraint("project", "name"),
+)
+"""Which joint of a source is which of a target, under a name. `pairs`: JSON, [[source, target], …]."""
+
 job = Table(
     "job",
     metadata,

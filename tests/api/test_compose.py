@@ -14,9 +14,11 @@ from fastapi.testclient import TestClient
 from service.demo import body
 from service.formats import FORMATS
 from service.motion.clip import ClipStream
-from tests.builders import bvh
+from service.motion.resizing import scale, turn_up
+from tests.builders import bvh, c3d_file
 
 API = "/api/v1"
+LEG = ("up_leg", "low_leg", "foot")
 
 
 def upload(client: TestClient, name: str, clip: ClipStream, **data: object) -> str:
@@ -133,7 +135,8 @@ def test_header_and_provenance(client: TestClient, walk: str, wave: str) -> None
 
 @pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
 def test_what_cannot_be_composed(client: TestClient, walk: str) -> None:
-    other = client.post(f"{API}/documents", files=[("file", ("a.bvh", bvh(9)))]).json()["documents"][0]["id"]
+    chain = bvh(9, names=("a", "b"))
+    other = client.post(f"{API}/documents", files=[("file", ("a.bvh", chain))]).json()["documents"][0]["id"]
 
     def refused(*segments: dict[str, Any], **more: Any) -> int:
         answer = client.post(f"{API}/compose", json={"segments": list(segments), **more})
@@ -148,3 +151,81 @@ def test_what_cannot_be_composed(client: TestClient, walk: str) -> None:
     assert refused() == 422
     assert refused({"document": walk, "layers": [{"document": walk, "bones": ["tail"]}]}) == 422
     assert client.get(f"{API}/documents").json()["total"] == 2
+
+
+def joints(client: TestClient, uuid: str, *bones: str) -> np.ndarray:
+    places = values(client, uuid, space="positions")
+    names = [bone["name"] for bone in client.get(f"{API}/documents/{uuid}").json()["bones"]]
+    return places.reshape(len(places), -1, 3)[:, [names.index(bone) for bone in bones]]
+
+
+def test_other_bodies_are_fitted(client: TestClient, walk: str) -> None:
+    # A larger person in another unit, with another axis up: the same walk in all.
+    large = body.clip("large", 190.0, *body.walk(190.0, 5.0, 1.0, 6.0))
+    other = upload(client, "large", turn_up(scale(large, 10.0), "Y", "Z"), unit="mm", up="Z")
+    pieces = [{"document": other, "first": 1, "last": 150}, {"document": other, "first": 151, "last": 300}]
+    made = compose(client, {"document": walk, "first": 1, "last": 100}, *pieces, transition=10)
+    assert len(made["seams"]) == 1, "pieces that follow one another do so on another body too"
+    assert any("points up" in notice for notice in made["notices"])
+    alone = compose(client, *pieces, skeleton=walk)
+    bones = ("left_up_leg", "left_low_leg", "left_foot", "right_hand")
+    here, there = joints(client, alone["document"], *bones), joints(client, walk, *bones)
+    lengths = [np.linalg.norm(np.diff(places[:, :3], axis=1), axis=2) for places in (here, there)]
+    assert np.allclose(lengths[0], lengths[1], rtol=1e-6)
+    # Both go the same way: the steps of the taller one are longer before, not after.
+    assert np.abs(here - there).max() < 0.05
+    document = client.get(f"{API}/documents/{alone['document']}").json()
+    assert client.get(f"{API}/documents/{walk}").json().get("unit") == document.get("unit")
+
+
+def test_bones_of_another_body_at_another_rate(client: TestClient, walk: str) -> None:
+    wave = body.clip("wave", 190.0, *body.wave(190.0, 3.5, 1.5))
+    other = upload(client, "wave", wave, frame_time=str(float(wave.head.frame_time or 0) * 2))
+    layer = {"document": other, "bones": ["right_up_arm", "right_low_arm"]}
+    made = compose(client, {"document": walk, "first": 1, "last": 300, "layers": [layer]})
+    bones = ("left_up_leg", "left_foot", "right_low_arm")
+    moved = np.abs(joints(client, made["document"], *bones) - joints(client, walk, *bones)).max(axis=(0, 2))
+    assert moved[:2].max() == 0
+    assert moved[2] > 5
+
+
+def test_markers_are_brought_to_one_unit(client: TestClient) -> None:
+    answers = [
+        client.post(f"{API}/documents", files=[("file", ("m.c3d", c3d_file()))], data={"unit": unit}).json()
+        for unit in ("mm", "cm")
+    ]
+    small, large = (answer["documents"][0]["id"] for answer in answers)
+    made = compose(client, {"document": large}, skeleton=small)
+    assert np.allclose(values(client, made["document"]), values(client, large) * 10, equal_nan=True)
+    assert any("units differ" in notice for notice in made["notices"])
+
+
+def test_a_saved_mapping(client: TestClient, walk: str) -> None:
+    other = upload(client, "large", body.clip("large", 190.0, *body.walk(190.0, 5.0, 1.0, 6.0)))
+    url, project = f"{API}/mappings/legs", {"project": "p"}
+    pairs = [{"source": f"{side}_{part}", "target": f"{side}_{part}"} for side in ("left", "right") for part in LEG]
+    spare = {"source": "tail", "target": "tail"}
+    assert client.put(url, json={"pairs": [pairs[0], pairs[0]]}, params=project).status_code == 422
+    saved = client.put(url, json={"pairs": [*pairs, spare]}, params=project)
+    assert (saved.status_code, saved.headers["etag"], saved.json()["version"]) == (201, '"1"', 1)
+    assert client.put(url, json={"pairs": pairs}, params=project).status_code == 428
+    assert client.put(url, json={"pairs": pairs}, params=project, headers={"if-match": '"7"'}).status_code == 412
+    again = client.put(url, json={"pairs": [spare, *pairs]}, params=project, headers={"if-match": '"1"'})
+    assert (again.status_code, again.json()["version"]) == (200, 2)
+    listed = client.get(f"{API}/mappings").json()["items"]
+    assert listed == [client.get(url, params=project).json()]
+    assert listed[0]["pairs"] == [spare, *pairs]
+
+    made = compose(client, {"document": other, "mapping": "legs"}, skeleton=walk, project="p")
+    named = [tuple(pair.values()) for pair in pairs]
+    asked = {"skeleton": walk, "mapping": "legs", "project": "p", "preview": True}
+    found = client.post(f"{API}/documents/{other}/retarget", json=asked).json()
+    assert sorted((match["source"], match["target"]) for match in found["matches"]) == sorted(named)
+    # Arms that nothing moves keep their rest pose.
+    arm = joints(client, made["document"], "left_up_arm", "left_low_arm")
+    assert np.ptp(np.diff(arm, axis=1), axis=0).max() < 1e-6
+    wrong = client.post(f"{API}/compose", json={"segments": [{"document": other, "mapping": "legs"}]})
+    assert wrong.status_code == 404, "another project has no such mapping"
+    assert client.delete(url, params=project, headers={"if-match": '"1"'}).status_code == 412
+    assert client.delete(url, params=project, headers={"if-match": '"2"'}).status_code == 204
+    assert client.get(url, params=project).status_code == 404

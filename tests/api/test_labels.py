@@ -82,6 +82,12 @@ def test_a_table_leaves_and_comes_back(client: TestClient, uuid: str) -> None:
     assert labels(client, uuid) == []
     assert client.put(f"{API}/labels", content=table.content).status_code == 200
     assert client.get(f"{API}/documents/{uuid}/mcml").content == before
+    again = client.put(f"{API}/labels", content=table.content, params={"replace": True})
+    assert again.json()["items"] == [], "what is there already is no change"
+    fewer = table.content.replace(f"{uuid},run,15,40\r\n".encode(), b"")
+    assert client.put(f"{API}/labels", content=fewer).json()["items"] == []
+    client.put(f"{API}/labels", content=fewer, params={"replace": True})
+    assert labels(client, uuid) == [("hop", 10, 20)]
     replaced = "name;label;first;last\nwalk;hüpfen;1;3\n".encode()
     answer = client.put(f"{API}/labels", content=replaced, params={"replace": True})
     assert [item["name"] for item in answer.json()["items"]] == ["walk"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,16 +12,17 @@ from fastapi.testclient import TestClient
 
 from service.demo import body
 from service.formats import FORMATS
+from service.motion.resizing import turn_up
 from tests.builders import bvh, c3d_file
 
 API = "/api/v1"
 
 
-def person(client: TestClient, height: float) -> str:
-    clip = body.clip(f"walk_{height:.0f}", height, *body.walk(height, 4.0, 1.0, 6.0))
+def person(client: TestClient, height: float, up: str = "Y") -> str:
+    clip = turn_up(body.clip(f"walk_{height:.0f}", height, *body.walk(height, 4.0, 1.0, 6.0)), "Y", up)
     content = b"".join(FORMATS["bvh"].write(clip, "bvh"))
     files = [("file", (f"walk_{height:.0f}.bvh", content))]
-    answer = client.post(f"{API}/documents", files=files, data={"unit": "cm", "label": "walk"})
+    answer = client.post(f"{API}/documents", files=files, data={"unit": "cm", "up": up, "label": "walk"})
     return str(answer.json()["documents"][0]["id"])
 
 
@@ -73,6 +75,42 @@ def test_a_mapping_of_ones_own(client: TestClient) -> None:
     answer = client.post(f"{API}/documents/{one}/retarget", json={"skeleton": two, "mapping": wrong})
     assert answer.status_code == 422
     assert "tail" in answer.json()["detail"]
+
+
+def test_another_axis_up(client: TestClient) -> None:
+    one = person(client, 160.0)
+    places = []
+    for skeleton in (person(client, 184.0), person(client, 184.0, up="Z")):
+        made = client.post(f"{API}/documents/{one}/retarget", json={"skeleton": skeleton}).json()
+        places.append(values(client, made["document"], space="positions").reshape(240, -1, 3))
+    assert any("Z points up" in notice for notice in made["notices"])
+    x, y, z = np.moveaxis(places[0], -1, 0)
+    assert np.abs(np.stack([x, -z, y], axis=-1) - places[1]).max() < 1e-6
+
+
+def test_many_at_once(client: TestClient) -> None:
+    walks, other = [person(client, height) for height in (150.0, 160.0, 170.0)], person(client, 185.0)
+    client.post(f"{API}/documents", files=[("file", ("a.c3d", c3d_file()))], data={"label": "walk"})
+    request = {"selection": {"motion_name": "walk"}, "skeleton": other, "project": "large"}
+
+    def lines(**more: object) -> list[dict[str, Any]]:
+        answer = client.post(f"{API}/retarget", json=request | more)
+        assert answer.headers["content-type"] == "application/x-ndjson"
+        return [json.loads(line) for line in answer.text.splitlines()]
+
+    seen = lines(preview=True)
+    assert [item["source"] for item in seen[:3]] == walks
+    assert ["made" in item for item in seen] == [True, True, True, False]
+    assert "Markers" in seen[3]["problem"]["detail"]
+    made = [item["made"]["document"] for item in lines()[:3]]
+    listed = client.get(f"{API}/documents", params={"project": "large"}).json()["items"]
+    assert sorted(item["id"] for item in listed) == sorted(made)
+    alone = client.post(f"{API}/documents/{walks[0]}/retarget", json={"skeleton": other}).json()["document"]
+    assert np.array_equal(values(client, made[0]), values(client, alone))
+    empty = request | {"selection": {"motion_name": "nobody does this"}}
+    assert client.post(f"{API}/retarget", json=empty).text == ""
+    for wrong in ({"mapping": "unknown"}, {"selection": {}}, {"skeleton": "nobody"}):
+        assert client.post(f"{API}/retarget", json=request | wrong).status_code in (404, 422)
 
 
 @pytest.mark.parametrize("kind", ["sqlite"], indirect=True)

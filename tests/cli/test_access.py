@@ -9,6 +9,7 @@ from fastapi.testclient import TestClient
 
 from service.app import create_app
 from service.cli.access import RemoteLibrary
+from service.cli.api import Api
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.documents import DocumentFilter
@@ -21,9 +22,7 @@ def library(database: Database) -> Iterator[RemoteLibrary]:
     uuids = [store(database, {f"{name}.bvh": bvh(2 + number)})[0] for number, name in enumerate("abcde")]
     with TestClient(create_app(Settings(page_limit=2), database), base_url="http://127.0.0.1:8000/api/v1/") as client:
         client.delete(f"documents/{uuids[-1]}", headers={"if-match": "*"}).raise_for_status()
-        remote = RemoteLibrary("http://127.0.0.1:8000", None)
-        remote.http = client  # type: ignore[assignment]
-        yield remote
+        yield RemoteLibrary(Api(client))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("limit", [1, 2, 3, 4, 5000])

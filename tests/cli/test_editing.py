@@ -1,0 +1,113 @@
+"""Commands that edit: elements, frames, history, labels, mappings; in this process, on a store of their own."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from service.cli import app
+from service.demo import body
+from service.errors import McmlError
+from service.formats import FORMATS
+from tests.builders import bvh
+
+Run = Callable[..., str]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Runs a command that must end with this code; answers its output."""
+    monkeypatch.setenv("MCML_DATABASE", f"sqlite:///{tmp_path / 'store.db'}")
+    monkeypatch.chdir(tmp_path)
+
+    def command(*words: str, code: int = 0, text: str | None = None) -> str:
+        done = CliRunner().invoke(app, words, input=text)
+        if isinstance(done.exception, McmlError):
+            # What `main` turns into a message and exit code 1.
+            assert code == 1, done.exception
+            return str(done.exception)
+        assert done.exit_code == code, done.output
+        return done.output
+
+    return command
+
+
+@pytest.fixture
+def walk(run: Run) -> str:
+    Path("walk.bvh").write_bytes(bvh(30))
+    found: str = json.loads(run("import", "walk.bvh", "--label", "walk:1-20", "--json"))["documents"][0]["id"]
+    return found
+
+
+def test_elements(run: Run, walk: str) -> None:
+    spot = "//frame[5]/frame_bone[2]"
+    before = run("element", "get", walk, spot)
+    assert before.startswith("<frame_bone ")
+    assert before.endswith("/>\n")
+    assert "revision 2" in run("element", "set", walk, spot, "Rx=12.5", "-m", "a spike")
+    assert run("element", "get", walk, f"{spot}/@Rx") == "12.5\n"
+    assert run("element", "get", walk, "/mcml/motion/frame[5]/frame_bone[2]", "--revision", "1") == before
+    assert "a spike" in run("history", walk)
+    changed = json.loads(run("diff", walk, "1", "--json"))
+    assert [(bone["first"], list(bone["channels"])) for bone in changed["bones"]] == [(5, ["Rx"])]
+    assert "revision 3" in run("undo", walk)
+    assert run("element", "get", walk, spot) == before
+    assert "more than one" in run("element", "set", walk, "//frame/frame_bone[2]", "Rx=1", code=1)
+    assert "30 edited" in run("element", "set", walk, "//frame/frame_bone[2]", "Rx=1", "--many")
+    assert "another one" in run("element", "set", walk, spot, "Rx=1", "--revision", "1", code=1)
+    assert "Rx" in run("element", "set", walk, spot, "Rx=fast", code=1)
+    assert "NAME=VALUE" in run("element", "set", walk, spot, code=2)
+    run("restore", walk, "1")
+    run("element", "replace", walk, spot, text=before.replace('Rx="', 'Rx="1'))
+    run("element", "insert", walk, "//frame[1]", "--where", "before", text=run("element", "get", walk, "//frame[3]"))
+    run("element", "move", walk, "//frame[1]", "//frame[last()]", "--where", "after")
+    run("element", "delete", walk, "//frame[last()]")
+    print(before, run("element", "get", walk, spot))
+    assert "~" in run("diff", walk, "1")
+    Path("edits.json").write_text(json.dumps({"edits": [{"do": "delete", "xpath": f"//frame[{n}]"} for n in (1, 2)]}))
+    assert "2 edited" in run("element", "batch", walk, "edits.json")
+    assert "- frames 1-2" in run("diff", walk, "1")
+    assert json.loads(run("show", walk, "--json"))["frames"] == 28
+
+
+def test_frames(run: Run, walk: str) -> None:
+    bone = json.loads(run("show", walk, "--json"))["bones"][1]["name"]
+    run("frames", walk, "adjust", "1-5", "--channel", "Rx", "--factor", "0", "--offset", "7", "--bone", bone)
+    assert [float(run("element", "get", walk, f"//frame[{n}]/frame_bone[2]/@Rx")) == 7 for n in (1, 5, 6)] == [1, 1, 0]
+    run("frames", walk, "smooth", "3-9", "--seconds", "0.1")
+    assert "15 frames" in run("frames", walk, "keep", "1-15")
+    assert "18 frames" in run("frames", walk, "insert", "1-3", "--to", "16")
+    run("frames", walk, "reverse", "2-4")
+    run("frames", walk, "resample", "--rate", "60")
+    assert "needs FIRST-LAST" in run("frames", walk, "smooth", code=2)
+    assert "no use for rate" in run("frames", walk, "delete", "1", "--rate", "3", code=2)
+    assert "not in a document" in run("frames", walk, "delete", "1-99999", code=1)
+
+
+def test_bodies(run: Run, tmp_path: Path) -> None:
+    for height in (160, 184):
+        clip = body.clip(f"walk_{height}", float(height), *body.walk(float(height), 1.0, 1.0, 6.0))
+        Path(f"walk_{height}.bvh").write_bytes(b"".join(FORMATS["bvh"].write(clip, "bvh")))
+    done = json.loads(run("import", "walk_160.bvh", "walk_184.bvh", "--json"))["documents"]
+    small, large = (item["id"] for item in done)
+    assert "would make" in run("retarget", small, large, "--preview")
+    assert "version 1" in run("mapping", "save", "mine", "--suggest", small, large, "--joint", "left_hand=right_hand")
+    assert "left_hand -> right_hand" in run("mapping", "show", "mine")
+    assert "mine" in run("mapping", "list")
+    made = json.loads(run("retarget", small, large, "--mapping", "mine", "--project", "default", "--json"))
+    assert made["frames"] == 60
+    many = run("retarget", large, "--xpath", "//frame[60]", "--all-of", "default", "--preview")
+    assert "2 made, 0 failed" in many
+    run("frames", small, "mirror", "1-60")
+    run("mapping", "delete", "mine")
+    assert "no mapping" in run("mapping", "show", "mine", code=1)
+    assert "name the motion" in run("retarget", large, code=2)
+    composed = run("compose", f"{small}:1-20", f"{large}:5-30", "--name", "both")
+    assert "made  both" in composed
+    assert "labels" not in run("labels", "suggest", small, "--accept")
+    run("labels", "export", "labels.csv")
+    assert "0 changed" in run("labels", "import", "labels.csv")
