@@ -11,15 +11,16 @@ import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from service.actions.check_names import check_frame_time, given_name, name_of_file
 from service.actions.gather_files import Clip, SkeletonLookup, gathered
+from service.actions.import_batch import Batch, Imported, ImportResult
 from service.actions.import_options import ImportOptions
 from service.actions.keep_upload import WORKERS, Upload
 from service.actions.open_clip import open_clip
-from service.errors import DocumentError, McmlError, Notice
+from service.errors import DocumentError, Notice
 from service.formats.format import SourceFile
 from service.mcml import motion_names
 from service.mcml.elements import Element
@@ -32,26 +33,6 @@ from service.storage.tracks import Piece
 
 FLUSH_BYTES = 16 << 20
 """Rows of a clip that wait in memory before they are written in a transaction of their own."""
-
-BATCH_BYTES, BATCH_CLIPS = 8 << 20, 16
-"""Of files whose clips are stored in one transaction."""
-
-
-@dataclass(frozen=True)
-class Imported:
-    """uuid of a stored document. skipped: it was there already."""
-
-    uuid: str
-    name: str
-    receipt: dict[str, Any]
-    skipped: bool = False
-
-
-@dataclass
-class ImportResult:
-    documents: list[Imported] = field(default_factory=list)
-    problems: list[tuple[str, McmlError]] = field(default_factory=list)
-
 
 Progress = Callable[[str, int, int | None], None]
 """Called with a file name, frames done, and frames in all if known; may raise to stop the import."""
@@ -74,13 +55,17 @@ def import_files(
     )
     lookup = _skeleton_lookup(database, options.skeleton) if options.skeleton else None
     result = ImportResult()
-    with gathered(files, settings, lookup) as found, ThreadPoolExecutor(WORKERS) as executor:
+    with (
+        gathered(files, settings, lookup) as found,
+        ThreadPoolExecutor(WORKERS) as executor,
+        ThreadPoolExecutor(1) as writer,
+    ):
         result.problems += found.problems
-        batch = _Batch(database, author, result)
+        batch = Batch(database, author, result, writer)
         try:
             for clip in found.clips:
                 chosen = options if len(found.clips) == 1 else replace(options, name=None)
-                batch.take(_Importer(database, clip, chosen, settings, author, executor, progress))
+                batch.take(Importer(database, clip, chosen, settings, author, executor, progress))
         finally:
             # What was read before the import was stopped is stored.
             batch.store()
@@ -95,64 +80,6 @@ class _StoredMeanwhile(Exception):  # noqa: N818
         self.uuid = uuid
 
 
-class _Batch:
-    """Clips that were read and wait to be stored together: a commit takes as long as it takes to read a short clip.
-
-    While the numbers of one are compressed, the next is read.
-    """
-
-    def __init__(self, database: Database, author: str, result: ImportResult) -> None:
-        self._database = database
-        self._author = author
-        self._result = result
-        self._waiting: list[_Importer] = []
-
-    def take(self, importer: _Importer) -> None:
-        """Read a clip; store those that wait once they are enough, or where this one must see them stored."""
-        with self._blaming(importer):
-            importer.begin()
-            if importer.skips_twins and any(importer.digests == other.digests for other in self._waiting):
-                self.store()
-            skipped = importer.read()
-            if skipped is not None:
-                self.store()
-                self._result.documents.append(skipped)
-                return
-            self._waiting.append(importer)
-        if len(self._waiting) >= BATCH_CLIPS or sum(other.size for other in self._waiting) >= BATCH_BYTES:
-            # The last one is still being compressed: meanwhile the others are stored.
-            self.store(but=1 if len(self._waiting) > 1 else 0)
-
-    def store(self, but: int = 0) -> None:
-        """Store all that wait but so many: in one transaction, or each in its own where that fails or one has begun."""
-        count = len(self._waiting) - but
-        waiting, self._waiting = self._waiting[:count], self._waiting[count:]
-        ready = []
-        for importer in waiting:
-            with self._blaming(importer):
-                importer.finish()
-                ready.append(importer)
-        if len(ready) > 1 and all(importer.key is None for importer in ready):
-            with suppress(Exception):
-                with self._database.write(self._author) as tx:
-                    done = [importer.store(tx) for importer in ready]
-                self._result.documents += done
-                return
-        for importer in ready:
-            with self._blaming(importer):
-                self._result.documents.append(importer.store_alone())
-
-    @contextmanager
-    def _blaming(self, importer: _Importer) -> Iterator[None]:
-        """An error is a problem of this file, noted behind those of the files before it."""
-        try:
-            yield
-        except McmlError as error:
-            self.store()
-            name = importer.clip.name
-            self._result.problems.append((name, error.in_file(name)))
-
-
 @dataclass(frozen=True)
 class _Read:
     """What was read of a clip, all but its rows. facts: the receipt."""
@@ -164,7 +91,7 @@ class _Read:
     facts: dict[str, Any]
 
 
-class _Importer:
+class Importer:
     """The import of one clip: `begin`, `read`, then `store` it, once or again.
 
     key: of the document where a transaction that is committed already holds a part of it.

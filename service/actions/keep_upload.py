@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -26,34 +27,32 @@ class Upload:
 
     blocks: compressed, waiting for the last transaction; None where the store had its bytes already.
     early: blocks that are compressed while the motion is read, for files whose blocks all fit in memory.
+    digest: waits for the SHA-256 of the file, which is taken meanwhile too.
     """
 
     part: str
     file: SourceFile
-    sha256: str
     size: int
     early: list[Future[bytes]]
+    digest: Callable[[], str]
     blocks: list[bytes] | None = None
     key: int | None = None
     written: int = 0
 
     @classmethod
     def begin(cls, part: str, file: SourceFile, executor: ThreadPoolExecutor) -> Upload:
-        """Read the file once, for its digest and size."""
-        hashed, size = hashlib.sha256(), 0
-        early: list[Future[bytes]] = []
-        file.stream.seek(0)
-        while block := file.stream.read(BLOCK_BYTES):
-            hashed.update(block)
-            size += len(block)
-            if size <= EARLY_BYTES:
-                early.append(executor.submit(compress_block, block))
-        file.stream.seek(0)
+        """Read the file once, for its digest, and let its blocks be compressed where they all fit in memory."""
+        size = file.stream.seek(0, os.SEEK_END)
         if size > EARLY_BYTES:
-            for job in early:
-                job.cancel()
-            early = []
-        return cls(part, file, hashed.hexdigest(), size, early)
+            sha256 = _digest_of(_blocks_of(file))
+            return cls(part, file, size, [], lambda: sha256)
+        blocks = list(_blocks_of(file))
+        early = [executor.submit(compress_block, block) for block in blocks]
+        return cls(part, file, size, early, executor.submit(_digest_of, blocks).result)
+
+    @property
+    def sha256(self) -> str:
+        return self.digest()
 
     def compressed(self, executor: ThreadPoolExecutor) -> Iterator[bytes]:
         """The blocks in order, a few of them compressed ahead."""
@@ -61,9 +60,8 @@ class Upload:
             for job in self.early:
                 yield job.result()
             return
-        self.file.stream.seek(0)
         waiting: deque[Future[bytes]] = deque()
-        while block := self.file.stream.read(BLOCK_BYTES):
+        for block in _blocks_of(self.file):
             waiting.append(executor.submit(compress_block, block))
             if len(waiting) > 2 * WORKERS:
                 yield waiting.popleft().result()
@@ -106,3 +104,17 @@ class Upload:
         """Drop what was written, after a failure."""
         if self.key is not None:
             tx.uploads.abandon(self.key)
+
+
+def _blocks_of(file: SourceFile) -> Iterator[bytes]:
+    file.stream.seek(0)
+    while block := file.stream.read(BLOCK_BYTES):
+        yield block
+    file.stream.seek(0)
+
+
+def _digest_of(blocks: Iterable[bytes]) -> str:
+    hashed = hashlib.sha256()
+    for block in blocks:
+        hashed.update(block)
+    return hashed.hexdigest()

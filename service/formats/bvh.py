@@ -55,7 +55,7 @@ class Bvh:
             format=self.name,
             skeleton=skeleton,
             frame_time=frame_time,
-            number_style=detect_style(sample.text),
+            number_style=detect_style(sample.text, sample.bounds),
             sources=(SourcePart(part="bvh", name=file.name.rsplit("/", 1)[-1], encoding=encoding.codec),),
         )
         return ClipStream(head, lambda: motion.blocks(notices), frames, notices)

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 from typing import BinaryIO, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from service.errors import FormatError, Notice
 from service.formats.lines import line_and_column
-from service.formats.numbers import NumberStream, bad_token, count_tokens, parse_numbers, what_is_wrong
+from service.formats.numbers import NumberStream, bad_token, count_tokens, parse_numbers, token_bounds, what_is_wrong
 from service.motion.clip import FrameBlock, full_shape
 from service.motion.skeleton import CHANNELS, Array, Skeleton, numbers
 
@@ -21,9 +22,10 @@ FRAMES_WITHOUT_CHANNELS: Final = 1 << 14
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """The beginning of the motion. values: (n, D) of its whole frames."""
+    """The beginning of the motion. bounds: of the words of its text. values: (n, D) of its whole frames."""
 
     text: bytes
+    bounds: NDArray[np.intp]
     values: Array
 
 
@@ -49,18 +51,18 @@ class Motion:
         if len(text) == SAMPLE_BYTES:
             text = text[: max(text.rfind(b" "), text.rfind(b"\n"), text.rfind(b"\t"), text.rfind(b"\r")) + 1]
         width = len(self._columns)
-        values = self._begins(text) if width else None
+        bounds = token_bounds(text)
+        values = self._begins(text, len(bounds)) if width and self._frames else None
         if values is None:
-            return Sample(b"", np.empty((0, width)))
+            return Sample(b"", bounds[:0], np.empty((0, width)))
         frames = min(self._frames, len(values) // width)
-        return Sample(text if self._frames else b"", values[: frames * width].reshape(frames, width))
+        return Sample(text, bounds, values[: frames * width].reshape(frames, width))
 
-    def _begins(self, text: bytes) -> Array | None:
-        """The numbers of the text with which the motion begins, None where a word of it is none."""
+    def _begins(self, text: bytes, count: int) -> Array | None:
+        """The numbers of the text with which the motion begins, None where one of its words, so many, is none."""
         piece = NumberStream(self._stream, self._start).next()
         # Of a short clip that is all: `blocks` need not parse it again.
         self._first = None if piece is None else parse_numbers(piece[0])
-        count = count_tokens(text)
         if self._first is None or len(self._first) < count:
             return parse_numbers(text)
         return self._first[:count]
@@ -174,7 +176,7 @@ def _added_to_offset(skeleton: Skeleton, sample: Array) -> list[int]:
     offsets = np.array([numbers(skeleton.joints[joint].offset) for joint in joints])
     mean, target = np.zeros((2, len(joints), 3))
     at = [rows[joint] for joint, _, _ in places], [axis for _, axis, _ in places]
-    mean[at] = sample[:, [place for _, _, place in places]].mean(axis=0)
+    mean[at] = sample.mean(axis=0)[[place for _, _, place in places]]
     target[at] = offsets[at]
     size = np.linalg.norm(target, axis=1)
     large = np.abs(target) >= 0.1 * size[:, None]

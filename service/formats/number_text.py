@@ -11,6 +11,7 @@ import re
 
 import numpy as np
 import orjson
+from numpy.typing import NDArray
 
 from service.formats.numbers import parse_numbers, token_bounds
 from service.motion.skeleton import Array
@@ -25,9 +26,12 @@ _TO_LINES = {
 }
 
 
-def detect_style(sample: bytes) -> str:
-    """The style in which most numbers of a text are written; SHORTEST where none fits more than half."""
-    bounds = token_bounds(sample)
+def detect_style(sample: bytes, bounds: NDArray[np.intp] | None = None) -> str:
+    """The style in which most numbers of a text are written; SHORTEST where none fits more than half.
+
+    bounds: of its words, where they are known (`token_bounds`).
+    """
+    bounds = token_bounds(sample) if bounds is None else bounds
     # Spread over the sample: the first frame is often a pose of zeros.
     tokens = [sample[start:end] for start, end in bounds[:: len(bounds) // SAMPLE_TOKENS + 1].tolist()]
     text = b" ".join(tokens)
@@ -59,6 +63,8 @@ def _share(tokens: list[bytes], values: Array, style: str, shortest: list[bytes]
         return _equal(tokens, shortest) / len(tokens)
     plain: list[float] = values.tolist()
     written = (" ".join([template] * len(plain)) % tuple(plain)).encode().split(b" ")
+    if written == tokens:
+        return 1.0
     mended = sum(
         token == short != text and float(text) != value
         for token, short, text, value in zip(tokens, shortest, written, plain, strict=True)

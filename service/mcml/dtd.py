@@ -37,11 +37,8 @@ def violations(document: bytes | BinaryIO, max_bytes: int = MAX_BYTES) -> list[D
     data = b"".join(utf8_chunks(stream, max_bytes))
     if has_doctype(data):
         raise refused_doctype(None, "it is not MCML's own")
-    parser = etree.XMLParser(
-        encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True, recover=False
-    )
     try:
-        root = etree.fromstring(data, parser)
+        root = etree.fromstring(data, _parser())
     except etree.XMLSyntaxError as error:
         line, column = error.position
         raise DocumentError(f"not well-formed XML: {error.msg}", at=Place(line=line, column=column)) from None
@@ -96,6 +93,13 @@ def _shape_key(frame: Element) -> tuple[object, ...]:
         bool(frame.text),
         bool(frame.text.strip(WHITE_SPACE)),
         tuple(_shape_key(child) for child in frame.children),
+    )
+
+
+@cache
+def _parser() -> Any:
+    return etree.XMLParser(
+        encoding="utf-8", resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True, recover=False
     )
 
 

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from functools import cached_property
 from typing import Any
 
-from sqlalchemy import Connection, Table, and_, func, inspect, make_url, select, text
+from sqlalchemy import ClauseElement, Connection, CursorResult, Table, and_, func, inspect, make_url, select, text
 from sqlalchemy.exc import ArgumentError, DataError, DBAPIError, IntegrityError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.sql import ColumnElement
@@ -56,6 +56,7 @@ class Transaction:
         self.at = at
         self._author = author
         self._commit: int | None = None
+        self._gathered: dict[tuple[Table, tuple[str, ...]], list[dict[str, Any]]] | None = None
 
     @property
     def commit(self) -> int:
@@ -68,13 +69,14 @@ class Transaction:
             raise StoreError("A read transaction cannot write.")
         self.dialect.order_commits(self.connection)
         newest = self.newest_commit()
-        self.insert_rows(tables.commit, [{"number": newest + 1, "time": now(), "author": self._author}])
+        row = {"number": newest + 1, "time": now(), "author": self._author}
+        self.dialect.insert(self.connection, tables.commit, [row])
         self._commit = newest + 1
         return self._commit
 
     def newest_commit(self) -> int:
         """The number of the last commit that this transaction sees, 0 in an empty store."""
-        return int(self.connection.execute(_NEWEST_COMMIT).scalar_one())
+        return int(self.run(_NEWEST_COMMIT).scalar_one())
 
     def valid(self, table: Table) -> ColumnElement[bool]:
         """The condition that a row of a table with `from_commit` and `to_commit` is valid at `self.at`."""
@@ -84,12 +86,40 @@ class Transaction:
         """The same transaction, reading the state of an earlier commit."""
         return Transaction(self.connection, self.dialect, commit, self._author)
 
+    def run(self, statement: ClauseElement, values: dict[str, Any] | None = None) -> CursorResult[Any]:
+        """Execute a statement that the program makes once, without lists among its values."""
+        return self.dialect.run(self.connection, statement, values or {})
+
     def insert_row(self, table: Table, **values: Any) -> int:
         """Insert one row and answer the key it got."""
         return self.dialect.insert_one(self.connection, table, values)
 
     def insert_rows(self, table: Table, rows: list[dict[str, Any]]) -> None:
-        if rows:
+        if not rows:
+            return
+        if self._gathered is None:
+            self.dialect.insert(self.connection, table, rows)
+        else:
+            self._gathered.setdefault((table, tuple(rows[0])), []).extend(rows)
+
+    @contextmanager
+    def gathering(self) -> Iterator[None]:
+        """What `insert_rows` is given meanwhile is written at the end, one statement a table.
+
+        A statement takes as long as some ten rows. Until then nothing that is read holds these rows; `insert_row`
+        inserts at once, so that they may refer to its keys.
+        """
+        self._gathered = {}
+        try:
+            yield
+            self.write_gathered()
+        finally:
+            self._gathered = None
+
+    def write_gathered(self) -> None:
+        """Write what waits, for a read that must see it."""
+        waiting, self._gathered = self._gathered or {}, None if self._gathered is None else {}
+        for (table, _), rows in waiting.items():
             self.dialect.insert(self.connection, table, rows)
 
     @cached_property

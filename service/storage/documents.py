@@ -131,14 +131,14 @@ class Documents:
 
     def renew_lease(self, key: int) -> None:
         """Say that the import goes on; NotFoundError where it was swept away."""
-        if self._tx.connection.execute(_RENEW, {"key": key, "until": time.time() + LEASE_SECONDS}).rowcount != 1:
+        if self._tx.run(_RENEW, {"key": key, "until": time.time() + LEASE_SECONDS}).rowcount != 1:
             raise _swept()
 
     def publish(self, key: int, *, next_slot: int, receipt: str, message: str, operation: str = "import") -> None:
         """Make an imported document visible, as revision 1 of this transaction's commit."""
         number = self._tx.commit
         values = {"key": key, "commit": number, "slot": next_slot, "packed": _packed(receipt)}
-        if self._tx.connection.execute(_PUBLISH, values).rowcount != 1:
+        if self._tx.run(_PUBLISH, values).rowcount != 1:
             raise _swept()
         self._revise(key, 1, None, operation, message)
 
@@ -178,7 +178,7 @@ class Documents:
     def _revise(self, key: int, number: int, parent: int | None, operation: str, message: str) -> None:
         values = (key, number, self._tx.commit, parent, operation, message)
         named = {f"new_{column}": value for column, value in zip(_MADE, values, strict=True)}
-        self._tx.connection.execute(_REVISE, named)
+        self._tx.run(_REVISE, named)
 
     def lock(self, key: int) -> None:
         """Let no other transaction change this document until this one ends."""

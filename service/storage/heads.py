@@ -97,11 +97,11 @@ class Heads:
     def add_skeleton(self, project_key: int, made: SkeletonRows, joints: int) -> int:
         """The key of this skeleton in the project: the stored one where an equal one is stored."""
         wanted = {"project": project_key, "hash": made.hash}
-        found = self._tx.connection.execute(_EQUAL_SKELETON, wanted).scalar_one_or_none()
+        found = self._tx.run(_EQUAL_SKELETON, wanted).scalar_one_or_none()
         if found is None:
             # Another import may be storing an equal one: who waited for it finds it.
             self._tx.dialect.order_commits(self._tx.connection)
-            found = self._tx.connection.execute(_EQUAL_SKELETON, wanted).scalar_one_or_none()
+            found = self._tx.run(_EQUAL_SKELETON, wanted).scalar_one_or_none()
         if found is not None:
             return int(found)
         key = self._tx.insert_row(skeleton, project=project_key, hash=made.hash, joints=joints)

@@ -27,7 +27,7 @@ class Projects:
         return list(self._tx.connection.execute(select(project.c.name).order_by(project.c.name)).scalars())
 
     def find(self, name: str) -> int | None:
-        return self._tx.connection.execute(_BY_NAME, {"name": stored_form(name)}).scalar_one_or_none()
+        return self._tx.run(_BY_NAME, {"name": stored_form(name)}).scalar_one_or_none()
 
     def get(self, name: str) -> int:
         """The project's key; NotFoundError."""

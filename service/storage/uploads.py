@@ -64,7 +64,7 @@ class Uploads:
 
     def find(self, sha256: str, size: int) -> int | None:
         """The key of the complete upload with these bytes, if it is kept already."""
-        return self._tx.connection.execute(_COMPLETE, {"sha256": sha256, "size": size}).scalar_one_or_none()
+        return self._tx.run(_COMPLETE, {"sha256": sha256, "size": size}).scalar_one_or_none()
 
     def add(self, sha256: str, size: int, blocks: list[bytes]) -> int:
         """Store a whole file at once, in compressed blocks, and answer its key."""
@@ -80,7 +80,7 @@ class Uploads:
     def add_blocks(self, key: int, first: int, blocks: Iterable[bytes]) -> None:
         """Append compressed blocks, numbered from `first`, and renew the lease."""
         self._insert_blocks(key, first, blocks)
-        self._tx.connection.execute(_RENEW, {"key": key, "until": time.time() + LEASE_SECONDS})
+        self._tx.run(_RENEW, {"key": key, "until": time.time() + LEASE_SECONDS})
 
     def _insert_blocks(self, key: int, first: int, blocks: Iterable[bytes]) -> None:
         rows = [{"upload": key, "number": first + index, "data": data} for index, data in enumerate(blocks)]
@@ -93,7 +93,7 @@ class Uploads:
         self._tx.connection.execute(delete(upload).where(upload.c.id.in_(unfinished)))
 
     def complete(self, key: int) -> None:
-        self._tx.connection.execute(_MADE_COMPLETE, {"key": key})
+        self._tx.run(_MADE_COMPLETE, {"key": key})
 
     def attach(self, document_key: int, part: str, file_name: str, key: int) -> None:
         row = {"document": document_key, "part": part, "file_name": file_name, "upload": key}
@@ -110,11 +110,12 @@ class Uploads:
 
     def twins(self, digests: dict[str, str], project_key: int) -> list[str]:
         """UUIDs of documents of the project, deleted ones aside, made from exactly these files ({part: sha256})."""
+        self._tx.write_gathered()
         shared = {"project": project_key, "at": self._tx.at, "parts": len(digests)}
         candidates: set[str] | None = None
         for part, sha256 in digests.items():
             wanted = shared | {"part": part, "sha256": sha256}
-            found = set(self._tx.connection.execute(_MADE_OF, wanted).scalars())
+            found = set(self._tx.run(_MADE_OF, wanted).scalars())
             candidates = found if candidates is None else candidates & found
         return sorted(candidates or ())
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from service.actions.export_motion import ExportOptions, export_document
-from service.actions.import_motion import BATCH_CLIPS, ImportResult, import_files
+from service.actions.import_batch import BATCH_CLIPS, ImportResult
+from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions
 from service.errors import ConflictError
 from service.settings import Settings
