@@ -30,8 +30,8 @@ from service.errors import NotFoundError
 from service.motion.kinematics import Walker
 from service.motion.skeleton import CHANNELS
 from service.motion.units import reading_of
+from service.storage.blocks import evenly
 from service.storage.database import Transaction
-from service.storage.tracks import neighbours
 
 router = APIRouter(tags=["frames"])
 
@@ -142,8 +142,8 @@ def _array(
             for block in source.clip.blocks():
                 if space == "channels":
                     place = {column: index for index, column in enumerate(block.columns)}
-                    chosen = [place[column] for column in columns]
-                    values = block.values[:, neighbours(chosen) if chosen else chosen]
+                    chosen = np.array([place[column] for column in columns], np.int64)
+                    values = block.values[:, evenly(chosen) if len(chosen) else chosen]
                 else:
                     positions, rotations = walker.poses(block)
                     values = (positions if space == "positions" else rotations)[:, order]

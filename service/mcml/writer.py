@@ -9,13 +9,13 @@ double (orjson's).
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterable, Iterator, Sequence
 from enum import Enum
 from functools import lru_cache
 
 import numpy as np
 import orjson
-from numpy.typing import NDArray
 
 from service.errors import DocumentError
 from service.mcml.element import Element
@@ -26,7 +26,9 @@ from service.motion.skeleton import CHANNELS, Array
 
 PROLOGUE = f'<?xml version="1.0" encoding="UTF-8"?>\n<!DOCTYPE mcml SYSTEM "{PUBLIC_NAME}">\n'.encode()
 VALUES_AT_A_TIME = 1 << 17
-"""Numbers written in one go: enough for speed, a few megabytes of text."""
+"""Numbers in one piece of text: a few megabytes."""
+VALUES_TOGETHER = 1 << 13
+"""Numbers written in one go: enough for speed, and few enough for the processor's cache."""
 
 
 class Layout(Enum):
@@ -37,6 +39,7 @@ class Layout(Enum):
     PRETTY = "pretty"
 
 
+_END = {Layout.COMPACT: b"</frame>", Layout.LINES: b"</frame>\n", Layout.PRETTY: b"\n    </frame>\n"}
 _TEXT = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"})
 _ATTRIBUTE = str.maketrans(
     {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\r": "&#13;", "\n": "&#10;", "\t": "&#9;"}
@@ -119,8 +122,16 @@ def write_frames(
     first: int = 0,
     last: int | None = None,
     layout: Layout = Layout.LINES,
+    before: Sequence[bytes] = (),
+    after: bytes = b"",
 ) -> Iterator[bytes]:
-    """Frames first … last - 1 (from 0) of a block as `frame` elements. Raises DocumentError for NaN and infinity."""
+    """Frames first … last - 1 (from 0) of a block as `frame` elements. Raises DocumentError for NaN and infinity.
+
+    before: what stands before each frame of the block, if anything. after: what stands after each.
+    """
+    heads = _frame_heads(block, layout, before)
+    step = max(1, VALUES_AT_A_TIME // max(1, len(block.columns)))
+    inner = max(1, VALUES_TOGETHER // max(1, len(block.columns)))
     last = len(block) if last is None else min(last, len(block))
     shape_of = block.shape_of
     start = first
@@ -130,9 +141,12 @@ def write_frames(
         if shape_of is not None:
             changes = np.flatnonzero(shape_of[start:last] != shape_of[start])
             stop = start + int(changes[0]) if changes.size else last
-        step = max(1, VALUES_AT_A_TIME // max(1, len(block.columns)))
+        literals, tail = _template(shape, tuple(names), layout)
+        tail += _END[layout] + after
         for piece in range(start, stop, step):
-            yield _write_run(block, shape, tuple(names), piece, min(stop, piece + step), layout)
+            end = min(stop, piece + step)
+            some = [(at, min(end, at + inner)) for at in range(piece, end, inner)]
+            yield b"".join([_write_run(block, shape, literals, tail, heads, *ends) for ends in some])
         start = max(stop, start + 1)
 
 
@@ -145,11 +159,14 @@ def write_frame_bone(name: str, channels: int, values: Sequence[float] | Array) 
     return b"".join([text for pair in zip(literals, tokens, strict=True) for text in pair]) + tail
 
 
-def _write_run(block: FrameBlock, shape: Shape, names: tuple[str, ...], first: int, last: int, layout: Layout) -> bytes:
-    """Frames of one shape. The numbers of all of them become text at once and are set between the literal parts."""
-    literals, tail = _template(shape, names, layout)
-    heads = _frame_heads(block, first, last, layout)
-    tail += b"\n    </frame>\n" if layout is Layout.PRETTY else b"</frame>\n" if layout is Layout.LINES else b"</frame>"
+def _write_run(
+    block: FrameBlock, shape: Shape, literals: list[bytes], tail: bytes, heads: Sequence[bytes], first: int, last: int
+) -> bytes:
+    """Frames of one shape. The numbers of all of them become text at once and are set between the literal parts.
+
+    heads: the beginning of each frame of the block. tail: the end of each.
+    """
+    heads = heads[first:last]
     if not literals:
         return b"".join([head + tail for head in heads])
     values = block.values[first:last, _columns_of(shape, block.columns)]
@@ -173,16 +190,17 @@ def _tokens(values: Array) -> list[bytes]:
     return text[1:-1].split(b",") if values.size else []
 
 
-def _frame_heads(block: FrameBlock, first: int, last: int, layout: Layout) -> list[bytes]:
+def _frame_heads(block: FrameBlock, layout: Layout, before: Sequence[bytes]) -> list[bytes]:
     indented = layout is Layout.PRETTY
-    before = b'    <frame id="' if indented else b'<frame id="'
-    ids: NDArray[np.int64] | list[str] = block.ids[first:last]
-    texts = ids if isinstance(ids, list) else list(map(str, ids.tolist()))
-    labels = block.motion_names
-    heads = []
-    for place, text in enumerate(texts):
-        named = b"" if labels is None else _motion_names(tuple(labels[first + place]), indented)
-        heads.append(before + attribute_bytes(text) + b'">' + named)
+    opening = b'    <frame id="' if indented else b'<frame id="'
+    ids = block.ids
+    texts = list(map(attribute_bytes, ids)) if isinstance(ids, list) else [b"%d" % number for number in ids.tolist()]
+    heads = [opening + text + b'">' for text in texts]
+    if before:
+        heads = list(map(operator.add, before, heads))
+    if block.motion_names is not None:
+        named = [_motion_names(tuple(names), indented) for names in block.motion_names]
+        heads = list(map(operator.add, heads, named))
     return heads
 
 

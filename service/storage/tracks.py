@@ -14,6 +14,7 @@ from sqlalchemy import and_, delete, func, insert, select, update
 from service.errors import NotFoundError, StoreError
 from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import Array
+from service.storage.blocks import Stretch, gathered
 from service.storage.encoding import FrameIdRuns, channels_of, decompress, pack_shape, track_row, unpack_shape
 from service.storage.runs import intersection
 from service.storage.tables import CHUNK, CURRENT, frame_run, shape, shape_run, timeline, track
@@ -245,23 +246,18 @@ class Tracks:
         )
         if bones is not None:
             query = query.where(track.c.bone.in_(bones))
-        rows = self._tx.connection.execute(query).all()
-        place = {column: index for index, column in enumerate(columns)}
-        for row in rows:
-            for channel in channels_of(row.channels):
-                place.setdefault((row.bone, channel), len(place))
-        values = np.full((len(place), end - start), np.nan)
-        for row in rows:
-            channels = channels_of(row.channels)
-            data = decompress(row.data, len(channels), row.codec)
-            offset = row.chunk * CHUNK - start
-            a, b = max(offset, 0), min(offset + data.shape[1], end - start)
-            values[neighbours([place[row.bone, channel] for channel in channels]), a:b] = data[
-                :, a - offset : b - offset
-            ]
+        tracks: dict[int, list[tuple[int, int, Array]]] = {n: [] for n in range(first_chunk, last_chunk + 1)}
+        for chunk, bone, bits, codec, data in sorted(self._tx.connection.execute(query)):
+            tracks[chunk].append((bone, bits, decompress(data, len(channels_of(bits)), codec)))
+        stretches = []
+        for chunk, found in tracks.items():
+            begin, stop = max(start, chunk * CHUNK), min(end, (chunk + 1) * CHUNK)
+            offsets = slice(begin - chunk * CHUNK, stop - chunk * CHUNK)
+            stretches.append(Stretch(found, offsets, slice(begin - start, stop - start)))
+        values, held = gathered(stretches, end - start, columns)
         shapes, shape_of = self._shapes(document_key, start, end, bones)
         ids = self.frame_ids(document_key, position, position + end - start - 1)
-        return FrameBlock(np.ascontiguousarray(values.T), tuple(place), shapes, ids, shape_of)
+        return FrameBlock(values, held, shapes, ids, shape_of)
 
     def _shapes(
         self, document_key: int, start: int, end: int, bones: Sequence[int] | None
@@ -313,12 +309,6 @@ class Tracks:
                 ids = first_id + step * np.arange(count, dtype=np.int64)
                 found += [first + int(i) for i in np.flatnonzero(ids == int(text))]
         return found
-
-
-def neighbours(indices: list[int]) -> list[int] | slice:
-    """The same as a slice where they follow each other, which arrays read and write several times faster."""
-    first, last = indices[0], indices[-1]
-    return slice(first, last + 1) if indices == list(range(first, last + 1)) else indices
 
 
 def _is_plain(text: str) -> bool:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -13,12 +12,11 @@ from service.mcml.vocabulary import FRAME_BONE, MOTION, MOTION_NAME
 from service.mcml.writer import Layout, attribute_bytes, text_bytes, write_document, write_frames
 from service.motion.clip import FrameBlock
 from service.motion.skeleton import CHANNELS, Array
+from service.storage.blocks import Stretch, evenly, gathered
 from service.storage.columns import Listed
 from service.storage.database import Transaction
-from service.storage.encoding import channels_of
 from service.storage.motion_names import names_of_frames
 from service.storage.tables import CHUNK
-from service.storage.tracks import neighbours
 from service.xpath import values
 from service.xpath.forest import Forest
 from service.xpath.node_tests import kinds_and_names
@@ -35,6 +33,8 @@ from service.xpath.numbering import (
     in_frames,
     slots_of,
 )
+from service.xpath.tracks import Row
+from service.xpath.zones import MANY_FRAMES
 
 BLOCK_FRAMES = 1024
 """Frames written together."""
@@ -66,7 +66,7 @@ def _frames(forest: Forest, nodes: Ints) -> list[str]:
     result: list[str] = []
     for start in range(0, len(nodes), BLOCK_FRAMES):
         some = nodes[start : start + BLOCK_FRAMES]
-        for document, block in read_frames(forest, some):
+        for document, _, block in read_frames(forest, some):
             for text in b"".join(write_frames(block, forest.layouts[document].names)).split(b"</frame>\n")[:-1]:
                 result.append((text[:-1] + b"/>" if text.endswith(b'">') else text + b"</frame>").decode())
     return result
@@ -83,66 +83,69 @@ def runs_of(nodes: Ints) -> Iterator[tuple[int, int, int]]:
     yield from zip(documents_of(starts).tolist(), frames_of(starts).tolist(), frames_of(stops).tolist(), strict=True)
 
 
-def read_frames(forest: Forest, nodes: Ints) -> Iterator[tuple[int, FrameBlock]]:
-    """The frames that ascending nodes are, which need not follow each other, as a block for each document."""
+def frames_with_content(forest: Forest, nodes: Ints) -> bool:
+    """Whether nodes are frames, each with a child."""
+    if (slots_of(nodes) != 0).any() or not in_frames(nodes).all():
+        return False
+    return bool((forest.shapes.sizes(nodes) + forest.labels.sizes(nodes) > 0).all())
+
+
+def read_frames(forest: Forest, nodes: Ints) -> Iterator[tuple[int, Ints, FrameBlock]]:
+    """The frames that ascending nodes are, which need not follow each other, as a block for each document.
+
+    Yields (document, its nodes, block).
+    """
     slots = forest.shapes.slot_of(nodes)
-    chunks, documents = slots // CHUNK, documents_of(nodes)
-    rows = list(_track_rows(forest, documents, chunks))
-    by_document: dict[int, list[tuple[Any, Array]]] = {}
-    for row, data in zip(rows, forest.shared.tracks.read(forest.tx, rows), strict=True):
-        by_document.setdefault(row[0], []).append((row, data))
-    for document in np.unique(documents).tolist():
-        own = np.flatnonzero(documents == document)
-        tracks = by_document.get(forest.keys[document], [])
-        yield document, _block(forest, nodes[own], slots[own], tracks)
-
-
-def _track_rows(forest: Forest, documents: Ints, chunks: Ints) -> Iterator[Any]:
-    """The rows of all tracks that frames need, documents that need the same stretch of chunks together."""
-    stretches: dict[tuple[int, int], list[int]] = {}
-    for document in np.unique(documents).tolist():
-        wanted = np.unique(chunks[documents == document]).tolist()
-        for stretch in _stretches(wanted):
-            stretches.setdefault(stretch, []).append(forest.keys[document])
-    for stretch, keys in stretches.items():
-        yield from forest.tx.columns.tracks(keys, stretch)
-
-
-def _block(forest: Forest, nodes: Ints, slots: Ints, tracks: Sequence[tuple[Any, Array]]) -> FrameBlock:
-    """Frames of one document from the tracks that hold them."""
-    place: dict[tuple[int, int], int] = {}
-    for row, _ in tracks:
-        for channel in channels_of(row[4]):
-            place.setdefault((row[2], channel), len(place))
-    values = np.full((len(place), len(nodes)), np.nan)
-    chunks = slots // CHUNK
-    wanted = {chunk: np.flatnonzero(chunks == chunk) for chunk in np.unique(chunks).tolist()}
-    for row, data in tracks:
-        some = wanted[row[1]]
-        held = neighbours([place[row[2], channel] for channel in channels_of(row[4])])
-        values[held if isinstance(held, slice) else np.array(held)[:, None], some] = data[:, slots[some] % CHUNK]
-    numbers, shape_of = np.unique(forest.shapes.shape_of(nodes), return_inverse=True)
+    shapes = forest.shapes.shape_of(nodes)
     ids, others = forest.ids.numbers(nodes)
-    texts = [others.get(index, str(number)) for index, number in enumerate(ids.tolist())] if others else None
-    return FrameBlock(
-        np.ascontiguousarray(values.T),
-        tuple(place),
-        tuple(forest.shapes.of_shape(number) for number in numbers.tolist()),
-        ids if texts is None else texts,
-        shape_of.reshape(-1).astype(np.intp),
-        forest.labels.of_frames(nodes),
-    )
+    labels = forest.labels.of_frames(nodes)
+    documents, edges = np.unique(documents_of(nodes), return_index=True)
+    chunks = [np.unique(part) for part in np.split(slots // CHUNK, edges[1:])]
+    rows = [_rows(forest, document, wanted) for document, wanted in zip(documents.tolist(), chunks, strict=True)]
+    samples = iter(forest.shared.tracks.read(forest.tx, [row for some in rows for row in some]))
+    for document, start, stop, own in zip(
+        documents.tolist(), edges.tolist(), [*edges[1:].tolist(), len(nodes)], rows, strict=True
+    ):
+        tracks: dict[int, list[tuple[int, int, Array]]] = {}
+        for _, chunk, bone, _, bits in own:
+            tracks.setdefault(chunk, []).append((bone, bits, next(samples)))
+        values, columns = gathered(list(_stretches(slots[start:stop], tracks)), stop - start)
+        numbers, shape_of = np.unique(shapes[start:stop], return_inverse=True)
+        own_ids = ids[start:stop]
+        texts = (
+            [others.get(start + index, str(number)) for index, number in enumerate(own_ids.tolist())]
+            if others
+            else None
+        )
+        block = FrameBlock(
+            values,
+            columns,
+            tuple(forest.shapes.of_shape(number) for number in numbers.tolist()),
+            own_ids if texts is None else texts,
+            None if len(numbers) == 1 else shape_of.reshape(-1).astype(np.intp),
+            None if labels is None else labels[start:stop],
+        )
+        yield document, nodes[start:stop], block
 
 
-def _stretches(chunks: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Ascending chunks as (first, last) of those that follow each other."""
-    first = last = chunks[0]
-    for chunk in chunks[1:]:
-        if chunk != last + 1:
-            yield first, last
-            first = chunk
-        last = chunk
-    yield first, last
+def _rows(forest: Forest, document: int, chunks: Ints) -> list[Row]:
+    """All tracks of a document in some chunks, by chunk, then bone."""
+    stored = forest.documents[document]
+    if stored.frames > MANY_FRAMES:
+        found = forest.tx.columns.tracks([stored.key], (int(chunks[0]), int(chunks[-1])))
+        asked = set(chunks.tolist())
+        return sorted(tuple(row) for row in found if row[1] in asked)
+    return forest.shared.zones.read(forest.tx, [stored])[0].rows(chunks)
+
+
+def _stretches(slots: Ints, tracks: Mapping[int, Sequence[tuple[int, int, Array]]]) -> Iterator[Stretch]:
+    """The frames in some slots of a document, those of each chunk together."""
+    chunks = slots // CHUNK
+    order = np.argsort(chunks, kind="stable")
+    edges = np.flatnonzero(np.diff(chunks[order])) + 1
+    for places in np.split(order, edges):
+        offsets = slots[places] % CHUNK
+        yield Stretch(tracks.get(int(chunks[places[0]]), ()), evenly(offsets), evenly(places))
 
 
 def bone_names(tx: Transaction, stored: Listed) -> list[str]:

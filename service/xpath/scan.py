@@ -35,14 +35,12 @@ from service.xpath.vectors import (
     conjunction,
     present,
 )
-from service.xpath.zones import BITS, BONE, CHUNK_NUMBER, FRAMES, Table, read_zones, tracks_of
+from service.xpath.zones import BITS, BONE, CHUNK_NUMBER, FRAMES, MANY_FRAMES, Table, read_zones, rows_of, tracks_of
 
 FIRST_UNITS = 128
 """Often the first page is all that is wanted."""
 UNITS = 2048
 """Tracks of the leading bone that are looked at together: half a million samples a channel."""
-BATCH_FRAMES = 1 << 19
-"""Frames of the documents whose zone maps are looked at together, about."""
 
 
 @dataclass(frozen=True)
@@ -266,7 +264,7 @@ class Scan:
         """The places of documents whose zone maps are looked at together."""
         start = frames = 0
         for place, stored in enumerate(self.forest.documents):
-            if frames and frames + stored.frames > BATCH_FRAMES:
+            if frames and frames + stored.frames > MANY_FRAMES:
                 yield range(start, place)
                 start, frames = place, 0
             frames += stored.frames
@@ -279,7 +277,7 @@ class Scan:
             return tracks_of(self._shared.zones.read(self.tx, documents), places.start, None)
         stored = unescape(name)
         numbers = [layout.numbers.get(stored, -1) for layout in self.forest.layouts[places.start : places.stop]]
-        if len(documents) == 1 and documents[0].frames > BATCH_FRAMES:
+        if len(documents) == 1 and documents[0].frames > MANY_FRAMES:
             # It would fill what is kept alone, or be read in vain.
             zones = read_zones(self.tx, documents, numbers)[documents[0].key]
             return tracks_of([zones], places.start, numbers)
@@ -294,7 +292,7 @@ class Scan:
             held = np.flatnonzero(table.about[BITS])
             for channel in wanted:
                 block[name, channel] = np.full((len(units), CHUNK), np.nan)
-            rows = table[held].rows()
+            rows = rows_of(table[held].about)
             for index, row, values in zip(held.tolist(), rows, self._shared.tracks.read(self.tx, rows), strict=True):
                 channels = channels_of(row[4])
                 for channel in wanted:

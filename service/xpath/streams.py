@@ -7,9 +7,10 @@ client that reads slowly holds up no writer, and every limit is met before the f
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 
@@ -22,6 +23,8 @@ from service.xpath.numbering import DOCUMENT_SHIFT, MOTION, Bools, Ints, documen
 from service.xpath.render import check_size
 from service.xpath.shared import Shared
 from service.xpath.sources import Source, described
+
+Form = TypeVar("Form")
 
 MAX_NODES = 10_000_000
 AT_A_TIME = 1000
@@ -51,6 +54,13 @@ class Answer:
 
     def nodes(self) -> Iterator[list[Node]]:
         """The nodes in order, some at a time."""
+        return self.shown(described)
+
+    def shown(self, show: Callable[[Forest, Ints, int], Form]) -> Iterator[Form]:
+        """What a function makes of the nodes, some at a time; a whole document comes alone.
+
+        It is given the documents, the nodes, and the most elements that a document shown whole may have.
+        """
         for part in self._parts:
             for some in _slices(part.nodes):
                 places, renumbered = np.unique(documents_of(some), return_inverse=True)
@@ -58,7 +68,9 @@ class Answer:
                 nodes = (renumbered.reshape(-1).astype(np.int64) << DOCUMENT_SHIFT) | (some & _INSIDE)
                 with self._database.read(self._commit) as tx:
                     forest = Forest(tx, documents, self._shared, whole_heads=part.whole_heads)
-                    yield described(forest, nodes, self._max_elements)
+                    made = show(forest, nodes, self._max_elements)
+                # Not within the transaction: whoever reads slowly would hold it.
+                yield made
 
 
 class Shown:
@@ -78,7 +90,7 @@ def collect(tx: Transaction, source: Source, limit: int | None, max_elements: in
     left = MAX_NODES + 1 if limit is None else limit
     for forest, nodes in source.chunks():
         some = nodes[:left]
-        for node in some[_holds_frames(some)].tolist():
+        for node in some[holds_frames(some)].tolist():
             check_size(tx, forest.documents[node >> DOCUMENT_SHIFT], max_elements)
         left -= len(some)
         parts.append(Part(list(forest.documents), some, forest.whole_heads))
@@ -89,7 +101,7 @@ def collect(tx: Transaction, source: Source, limit: int | None, max_elements: in
     return parts
 
 
-def _holds_frames(nodes: Ints) -> Bools:
+def holds_frames(nodes: Ints) -> Bools:
     """Which nodes are documents, `mcml` or motions: written out, they are the whole document."""
     slots = slots_of(nodes)
     return np.asarray((frames_of(nodes) == 0) & ((slots < 2) | (slots == MOTION)))
@@ -97,7 +109,7 @@ def _holds_frames(nodes: Ints) -> Bools:
 
 def _slices(nodes: Ints) -> Iterator[Ints]:
     """Nodes in slices that fit into memory when they are written out; a whole document comes alone."""
-    alone = np.flatnonzero(_holds_frames(nodes))
+    alone = np.flatnonzero(holds_frames(nodes))
     edges = sorted({0, len(nodes), *alone.tolist(), *(alone + 1).tolist()})
     for start, stop in pairwise(edges):
         for at in range(start, stop, AT_A_TIME):

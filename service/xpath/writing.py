@@ -4,32 +4,80 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import orjson
 
 from schemas.queries import NodeItem
-from service.mcml.writer import text_bytes
+from service.mcml.writer import Layout, text_bytes, write_frames
+from service.xpath.describe import describe_nodes
+from service.xpath.forest import Forest
 from service.xpath.nodes import Node
-from service.xpath.streams import Answer, Shown
+from service.xpath.numbering import MOTION, Ints, frames_of, slots_of
+from service.xpath.render import check_size, document_xml, frames_with_content, read_frames
+from service.xpath.sources import described
+from service.xpath.streams import Answer, Shown, holds_frames
 
 FIELDS = ("document", "revision", "kind", "address", "value")
 
 
 def xml_item(item: NodeItem | Node) -> str:
-    """A `result` with the place of a node and the node itself. Addresses hold nothing that XML would escape."""
+    """A `result` with the place of a node and the node itself."""
     document, revision = (
         (item.document, item.revision) if isinstance(item, NodeItem) else (item.stored.uuid, item.stored.revision)
     )
     value = item.value if item.kind in ("element", "document") else text_bytes(item.value).decode()
-    return f'<result document="{document}" revision="{revision}" address="{item.address}">{value}</result>\n'
+    return f"{_tag(document, revision, item.address)}{value}</result>\n"
+
+
+def _tag(document: str, revision: int, address: str) -> str:
+    """What stands before a node. Addresses hold nothing that XML would escape."""
+    return f'<result document="{document}" revision="{revision}" address="{address}">'
 
 
 def _xml(found: Answer | Shown) -> Iterator[bytes]:
     yield b'<?xml version="1.0" encoding="UTF-8"?>\n<results>\n'
-    for nodes in found.nodes():
-        yield "".join([xml_item(node) for node in nodes]).encode()
+    if isinstance(found, Shown):
+        yield from map(_items, found.nodes())
+    else:
+        for pieces in found.shown(_pieces):
+            yield from pieces
     yield b"</results>\n"
+
+
+def _pieces(forest: Forest, nodes: Ints, max_elements: int) -> list[bytes]:
+    if frames_with_content(forest, nodes):
+        return list(_frames(forest, nodes))
+    if holds_frames(nodes).all() and slots_of(nodes)[0] != MOTION:
+        return list(_document(forest, nodes, max_elements))
+    return [_items(described(forest, nodes, max_elements))]
+
+
+def _items(nodes: Iterable[Node]) -> bytes:
+    return "".join([xml_item(node) for node in nodes]).encode()
+
+
+def _frames(forest: Forest, nodes: Ints) -> Iterator[bytes]:
+    """Frames, written with their `result` at once."""
+    for document, some, block in read_frames(forest, nodes):
+        stored = forest.documents[document]
+        opening = _tag(stored.uuid, stored.revision, "/mcml/motion/frame[%d]").encode()
+        before = [opening % position for position in frames_of(some).tolist()]
+        names = forest.layouts[document].names
+        yield from write_frames(block, names, layout=Layout.COMPACT, before=before, after=b"</result>\n")
+
+
+def _document(forest: Forest, nodes: Ints, max_elements: int) -> Iterator[bytes]:
+    """A whole document or its `mcml`, written while it is read."""
+    (stored,) = forest.documents
+    ((_, address),) = describe_nodes(forest, nodes)
+    check_size(forest.tx, stored, max_elements)
+    pieces = document_xml(forest.tx, stored)
+    # The prolog is no part of the node.
+    next(pieces)
+    yield _tag(stored.uuid, stored.revision, address).encode()
+    yield from pieces
+    yield b"</result>\n"
 
 
 def _ndjson(found: Answer | Shown) -> Iterator[bytes]:

@@ -15,6 +15,9 @@ from service.xpath.intervals import Interval
 from service.xpath.numbering import Floats, Ints
 from service.xpath.tracks import Row
 
+MANY_FRAMES = 1 << 19
+"""Documents of more frames have zone maps that are too large to be kept."""
+
 DOCUMENT, CHUNK_NUMBER, BONE, COMMIT, BITS, GAPS, FRAMES = range(7)
 """Rows of `about`: key of the document, numbers of chunk and bone, the commit that wrote the track, the channels that
 it has, those of them that some frame lacks, and how many frames it has."""
@@ -37,6 +40,18 @@ class Zones:
     def nbytes(self) -> int:
         """About how much memory it takes."""
         return self.about.nbytes + self.least.nbytes + self.greatest.nbytes + 256 * len(self.bones)
+
+    def rows(self, chunks: Ints) -> list[Row]:
+        """What all tracks in some chunks are read by, by chunk, then bone."""
+        number = self.about[CHUNK_NUMBER]
+        which = np.flatnonzero(number == chunks[0] if len(chunks) == 1 else np.isin(number, chunks))
+        which = which[np.argsort(number[which], kind="stable")]
+        return rows_of(self.about[:, which])
+
+
+def rows_of(about: Ints) -> list[Row]:
+    """What tracks are read by."""
+    return list(map(tuple, about[:GAPS].T.tolist()))
 
 
 def read_zones(tx: Transaction, documents: Sequence[Listed], numbers: Sequence[int] | None = None) -> dict[int, Zones]:
@@ -97,10 +112,6 @@ class Table:
         gaps = (self.about[GAPS] >> channel & 1).astype(bool)
         always = some & ~gaps & (self.about[FRAMES] >= frames)
         return Interval(self.least[channel], self.greatest[channel], some, always)
-
-    def rows(self) -> list[Row]:
-        """What the tracks are read by."""
-        return list(map(tuple, self.about[:GAPS].T.tolist()))
 
 
 def tracks_of(zones: Sequence[Zones], first: int, bones: Sequence[int] | None) -> Table:
