@@ -19,21 +19,22 @@ from service.storage.documents import StoredDocument
 from service.xpath.run import Queries
 
 
-def _settings(request: Request) -> Settings:
+# What only looks something up is async: FastAPI would send each into a thread.
+async def _settings(request: Request) -> Settings:
     settings: Settings = request.app.state.settings
     return settings
 
 
-def _database(request: Request) -> Database:
+async def _database(request: Request) -> Database:
     database: Database = request.app.state.database
     return database
 
 
-def _author(request: Request) -> str:
+async def _author(request: Request) -> str:
     return str(request.scope.get("mcml.author", "local"))
 
 
-def _queries(request: Request) -> Queries:
+async def _queries(request: Request) -> Queries:
     queries: Queries = request.app.state.queries
     return queries
 
@@ -84,7 +85,7 @@ class Page:
     cursor: str | None
 
 
-def _page(
+async def _page(
     settings: SettingsDep,
     limit: Annotated[int, Query(ge=1, description="Most items on the page", examples=[20])] = 100,
     cursor: Annotated[

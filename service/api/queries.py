@@ -8,14 +8,15 @@ from typing import Annotated, Any, Literal, TypeVar
 
 import orjson
 from fastapi import APIRouter, Query, Request, Response
-from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
 from schemas.queries import CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
 from service.api.dependencies import ProjectQuery, QueriesDep
+from service.api.streaming import begun
 from service.xpath.limits import Limits
 from service.xpath.run import Queries
+from service.xpath.streams import Answer, Shown
 from service.xpath.writing import FIELDS, STREAMS, xml_item
 
 router = APIRouter(tags=["xpath"])
@@ -107,10 +108,12 @@ async def _answer(http: Request, queries: Queries, request: QueryRequest) -> Any
     if request.as_ in ("json", "runs") or paged:
         answer = await _while_connected(http, limits, lambda: queries.answer(request, limits))
         return Response(_xml_page(answer), media_type="application/xml") if request.as_ == "xml" else answer
-    found = await _while_connected(http, limits, lambda: queries.stream(request, limits))
-    write, media_type = STREAMS[request.as_]
-    headers = {"x-total-count": str(found.total)}
-    return StreamingResponse(write(found), media_type=media_type, headers=headers)
+    return await _while_connected(http, limits, lambda: _stream(queries.stream(request, limits), request.as_))
+
+
+def _stream(found: Answer | Shown, form: str) -> Response:
+    write, media_type = STREAMS[form]
+    return begun(write(found), media_type, {"x-total-count": str(found.total)})
 
 
 async def _while_connected(http: Request, limits: Limits, ask: Callable[[], Result]) -> Result:

@@ -13,6 +13,9 @@ from fastapi.responses import StreamingResponse
 from service.errors import LimitError
 from service.storage.database import Database, Transaction
 
+SHORT = 1 << 16
+"""Bytes of an answer that is sent whole."""
+
 
 def streamed(
     database: Database,
@@ -30,6 +33,16 @@ def streamed(
             yield from chain((first,), content)
 
     return StreamingResponse(blocks(), media_type=media_type, headers=headers)
+
+
+def begun(content: Iterator[bytes], media_type: str, headers: dict[str, str]) -> Response:
+    """A response whose beginning is made here: a short answer whole, and of a long one enough for an error to show."""
+    pieces: list[bytes] = []
+    for piece in content:
+        pieces.append(piece)
+        if sum(map(len, pieces)) >= SHORT:
+            return StreamingResponse(chain((b"".join(pieces),), content), media_type=media_type, headers=headers)
+    return Response(b"".join(pieces), media_type=media_type, headers=headers)
 
 
 async def read_body(request: Request, most: int) -> bytes:

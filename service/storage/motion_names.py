@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from service.storage.spans import StoredSpan
 
@@ -12,15 +13,11 @@ def names_of_frames(spans: Sequence[StoredSpan], positions: range) -> list[tuple
     if not spans:
         return None
     changes = sorted({span.first for span in spans} | {span.last + 1 for span in spans})
+    # Between two changes all frames have the same names: how many of the positions lie there is arithmetic.
+    inner = [change for change in changes if positions.start < change < positions.stop]
     result: list[tuple[str, ...]] = []
-    change = 0
-    current: tuple[str, ...] = ()
-    for position in positions:
-        moved = False
-        while change < len(changes) and changes[change] <= position:
-            change, moved = change + 1, True
-        if moved or not result:
-            covering = [span for span in spans if span.first <= position <= span.last]
-            current = tuple(span.name for span in sorted(covering, key=lambda span: (span.rank, span.key)))
-        result.append(current)
+    for start, stop in pairwise([positions.start, *inner, positions.stop]):
+        covering = [span for span in spans if span.first <= start <= span.last]
+        names = tuple(span.name for span in sorted(covering, key=lambda span: (span.rank, span.key)))
+        result += [names] * (len(range(positions.start, stop, positions.step)) - len(result))
     return result if any(result) else None

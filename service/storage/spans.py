@@ -35,6 +35,14 @@ _NAMED = (
     .where(document.c.state == "ready", document.c.created_commit <= _AT, document.c.deleted_commit > _AT)
     .order_by(span.c.document, span.c.first)
 )
+_TOUCHING = (
+    select(span.c.first, span.c.last, span.c.rank, span.c.name, span.c.id)
+    .where(
+        span.c.document == bindparam("document", type_=BigInteger), span.c.from_commit <= _AT, span.c.to_commit > _AT
+    )
+    .where(span.c.last >= bindparam("first", type_=BigInteger), span.c.first <= bindparam("last", type_=BigInteger))
+    .order_by(span.c.first, span.c.rank, span.c.id)
+)
 """Made once: the shortest questions take as long as their statements."""
 
 
@@ -44,13 +52,8 @@ class Spans:
 
     def of(self, document_key: int, first: int = 1, last: int | None = None) -> list[StoredSpan]:
         """Spans of a document that touch the frames first to last, in order of their first frame and rank."""
-        query = select(span.c.first, span.c.last, span.c.rank, span.c.name, span.c.id).where(
-            span.c.document == document_key, self._tx.valid(span), span.c.last >= first
-        )
-        if last is not None:
-            query = query.where(span.c.first <= last)
-        query = query.order_by(span.c.first, span.c.rank, span.c.id)
-        return [StoredSpan(*row) for row in self._tx.connection.execute(query)]
+        given = {"document": document_key, "at": self._tx.at, "first": first, "last": CURRENT if last is None else last}
+        return [StoredSpan(*row) for row in self._tx.connection.execute(_TOUCHING, given)]
 
     def named(
         self, names: list[str], documents: list[int] | None = None, project_key: int | None = None

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import and_, delete, func, insert, select, update
+from sqlalchemy import BigInteger, ColumnElement, Select, and_, bindparam, delete, func, insert, select, update
 
 from service.errors import NotFoundError, StoreError
 from service.motion.clip import FrameBlock, Shape
@@ -33,6 +34,38 @@ class Piece:
     first: int
     slot: int
     count: int
+
+
+_FIRST, _LAST = bindparam("first", type_=BigInteger), bindparam("last", type_=BigInteger)
+
+
+def _of_document(table: Any) -> ColumnElement[bool]:
+    at = bindparam("at", type_=BigInteger)
+    return and_(
+        table.c.document == bindparam("document", type_=BigInteger), table.c.from_commit <= at, table.c.to_commit > at
+    )
+
+
+# Made once: to make a statement takes longer than to run a short one. Each gives what touches first to last.
+_PIECES = (
+    select(timeline.c.first, timeline.c.slot, timeline.c.count)
+    .where(_of_document(timeline), timeline.c.first <= _LAST, timeline.c.first + timeline.c.count > _FIRST)
+    .order_by(timeline.c.first)
+)
+_SHAPE_RUNS = (
+    select(shape_run.c.slot, shape_run.c.count, shape.c.bones)
+    .join(shape, and_(shape.c.document == shape_run.c.document, shape.c.shape == shape_run.c.shape))
+    .where(_of_document(shape_run), shape_run.c.slot <= _LAST, shape_run.c.slot + shape_run.c.count > _FIRST)
+    .order_by(shape_run.c.slot)
+)
+_FRAME_RUNS = (
+    select(frame_run.c.first, frame_run.c.count, frame_run.c.first_id, frame_run.c.step, frame_run.c.texts)
+    .where(_of_document(frame_run), frame_run.c.first <= _LAST, frame_run.c.first + frame_run.c.count > _FIRST)
+    .order_by(frame_run.c.first)
+)
+_TRACKS = select(track.c.chunk, track.c.bone, track.c.channels, track.c.codec, track.c.data).where(
+    _of_document(track), track.c.chunk >= _FIRST, track.c.chunk <= _LAST
+)
 
 
 class Tracks:
@@ -140,18 +173,7 @@ class Tracks:
 
     def _shape_runs(self, document_key: int, start: int, end: int) -> Iterator[tuple[int, int, Shape]]:
         """(slot, count, shape) of the runs in slots start to end - 1, cut to them."""
-        query = (
-            select(shape_run.c.slot, shape_run.c.count, shape.c.bones)
-            .join(shape, and_(shape.c.document == shape_run.c.document, shape.c.shape == shape_run.c.shape))
-            .where(
-                shape_run.c.document == document_key,
-                self._tx.valid(shape_run),
-                shape_run.c.slot < end,
-                shape_run.c.slot + shape_run.c.count > start,
-            )
-            .order_by(shape_run.c.slot)
-        )
-        for slot, count, packed in self._tx.connection.execute(query):
+        for slot, count, packed in self._rows(_SHAPE_RUNS, document_key, start, end - 1):
             first, last = max(slot, start), min(slot + count, end)
             yield first, last - first, unpack_shape(packed)
 
@@ -179,14 +201,8 @@ class Tracks:
 
     def pieces(self, document_key: int, first: int, last: int) -> list[Piece]:
         """The timeline from frame first to last, cut to it."""
-        query = select(timeline.c.first, timeline.c.slot, timeline.c.count).where(
-            timeline.c.document == document_key,
-            self._tx.valid(timeline),
-            timeline.c.first <= last,
-            timeline.c.first + timeline.c.count > first,
-        )
         result = []
-        for start, slot, count in self._tx.connection.execute(query.order_by(timeline.c.first)):
+        for start, slot, count in self._rows(_PIECES, document_key, first, last):
             begin, end = max(start, first), min(start + count - 1, last)
             result.append(Piece(begin, slot + begin - start, end - begin + 1))
         return result
@@ -238,16 +254,10 @@ class Tracks:
     ) -> FrameBlock:
         """The frames in slots start to end - 1, which are neighbours on the timeline."""
         first_chunk, last_chunk = start // CHUNK, (end - 1) // CHUNK
-        query = select(track.c.chunk, track.c.bone, track.c.channels, track.c.codec, track.c.data).where(
-            track.c.document == document_key,
-            track.c.chunk >= first_chunk,
-            track.c.chunk <= last_chunk,
-            self._tx.valid(track),
-        )
-        if bones is not None:
-            query = query.where(track.c.bone.in_(bones))
+        query = _TRACKS if bones is None else _TRACKS.where(track.c.bone.in_(bones))
         tracks: dict[int, list[tuple[int, int, Array]]] = {n: [] for n in range(first_chunk, last_chunk + 1)}
-        for chunk, bone, bits, codec, data in sorted(self._tx.connection.execute(query)):
+        rows = self._rows(query, document_key, first_chunk, last_chunk)
+        for chunk, bone, bits, codec, data in sorted(rows, key=itemgetter(0, 1)):
             tracks[chunk].append((bone, bits, decompress(data, len(channels_of(bits)), codec)))
         stretches = []
         for chunk, found in tracks.items():
@@ -277,16 +287,8 @@ class Tracks:
 
     def frame_ids(self, document_key: int, first: int, last: int) -> NDArray[np.int64] | list[str]:
         """The ids of frames first to last: integers, or texts where one of them is not a plain integer."""
-        query = select(
-            frame_run.c.first, frame_run.c.count, frame_run.c.first_id, frame_run.c.step, frame_run.c.texts
-        ).where(
-            frame_run.c.document == document_key,
-            self._tx.valid(frame_run),
-            frame_run.c.first <= last,
-            frame_run.c.first + frame_run.c.count > first,
-        )
         parts: list[NDArray[np.int64] | list[str]] = []
-        for start, count, first_id, step, texts in self._tx.connection.execute(query.order_by(frame_run.c.first)):
+        for start, count, first_id, step, texts in self._rows(_FRAME_RUNS, document_key, first, last):
             a, b = max(first, start) - start, min(last + 1, start + count) - start
             if texts is not None:
                 parts.append(json.loads(texts)[a:b])
@@ -295,6 +297,10 @@ class Tracks:
         if all(isinstance(part, np.ndarray) for part in parts):
             return np.concatenate([*parts, np.empty(0, np.int64)])
         return [str(item) for part in parts for item in part]
+
+    def _rows(self, query: Select[Any], document_key: int, first: int, last: int) -> Sequence[Any]:
+        given = {"document": document_key, "at": self._tx.at, "first": first, "last": last}
+        return self._tx.connection.execute(query, given).all()
 
     def positions_of_id(self, document_key: int, text: str) -> list[int]:
         """Positions of the frames with this id, ascending."""

@@ -12,7 +12,7 @@ from service.storage.database import Transaction
 from service.xpath.columns import Columns
 from service.xpath.forest import Forest
 from service.xpath.functions import as_booleans, kind_of
-from service.xpath.nodes import Scope
+from service.xpath.listing import Scope
 from service.xpath.nodesets import NodeSets, ordered
 from service.xpath.numbering import MAX_DOCUMENTS, Ints, documents_of, first_of_documents
 from service.xpath.pairs import TooWideError
@@ -44,7 +44,7 @@ class Columnar:
         self.tx = tx
         self.tree = tree
         self.start = start_of(tree)
-        self.frames = Frames(tx, self.start, scope, shared.listing)
+        self.frames = Frames(tx, self.start, scope)
         self._shared = shared
         self._check = check
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from service.storage.columns import Listed
 from service.storage.database import Transaction
@@ -14,9 +15,11 @@ STATES = 4
 
 
 @dataclass
-class _State:
-    """What was read of one state: all documents, once somebody asked for them, and single ones by key. keys: by id."""
+class State:
+    """What was read of the store as one commit left it: all documents, once somebody asked for them, and single ones by
+    key; keys by id. commit: the newest one."""
 
+    commit: int
     whole: list[Listed] | None = None
     documents: dict[int, Listed] = field(default_factory=dict)
     keys: dict[str, int] = field(default_factory=dict)
@@ -27,31 +30,48 @@ class Listing:
 
     def __init__(self) -> None:
         # By the newest commit as well as the one that is read: a deleted document that comes back was never away.
-        self._states = Kept[tuple[int, int], _State](STATES, lambda _: 1)
+        self._states = Kept[tuple[int, int], State](STATES, lambda _: 1)
 
-    def documents(self, tx: Transaction, keys: Sequence[int] | None = None, project: int | None = None) -> list[Listed]:
-        """The documents (all, if no keys are given) by name, then key."""
-        state = self._state(tx)
+    def state(self, tx: Transaction) -> State:
+        """What a transaction sees."""
+        commit = tx.newest_commit()
+        return self._states.get([(commit, tx.at)], lambda keys: {keys[0]: State(commit)})[0]
+
+
+class Scope:
+    """What a query is asked of. keys: of the documents, None for all. project: only documents of this one."""
+
+    def __init__(self, tx: Transaction, listing: Listing, documents: Sequence[str] = (), project: str | None = None):
+        """documents: by their ids, all if none is given. NotFoundError for documents or projects that do not exist."""
+        self._tx = tx
+        self._listing = listing
+        self.keys = [self._key(uuid) for uuid in dict.fromkeys(documents)] if documents else None
+        self.project = tx.projects.get(project) if project else None
+
+    @cached_property
+    def state(self) -> State:
+        return self._listing.state(self._tx)
+
+    def documents(self, keys: Sequence[int] | None = None) -> list[Listed]:
+        """The documents by name, then key, the order of answers. keys: of those that are asked, only these."""
+        found = self._listed(self.keys if keys is None else keys)
+        return found if self.project is None else [listed for listed in found if listed.project == self.project]
+
+    def _listed(self, keys: Sequence[int] | None) -> list[Listed]:
+        state = self.state
         if keys is None:
             if state.whole is None:
-                state.whole = tx.columns.documents()
+                state.whole = self._tx.columns.documents()
                 state.documents.update({listed.key: listed for listed in state.whole})
-            found = state.whole
-        else:
-            missing = [key for key in keys if key not in state.documents]
-            if missing and state.whole is None:
-                state.documents.update({listed.key: listed for listed in tx.columns.documents(missing)})
-            chosen = [state.documents[key] for key in dict.fromkeys(keys) if key in state.documents]
-            found = sorted(chosen, key=lambda listed: (listed.name, listed.key))
-        return found if project is None else [listed for listed in found if listed.project == project]
+            return state.whole
+        missing = [key for key in keys if key not in state.documents]
+        if missing and state.whole is None:
+            state.documents.update({listed.key: listed for listed in self._tx.columns.documents(missing)})
+        chosen = [state.documents[key] for key in dict.fromkeys(keys) if key in state.documents]
+        return sorted(chosen, key=lambda listed: (listed.name, listed.key))
 
-    def key(self, tx: Transaction, uuid: str) -> int:
-        """The key of a document; NotFoundError."""
-        keys = self._state(tx).keys
+    def _key(self, uuid: str) -> int:
+        keys = self.state.keys
         if uuid not in keys:
-            keys[uuid] = tx.documents.get(uuid).key
+            keys[uuid] = self._tx.documents.get(uuid).key
         return keys[uuid]
-
-    def _state(self, tx: Transaction) -> _State:
-        key = (tx.newest_commit(), tx.at)
-        return self._states.get([key], lambda _: {key: _State()})[0]

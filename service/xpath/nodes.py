@@ -1,19 +1,10 @@
-"""What a query is asked of, and what it gives."""
+"""What a query gives."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from service.storage.columns import Listed
-
-
-@dataclass(frozen=True, slots=True)
-class Scope:
-    """keys: the documents asked, None for all. project, project_name: only of this project."""
-
-    keys: list[int] | None = None
-    project: int | None = None
-    project_name: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

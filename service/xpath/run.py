@@ -28,7 +28,8 @@ from service.xpath.frame_runs import IdRuns
 from service.xpath.functions import NotOnColumnsError
 from service.xpath.hints import unknown_names
 from service.xpath.limits import Limits
-from service.xpath.nodes import Node, Run, Scope
+from service.xpath.listing import Scope
+from service.xpath.nodes import Node, Run
 from service.xpath.numbering import MAX_DOCUMENTS
 from service.xpath.pairs import TooWideError
 from service.xpath.parse import Query, parse
@@ -80,7 +81,7 @@ class Queries:
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         limits = limits or self.limits()
         with self.database.read(LATEST if cursor is None else cursor.commit) as tx:
-            scope = self._scope(tx, request.document, request.project)
+            scope = Scope(tx, self.shared.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=request.explain)
             page = _Page(self.shared, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
             answer = asking.answer(page)
@@ -97,9 +98,9 @@ class Queries:
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         limits = limits or self.limits()
         with self.database.read() as tx:
-            scope = self._scope(tx, request.document, request.project)
+            scope = Scope(tx, self.shared.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=False)
-            commit = tx.newest_commit()
+            commit = scope.state.commit
             try:
                 parts = collect(tx, asking.nodes(), request.limit, limits.max_elements)
             except (TooWideError, TooLongError, NotOnColumnsError):
@@ -111,14 +112,9 @@ class Queries:
     ) -> tuple[int, list[Completion]]:
         """(first character that is replaced, completions) at a place in an expression, over a scope."""
         with self.database.read() as tx:
-            scope = self._scope(tx, documents, project)
-            keys = [listed.key for listed in self.shared.listing.documents(tx, scope.keys, scope.project)]
+            keys = [listed.key for listed in Scope(tx, self.shared.listing, documents, project).documents()]
             columns = tx.columns
             return complete(text, at, lambda: columns.used_motion_names(keys), lambda: columns.used_bone_names(keys))
-
-    def _scope(self, tx: Transaction, documents: Sequence[str], project: str | None) -> Scope:
-        keys = [self.shared.listing.key(tx, uuid) for uuid in dict.fromkeys(documents)] if documents else None
-        return Scope(keys, tx.projects.get(project) if project else None, project)
 
     def limits(self) -> Limits:
         """The limits of one query."""
@@ -182,16 +178,12 @@ class _Asking:
     def source(self, tree: Expression) -> Scan | Columnar:
         """Where the nodes of an expression come from."""
         plan = plan_scan(tree)
-        documents = [] if plan is None else self._documents()
+        documents = [] if plan is None else self.scope.documents()
         if plan is None or len(documents) > MAX_DOCUMENTS:
             return self._columnar(tree)
         scan = Scan(self.tx, plan, documents, self.engine.shared, self.limits.check)
         self._explained("index", scan)
         return scan
-
-    def _documents(self) -> list[Listed]:
-        """Those that are asked."""
-        return self.engine.shared.listing.documents(self.tx, self.scope.keys, self.scope.project)
 
     def _columnar(self, tree: Expression) -> Columnar:
         found = Columnar(self.tx, tree, self.scope, self.engine.shared, self.limits.check)
@@ -233,13 +225,18 @@ class _Asking:
                 raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
             found = [item for item in answer.items if isinstance(item, Node)]
         else:
-            found = Projected(self.engine.evaluator, self.tx, self.query, self._documents(), self.limits).nodes(0, most)
+            found = self._projected().nodes(
+                0, most
+            )
         if len(found) > MAX_ON_XML:
             raise LimitError(f"The answer has more than {MAX_ON_XML:,} nodes.", remedy="Narrow the question.")
         return found
 
+    def _projected(self) -> Projected:
+        return Projected(self.engine.evaluator, self.tx, self.query, self.scope.documents(), self.limits)
+
     def _sequences(self) -> Sequences:
-        return Sequences(self.engine.saxon, self.tx, self.query, self._documents(), self.limits)
+        return Sequences(self.engine.saxon, self.tx, self.query, self.scope.documents(), self.limits)
 
     def _by_saxon(self, page: _Page) -> QueryAnswer:
         source = self._sequences()
@@ -252,7 +249,7 @@ class _Asking:
         return page.of_sequence(self.tx, source.page(page.offset, page.limit + 1))
 
     def _on_xml(self, page: _Page) -> QueryAnswer:
-        source = Projected(self.engine.evaluator, self.tx, self.query, self._documents(), self.limits)
+        source = self._projected()
         if source.type == "nodes":
             return page.of_projected(self.tx, source)
         kind, value, each = source.scalars()

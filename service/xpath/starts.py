@@ -11,8 +11,7 @@ from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.forest import Forest
 from service.xpath.labels import Groups, compared_text, motion_name_groups, ranges_of, without_self
-from service.xpath.listing import Listing
-from service.xpath.nodes import Scope
+from service.xpath.listing import Scope
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
 from service.xpath.pairs import expand
 from service.xpath.rules import counts
@@ -103,25 +102,24 @@ def _is_id(path: Path) -> bool:
 class Frames:
     """The frames of a start in the documents of a scope."""
 
-    def __init__(self, tx: Transaction, start: Start | None, scope: Scope, listing: Listing) -> None:
+    def __init__(self, tx: Transaction, start: Start | None, scope: Scope) -> None:
         self.start = start
         self._tx = tx
-        self._listing = listing
         self._scope = scope
         self._documents: list[Listed] | None = None
         self._ranges: dict[int, list[tuple[int, int]]] | None = None
         if start is not None and start.groups:
             keys = scope.keys
             if scope.project is not None:
-                keys = [listed.key for listed in listing.documents(tx, keys, scope.project)]
+                keys = [listed.key for listed in scope.documents()]
             self._ranges = ranges_of(tx, start.groups, keys)
 
     @property
     def documents(self) -> list[Listed]:
         """The documents that have such frames, as far as the index on names says, in order of the answer."""
         if self._documents is None:
-            keys = self._scope.keys if self._ranges is None else list(self._ranges)
-            self._documents = self._listing.documents(self._tx, keys, self._scope.project)
+            keys = None if self._ranges is None else list(self._ranges)
+            self._documents = self._scope.documents(keys)
         return self._documents
 
     def count(self) -> int:
