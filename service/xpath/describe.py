@@ -32,14 +32,15 @@ def describe_nodes(forest: Forest, nodes: Ints) -> Iterator[tuple[str, str]]:
     inner = np.flatnonzero(frames > 0)
     names = dict(zip(inner.tolist(), forest.labels.sizes(nodes[inner]).tolist(), strict=True)) if len(inner) else {}
     outer = np.flatnonzero(frames == 0)
-    rows = dict(zip(outer.tolist(), forest.head.rows(nodes[outer]).tolist(), strict=True)) if len(outer) else {}
+    addresses = forest.head.addresses(forest.head.rows(nodes[outer])) if len(outer) else []
+    outside = dict(zip(outer.tolist(), addresses, strict=True))
     for place, (kind, frame, slot) in enumerate(zip(kinds.tolist(), frames.tolist(), slots.tolist(), strict=True)):
         if kind == IS_NAMESPACE:
             yield KIND_NAMES[kind], ""
         elif frame:
             yield KIND_NAMES[kind], f"/mcml/motion/frame[{frame}]{_in_frame(slot, names[place])}"
         else:
-            yield KIND_NAMES[kind], forest.head.address(rows[place])
+            yield KIND_NAMES[kind], outside[place]
 
 
 def _in_frame(slot: int, names: int) -> str:

@@ -228,6 +228,8 @@ class Heads:
         known, skeletons = self._heads, self._skeletons
         unread = {listed.key: listed for listed in documents if (listed.key, listed.revision) not in known}
         missing = [key for key in dict.fromkeys(listed.skeleton for listed in unread.values()) if key not in skeletons]
+        if not unread:
+            return [known[listed.key, listed.revision] for listed in documents]
         forests = {key: flatten(forest) for key, forest in tx.columns.skeletons(missing).items()}
         skeletons = {**skeletons, **forests} if forests else skeletons
         found: dict[tuple[int, int], Head] = {}

@@ -225,9 +225,7 @@ class _Asking:
                 raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
             found = [item for item in answer.items if isinstance(item, Node)]
         else:
-            found = self._projected().nodes(
-                0, most
-            )
+            found = self._projected().nodes(0, most)
         if len(found) > MAX_ON_XML:
             raise LimitError(f"The answer has more than {MAX_ON_XML:,} nodes.", remedy="Narrow the question.")
         return found

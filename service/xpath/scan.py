@@ -22,9 +22,9 @@ from service.xpath.axes import step as axis_step
 from service.xpath.forest import Forest
 from service.xpath.intervals import Interval
 from service.xpath.labels import motion_name_groups, ranges_of
-from service.xpath.layouts import ShapeRuns
-from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Bools, Floats, Ints, frames_of
+from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Bools, Floats, Ints
 from service.xpath.shared import Shared
+from service.xpath.timeline import Timeline, slots_of_chunks
 from service.xpath.tree import Expression, Path
 from service.xpath.vectors import (
     Condition,
@@ -35,7 +35,7 @@ from service.xpath.vectors import (
     conjunction,
     present,
 )
-from service.xpath.zones import BITS, BONE, CHUNK_NUMBER, FRAMES, MANY_FRAMES, Table, read_zones, rows_of, tracks_of
+from service.xpath.zones import BITS, BONE, CHUNK_NUMBER, FRAMES, MANY_FRAMES, Table, joined, read_zones, rows_of
 
 FIRST_UNITS = 128
 """Often the first page is all that is wanted."""
@@ -147,7 +147,7 @@ class Scan:
         if self._labelled is not None:
             kept = [listed for listed in kept if listed.key in self._labelled]
         self.forest = Forest(tx, kept, shared, whole_heads=False)
-        self._timeline = _Timeline(self.forest.shapes)
+        self._timeline = self.forest.timeline
         self.tracks_read = 0
 
     @property
@@ -273,15 +273,15 @@ class Scan:
     def _tracks(self, places: range, name: str | None) -> Table:
         """The tracks of the bone of a name, or of all bones, of some documents."""
         documents = self.forest.documents[places.start : places.stop]
+        part = Forest(self.tx, documents, self._shared, whole_heads=False)
         if name is None:
-            return tracks_of(self._shared.zones.read(self.tx, documents), places.start, None)
+            return part.tracks.moved(places.start)
         stored = unescape(name)
-        numbers = [layout.numbers.get(stored, -1) for layout in self.forest.layouts[places.start : places.stop]]
+        numbers = [layout.numbers.get(stored, -1) for layout in part.layouts]
         if len(documents) == 1 and documents[0].frames > MANY_FRAMES:
             # It would fill what is kept alone, or be read in vain.
-            zones = read_zones(self.tx, documents, numbers)[documents[0].key]
-            return tracks_of([zones], places.start, numbers)
-        return tracks_of(self._shared.zones.read(self.tx, documents), places.start, numbers)
+            return joined([read_zones(self.tx, documents, numbers)[documents[0].key]]).moved(places.start)
+        return part.tracks.of_bones(numbers).moved(places.start)
 
     def _read(self, units: _Units) -> dict[Sample, Floats]:
         """The samples that the condition reads, (units, CHUNK), NaN where a frame has none."""
@@ -352,7 +352,7 @@ class _Hits:
     def count(self) -> int:
         return int(np.count_nonzero(self.holds))
 
-    def frames(self, timeline: _Timeline) -> tuple[Ints, Ints]:
+    def frames(self, timeline: Timeline) -> tuple[Ints, Ints]:
         """The frames, and for each the bone."""
         unit, offset = np.nonzero(self.holds)
         places, chunks = self.lead.places[unit], self.lead.about[CHUNK_NUMBER, unit]
@@ -364,38 +364,3 @@ class _Hits:
             order = np.argsort(frames, kind="stable")
             return frames[order], bones[order]
         return frames, bones
-
-
-def slots_of_chunks(chunks: Ints) -> Ints:
-    """(n, CHUNK): the slots of each chunk."""
-    return np.asarray(chunks[:, None] * CHUNK + np.arange(CHUNK), np.int64)
-
-
-class _Timeline:
-    """Where in their documents the frames of slots are. moved: places of documents whose frames are not in the order of
-    their slots."""
-
-    def __init__(self, runs: ShapeRuns) -> None:
-        slots = (runs.places << 32) | runs.slots
-        order = np.argsort(slots)
-        self._starts, self._count = slots[order], runs.counts[order]
-        self._first = frames_of(runs.keys[order] << FRAME_SHIFT)
-        self.moved = np.unique(runs.places[1:][np.diff(slots) < 0])
-
-    def positions(self, places: Ints, slots: Ints) -> Ints:
-        """The position of the frame in each slot, 0 where no frame of the document lies any more."""
-        keys = (places << 32) | slots
-        piece = np.searchsorted(self._starts, keys, side="right") - 1
-        within = keys - self._starts[piece]
-        return np.where((piece >= 0) & (within < self._count[piece]), self._first[piece] + within, 0)
-
-    def here(self, places: Ints, chunks: Ints) -> Bools:
-        """(units, CHUNK): in which slots frames lie."""
-        first = (places << 32) | (chunks * CHUNK)
-        piece = np.searchsorted(self._starts, first, side="right") - 1
-        within = first - self._starts[piece]
-        whole = (piece >= 0) & (within + CHUNK <= self._count[piece])
-        found = np.ones((len(places), CHUNK), bool)
-        part = np.flatnonzero(~whole)
-        found[part] = self.positions(places[part, None], slots_of_chunks(chunks[part])) > 0
-        return found

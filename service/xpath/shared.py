@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, Protocol, TypeAlias, TypeVar
 
 from service.storage.columns import Listed
 from service.storage.database import Transaction
+from service.xpath.batches import Batch, batch_of
 from service.xpath.frame_runs import Ids, Labels, read_ids, read_labels
 from service.xpath.heads import Heads
 from service.xpath.kept import Kept
@@ -48,6 +49,12 @@ class OfDocuments(Generic[Part]):
         return self._kept.get([(listed.key, listed.revision) for listed in documents], missing)
 
 
+MANY_DOCUMENTS = 256
+"""Of more documents, columns are made anew for each query."""
+
+BatchKey: TypeAlias = tuple[bool, tuple[tuple[int, int], ...]]
+
+
 @dataclass(frozen=True)
 class Shared:
     """listing: which documents there are. heads, layouts, labels, ids, zones: of documents. tracks: decoded."""
@@ -58,4 +65,12 @@ class Shared:
     labels: OfDocuments[Labels] = field(default_factory=lambda: OfDocuments(read_labels))
     ids: OfDocuments[Ids] = field(default_factory=lambda: OfDocuments(read_ids))
     zones: OfDocuments[Zones] = field(default_factory=lambda: OfDocuments(read_zones, 24 << 20))
+    _batches: Kept[BatchKey, Batch] = field(default_factory=lambda: Kept(24 << 20, lambda batch: batch.nbytes))
     tracks: Tracks = field(default_factory=Tracks)
+
+    def batch(self, documents: Sequence[Listed], *, whole_heads: bool) -> Batch:
+        """What was made so far of the columns of some documents, by all queries that asked these."""
+        if len(documents) > MANY_DOCUMENTS:
+            return batch_of(documents)
+        key = (whole_heads, tuple([(listed.key, listed.revision) for listed in documents]))
+        return self._batches.get([key], lambda _: {key: batch_of(documents)})[0]

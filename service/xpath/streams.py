@@ -21,7 +21,7 @@ from service.xpath.forest import Forest
 from service.xpath.nodes import Node
 from service.xpath.numbering import DOCUMENT_SHIFT, MOTION, Bools, Ints, documents_of, frames_of, slots_of
 from service.xpath.render import check_size
-from service.xpath.shared import Shared
+from service.xpath.shared import MANY_DOCUMENTS, Shared
 from service.xpath.sources import Source, described
 
 Form = TypeVar("Form")
@@ -63,9 +63,11 @@ class Answer:
         """
         for part in self._parts:
             for some in _slices(part.nodes):
-                places, renumbered = np.unique(documents_of(some), return_inverse=True)
-                documents = [part.documents[place] for place in places.tolist()]
-                nodes = (renumbered.reshape(-1).astype(np.int64) << DOCUMENT_SHIFT) | (some & _INSIDE)
+                documents, nodes = part.documents, some
+                if len(documents) > MANY_DOCUMENTS:
+                    places, renumbered = np.unique(documents_of(some), return_inverse=True)
+                    documents = [part.documents[place] for place in places.tolist()]
+                    nodes = (renumbered.reshape(-1).astype(np.int64) << DOCUMENT_SHIFT) | (some & _INSIDE)
                 with self._database.read(self._commit) as tx:
                     forest = Forest(tx, documents, self._shared, whole_heads=part.whole_heads)
                     made = show(forest, nodes, self._max_elements)

@@ -28,7 +28,6 @@ from service.xpath.numbering import (
     in_frames,
     slots_of,
 )
-from service.xpath.pairs import expand
 from service.xpath.texts import Strings, constant, joined, of_texts
 
 MAX_TEXT = 32 << 20
@@ -194,18 +193,20 @@ def _of_head(forest: Forest, nodes: Ints) -> Strings:
     for place, text in zip(index.tolist(), head.texts(rows[index]), strict=True):
         texts[place] = text
     holders = np.flatnonzero(~plain)
-    source, within = expand(head.ends[rows[holders]] - rows[holders])
-    inner = rows[holders][source] + 1 + within
-    keep = head.kinds[inner] == IS_TEXT
-    parts: list[list[str]] = [[] for _ in range(len(holders))]
-    for place, text in zip(source[keep].tolist(), head.texts(inner[keep]), strict=True):
-        parts[place].append(text)
+    # The texts inside an element follow one another among all texts; nearly always there is one, or none.
+    first = np.searchsorted(head.text_rows, rows[holders])
+    counts = np.searchsorted(head.text_rows, head.ends[rows[holders]], side="right") - first
+    single = np.flatnonzero(counts == 1)
+    for place, text in zip(holders[single].tolist(), head.texts(head.text_rows[first[single]]), strict=True):
+        texts[place] = text
+    several = np.flatnonzero(counts > 1)
+    for place, begin, count in zip(
+        holders[several].tolist(), first[several].tolist(), counts[several].tolist(), strict=True
+    ):
+        texts[place] = "".join(head.texts(head.text_rows[begin : begin + count]))
     motion = head.motions[documents_of(nodes)]
-    for place, part in zip(holders.tolist(), parts, strict=True):
-        row = int(rows[place])
-        if row <= motion[place] <= head.ends[row]:
-            part.append(_motion_text(forest, int(documents_of(nodes[place]))))
-        texts[place] = "".join(part)
+    for place in np.flatnonzero(~plain & (rows <= motion) & (motion <= head.ends[rows])).tolist():
+        texts[place] += _motion_text(forest, int(documents_of(nodes[place])))
     return of_texts(texts)
 
 

@@ -13,7 +13,7 @@ from service.mcml.writer import Layout, text_bytes, write_frames
 from service.xpath.describe import describe_nodes
 from service.xpath.forest import Forest
 from service.xpath.nodes import Node
-from service.xpath.numbering import MOTION, Ints, frames_of, slots_of
+from service.xpath.numbering import MOTION, Ints, documents_of, frames_of, slots_of
 from service.xpath.render import check_size, document_xml, frames_with_content, read_frames
 from service.xpath.sources import described
 from service.xpath.streams import Answer, Shown, holds_frames
@@ -69,7 +69,7 @@ def _frames(forest: Forest, nodes: Ints) -> Iterator[bytes]:
 
 def _document(forest: Forest, nodes: Ints, max_elements: int) -> Iterator[bytes]:
     """A whole document or its `mcml`, written while it is read."""
-    (stored,) = forest.documents
+    stored = forest.documents[int(documents_of(nodes)[0])]
     ((_, address),) = describe_nodes(forest, nodes)
     check_size(forest.tx, stored, max_elements)
     pieces = document_xml(forest.tx, stored)

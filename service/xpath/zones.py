@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,19 +26,17 @@ it has, those of them that some frame lacks, and how many frames it has."""
 class Zones:
     """The tracks of one document, by bone, then chunk.
 
-    about: (7, n). least, greatest: (channels, n), NaN where a track lacks the channel. bones: first and last + 1 of the
-    tracks of each bone by its number.
+    about: (7, n). least, greatest: (channels, n), NaN where a track lacks the channel.
     """
 
     about: Ints
     least: Floats
     greatest: Floats
-    bones: dict[int, tuple[int, int]]
 
     @property
     def nbytes(self) -> int:
         """About how much memory it takes."""
-        return self.about.nbytes + self.least.nbytes + self.greatest.nbytes + 256 * len(self.bones)
+        return self.about.nbytes + self.least.nbytes + self.greatest.nbytes
 
     def rows(self, chunks: Ints) -> list[Row]:
         """What all tracks in some chunks are read by, by chunk, then bone."""
@@ -63,17 +60,14 @@ def read_zones(tx: Transaction, documents: Sequence[Listed], numbers: Sequence[i
     for listed in documents:
         start, stop = np.searchsorted(rows[:, DOCUMENT], [listed.key, listed.key + 1])
         own = rows[start:stop].T
-        held, first = np.unique(own[BONE], return_index=True)
-        edges = np.append(first, stop - start).tolist()
-        bones = dict(zip(held.astype(int).tolist(), pairwise(edges), strict=True))
         least, greatest = own[FRAMES + 1 :: 2], own[FRAMES + 2 :: 2]
         result[listed.key] = Zones(
-            own[: FRAMES + 1].astype(np.int64), np.ascontiguousarray(least), np.ascontiguousarray(greatest), bones
+            own[: FRAMES + 1].astype(np.int64), np.ascontiguousarray(least), np.ascontiguousarray(greatest)
         )
     return result
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Table:
     """Tracks of several documents, their places ascending. about, least, greatest: as of one document."""
 
@@ -87,6 +81,14 @@ class Table:
 
     def __getitem__(self, which: Ints | slice) -> Table:
         return Table(self.places[which], self.about[:, which], self.least[:, which], self.greatest[:, which])
+
+    def moved(self, by: int) -> Table:
+        """The same tracks, the places of their documents numbered from another number on."""
+        return replace(self, places=self.places + by) if by else self
+
+    def of_bones(self, numbers: Sequence[int]) -> Table:
+        """The tracks of one bone of each document, by its number."""
+        return self[np.flatnonzero(self.about[BONE] == np.array(numbers, np.int64)[self.places])]
 
     def facing(self, other: Table) -> Table:
         """For each track of another table the one of the same frames, where there is none one without channels.
@@ -114,21 +116,12 @@ class Table:
         return Interval(self.least[channel], self.greatest[channel], some, always)
 
 
-def tracks_of(zones: Sequence[Zones], first: int, bones: Sequence[int] | None) -> Table:
-    """The tracks of documents, whose places are numbered from `first`. bones: of one bone of each, -1 for none."""
-    if bones is None:
-        parts = [(number, slice(None)) for number in range(len(zones))]
-    else:
-        found = [(number, zones[number].bones.get(bone)) for number, bone in enumerate(bones)]
-        parts = [(number, slice(*ends)) for number, ends in found if ends is not None]
-    about = [zones[number].about[:, some] for number, some in parts]
-    lengths = [part.shape[1] for part in about]
+def joined(zones: Sequence[Zones]) -> Table:
+    """The tracks of documents, which are numbered from 0."""
+    none = np.empty((len(CHANNELS), 0))
     return Table(
-        np.repeat(np.array([first + number for number, _ in parts], np.int64), lengths),
-        np.concatenate([np.empty((FRAMES + 1, 0), np.int64), *about], axis=1),
-        np.concatenate([_NONE, *(zones[number].least[:, some] for number, some in parts)], axis=1),
-        np.concatenate([_NONE, *(zones[number].greatest[:, some] for number, some in parts)], axis=1),
+        np.repeat(np.arange(len(zones)), [each.about.shape[1] for each in zones]),
+        np.concatenate([np.empty((FRAMES + 1, 0), np.int64), *(each.about for each in zones)], axis=1),
+        np.concatenate([none, *(each.least for each in zones)], axis=1),
+        np.concatenate([none, *(each.greatest for each in zones)], axis=1),
     )
-
-
-_NONE = np.empty((len(CHANNELS), 0))
