@@ -11,6 +11,7 @@ from pathlib import Path
 
 BENCHMARKS = {
     "dance": "beats of an hour, a graph of 500 bars, three minutes of dance",
+    "edits": "one value, difference, undo, label, cut in a document of 100,000 frames",
     "expression": "expression spaces: all stages, operations, 96,000 frames",
     "formats": "reading and writing BVH, against pybvh, simdjson, numpy.savetxt",
     "layouts": "ways to lay frames out in SQLite, against each other",

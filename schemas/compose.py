@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -139,3 +139,38 @@ class Composed(BaseModel):
     segments: list[ComposedSegment]
     seams: list[ComposedSeam]
     notices: list[str]
+
+
+class SplitRequest(BaseModel):
+    """Where a document is cut: before some frames, or around the frames of a motion name."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"at": [101, 241]}, {"label": MOTION_NAME}))
+
+    at: list[Annotated[int, Field(ge=2)]] = Field([], max_length=1000, description="First frames of parts; 1 is one")
+    label: str | None = Field(None, min_length=1, max_length=1024, description="Every range of this name is a part")
+    project: str | None = Field(None, min_length=1, max_length=256, description="Of the parts; default the document's")
+
+    @model_validator(mode="after")
+    def _says_where(self) -> SplitRequest:
+        if bool(self.at) == (self.label is not None):
+            raise ValueError("say `at` which frames, or around which `label`")
+        return self
+
+
+class SplitPart(BaseModel):
+    """A new document, and which frames of the old one it has."""
+
+    document: str
+    name: str
+    first: int
+    last: int
+
+
+class SplitParts(BaseModel):
+    """The documents that were made, in order. The one that was split stays as it is."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown({"items": [{"document": DOCUMENT, "name": "walk 1-100", "first": 1, "last": 100}]})
+    )
+
+    items: list[SplitPart]

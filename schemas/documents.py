@@ -186,6 +186,7 @@ class ImportedDocument(BaseModel):
     id: str
     name: str
     skipped: bool = Field(False, description="It was stored already (on_duplicate=skip)")
+    movements: int | None = Field(None, description="Labels that were found in the motion and accepted, if asked")
     receipt: Receipt
 
 

@@ -86,7 +86,8 @@ def upgrade() -> None:
     sa.Column('to_commit', sa.BigInteger(), nullable=False),
     sa.Column('name', sa.String(length=1024).with_variant(sa.String(length=1024, collation='C'), 'postgresql'), nullable=False),
     sa.ForeignKeyConstraint(['document'], ['document.id'], name=op.f('fk_bone_document')),
-    sa.PrimaryKeyConstraint('document', 'bone', 'from_commit', name=op.f('pk_bone'))
+    sa.PrimaryKeyConstraint('document', 'bone', 'from_commit', name=op.f('pk_bone')),
+    sqlite_with_rowid=False
     )
     op.create_index(op.f('ix_bone_name_document'), 'bone', ['name', 'document'], unique=False)
     op.create_table('content',
@@ -100,7 +101,8 @@ def upgrade() -> None:
     sa.Column('intact', sa.Boolean(), nullable=False),
     sa.ForeignKeyConstraint(['document'], ['document.id'], name=op.f('fk_content_document')),
     sa.ForeignKeyConstraint(['skeleton'], ['skeleton.id'], name=op.f('fk_content_skeleton')),
-    sa.PrimaryKeyConstraint('document', 'from_commit', name=op.f('pk_content'))
+    sa.PrimaryKeyConstraint('document', 'from_commit', name=op.f('pk_content')),
+    sqlite_with_rowid=False
     )
     op.create_index(op.f('ix_content_skeleton'), 'content', ['skeleton'], unique=False)
     op.create_table('document_upload',
@@ -110,7 +112,8 @@ def upgrade() -> None:
     sa.Column('upload', sa.BigInteger().with_variant(sa.Integer(), 'sqlite'), nullable=False),
     sa.ForeignKeyConstraint(['document'], ['document.id'], name=op.f('fk_document_upload_document')),
     sa.ForeignKeyConstraint(['upload'], ['upload.id'], name=op.f('fk_document_upload_upload')),
-    sa.PrimaryKeyConstraint('document', 'part', name=op.f('pk_document_upload'))
+    sa.PrimaryKeyConstraint('document', 'part', name=op.f('pk_document_upload')),
+    sqlite_with_rowid=False
     )
     op.create_index(op.f('ix_document_upload_upload'), 'document_upload', ['upload'], unique=False)
     op.create_table('frame_run',
@@ -123,7 +126,8 @@ def upgrade() -> None:
     sa.Column('step', sa.BigInteger(), nullable=True),
     sa.Column('texts', sa.Text(), nullable=True),
     sa.ForeignKeyConstraint(['document'], ['document.id'], name=op.f('fk_frame_run_document')),
-    sa.PrimaryKeyConstraint('document', 'first', 'from_commit', name=op.f('pk_frame_run'))
+    sa.PrimaryKeyConstraint('document', 'first', 'from_commit', name=op.f('pk_frame_run')),
+    sqlite_with_rowid=False
     )
     op.create_table('header',
     sa.Column('document', sa.BigInteger().with_variant(sa.Integer(), 'sqlite'), nullable=False),
@@ -136,7 +140,8 @@ def upgrade() -> None:
     sa.Column('attributes', sa.Text(), nullable=False),
     sa.Column('text', sa.Text(), nullable=False),
     sa.ForeignKeyConstraint(['document'], ['document.id'], name=op.f('fk_header_document')),
-    sa.PrimaryKeyConstraint('document', 'pre', 'from_commit', name=op.f('pk_header'))
+    sa.PrimaryKeyConstraint('document', 'pre', 'from_commit', name=op.f('pk_header')),
+    sqlite_with_rowid=False
     )
     op.create_table('property',
     sa.Column('document', sa.BigInteger().with_variant(sa.Integer(), 'sqlite'), nullable=False),
@@ -145,7 +150,8 @@ def upgrade() -> None:
     sa.Column('text', sa.Text(), nullable=False),
     sa.Column('unit', sa.String(length=64), nullable=False),
     sa.ForeignKeyConstraint(['document'], ['document.id'], name=op.f('fk_property_document')),
-    sa.PrimaryKeyConstraint('document', 'name', name=op.f('pk_property'))
+    sa.PrimaryKeyConstraint('document', 'name', name=op.f('pk_property')),
+    sqlite_with_rowid=False
     )
     op.create_index(op.f('ix_property_name_number'), 'property', ['name', 'number'], unique=False)
     op.create_table('revision',
@@ -157,14 +163,16 @@ def upgrade() -> None:
     sa.Column('message', sa.Text(), nullable=False),
     sa.ForeignKeyConstraint(['commit'], ['commit.number'], name=op.f('fk_revision_commit')),
     sa.ForeignKeyConstraint(['document'], ['document.id'], name=op.f('fk_revision_document')),
-    sa.PrimaryKeyConstraint('document', 'number', name=op.f('pk_revision'))
+    sa.PrimaryKeyConstraint('document', 'number', name=op.f('pk_revision')),
+    sqlite_with_rowid=False
     )
     op.create_table('shape',
     sa.Column('document', sa.BigInteger().with_variant(sa.Integer(), 'sqlite'), nullable=False),
     sa.Column('shape', sa.Integer(), nullable=False),
     sa.Column('bones', sa.LargeBinary(), nullable=False),
     sa.ForeignKeyConstraint(['document'], ['document.id'], name=op.f('fk_shape_document')),
-    sa.PrimaryKeyConstraint('document', 'shape', name=op.f('pk_shape'))
+    sa.PrimaryKeyConstraint('document', 'shape', name=op.f('pk_shape')),
+    sqlite_with_rowid=False
     )
     op.create_table('shape_run',
     sa.Column('document', sa.BigInteger().with_variant(sa.Integer(), 'sqlite'), nullable=False),
@@ -174,7 +182,8 @@ def upgrade() -> None:
     sa.Column('count', sa.BigInteger(), nullable=False),
     sa.Column('shape', sa.Integer(), nullable=False),
     sa.ForeignKeyConstraint(['document'], ['document.id'], name=op.f('fk_shape_run_document')),
-    sa.PrimaryKeyConstraint('document', 'slot', 'from_commit', name=op.f('pk_shape_run'))
+    sa.PrimaryKeyConstraint('document', 'slot', 'from_commit', name=op.f('pk_shape_run')),
+    sqlite_with_rowid=False
     )
     op.create_table('skeleton_element',
     sa.Column('skeleton', sa.BigInteger().with_variant(sa.Integer(), 'sqlite'), nullable=False),
@@ -185,7 +194,8 @@ def upgrade() -> None:
     sa.Column('attributes', sa.Text(), nullable=False),
     sa.Column('text', sa.Text(), nullable=False),
     sa.ForeignKeyConstraint(['skeleton'], ['skeleton.id'], name=op.f('fk_skeleton_element_skeleton')),
-    sa.PrimaryKeyConstraint('skeleton', 'pre', name=op.f('pk_skeleton_element'))
+    sa.PrimaryKeyConstraint('skeleton', 'pre', name=op.f('pk_skeleton_element')),
+    sqlite_with_rowid=False
     )
     op.create_table('span',
     sa.Column('id', sa.BigInteger().with_variant(sa.Integer(), 'sqlite'), nullable=False),
@@ -209,7 +219,8 @@ def upgrade() -> None:
     sa.Column('slot', sa.BigInteger(), nullable=False),
     sa.Column('count', sa.BigInteger(), nullable=False),
     sa.ForeignKeyConstraint(['document'], ['document.id'], name=op.f('fk_timeline_document')),
-    sa.PrimaryKeyConstraint('document', 'first', 'from_commit', name=op.f('pk_timeline'))
+    sa.PrimaryKeyConstraint('document', 'first', 'from_commit', name=op.f('pk_timeline')),
+    sqlite_with_rowid=False
     )
     op.create_table('track',
     sa.Column('document', sa.BigInteger().with_variant(sa.Integer(), 'sqlite'), nullable=False),

@@ -23,7 +23,7 @@ def upgrade() -> None:
             'WHERE document.id = revision.document)'
         )
     # SQLite cannot alter columns: it copies the table.
-    with op.batch_alter_table('revision') as table:
+    with op.batch_alter_table('revision', table_kwargs={'sqlite_with_rowid': False}) as table:
         table.alter_column('name', existing_type=NAME, nullable=False)
         table.alter_column('project', existing_type=KEY, nullable=False)
         table.create_foreign_key(op.f('fk_revision_project'), 'project', ['project'], ['id'])

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from schemas.labels import SuggestedLabel
+from service.actions.change_document import add_labels
 from service.actions.reshape_motion import read_whole
-from service.errors import DocumentError
+from service.errors import ConflictError, DocumentError
 from service.mcml.motion_names import MotionName
 from service.motion.hub import HubReader
 from service.motion.movement_names import suggest_movements
 from service.motion.skeleton import Convention
-from service.storage.database import Transaction
+from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 
 
@@ -38,3 +39,16 @@ def suggest_labels(tx: Transaction, stored: StoredDocument, confidence: float) -
         for one in found
         if one.confidence >= confidence
     ]
+
+
+def accept_labels(database: Database, uuid: str, confidence: float, author: str) -> int:
+    """Name frames as suggested, as one revision; answers how many labels were added. Raises as `suggest_labels`."""
+    with database.read() as tx:
+        stored = tx.documents.get(uuid)
+        found = suggest_labels(tx, stored, confidence)
+    with database.write(author) as tx:
+        tx.documents.lock(stored.key)
+        current = tx.documents.get(uuid)
+        if current.revision != stored.revision:
+            raise ConflictError(f"{stored.name} was edited meanwhile.", remedy="Repeat the request.")
+        return len(add_labels(tx, current, [(item.name, item.first, item.last) for item in found], strict=True))

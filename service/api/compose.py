@@ -9,11 +9,12 @@ import orjson
 from fastapi import APIRouter, Response
 from fastapi.responses import StreamingResponse
 
-from schemas.compose import Composed, ComposeRequest
+from schemas.compose import Composed, ComposeRequest, SplitParts, SplitRequest
 from schemas.examples import example_of
 from schemas.retarget import Retargeted, RetargetedOne, RetargetMany, RetargetRequest
 from service.actions.compose_frames import compose_frames
 from service.actions.retarget_motion import retarget_many, retarget_motion
+from service.actions.split_document import split_document
 from service.api.dependencies import AuthorDep, DatabaseDep, DocumentId, QueriesDep, SettingsDep
 
 router = APIRouter(tags=["compose"])
@@ -47,6 +48,17 @@ def post_compose(
     else:
         response.headers["location"] = f"/api/v1/documents/{made.document}"
     return made
+
+
+@router.post("/documents/{id}/split", status_code=201, operation_id="split_document")
+def post_split(
+    id: DocumentId, request: SplitRequest, database: DatabaseDep, settings: SettingsDep, author: AuthorDep
+) -> SplitParts:
+    """Store parts of a document as documents: cut before frames, or around every range of a motion name.
+
+    The document itself stays. To shorten it, `keep` frames of it: `POST /documents/{id}/frames`.
+    """
+    return split_document(database, settings, id, request, author)
 
 
 @router.post("/documents/{id}/retarget", status_code=201, operation_id="retarget", response_model_exclude_none=True)

@@ -12,9 +12,7 @@ from schemas.documents import (
     DocumentDetail,
     DocumentPage,
     FileProblem,
-    ImportedDocument,
     InspectResult,
-    Receipt,
     Revision,
     RevisionPage,
     UploadResult,
@@ -29,10 +27,10 @@ from service.actions.change_document import (
 )
 from service.actions.describe_document import detail, summary
 from service.actions.describe_problem import problem_of
-from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions, parse_label, parse_property
 from service.actions.inspect_files import inspect_files
 from service.actions.select_documents import parse_condition
+from service.actions.upload_files import upload_files
 from service.api.dependencies import (
     MOST,
     AuthorDep,
@@ -97,6 +95,15 @@ def upload_documents(
     ] = None,
     on_duplicate: Annotated[Literal["new", "skip"], Form()] = "new",
     strict_names: Annotated[bool, Form(description="Refuse labels that are no anatomical movement")] = False,
+    movements: Annotated[
+        float | None,
+        Form(
+            ge=0,
+            le=1,
+            description="Name anatomical movements found in the motion with at least this confidence",
+            examples=[0.7],
+        ),
+    ] = None,
 ) -> Response:
     """Store files as documents. Each document is stored whole or not at all; problems name the files that were not."""
     options = ImportOptions(
@@ -113,20 +120,14 @@ def upload_documents(
         skeleton=skeleton,
         on_duplicate=on_duplicate,
         strict_names=strict_names,
+        movements=movements,
     )
-    done = import_files(database, _sources(file), options, settings, author=author)
-    result = UploadResult(
-        documents=[
-            ImportedDocument(id=item.uuid, name=item.name, skipped=item.skipped, receipt=Receipt(**item.receipt))
-            for item in done.documents
-        ],
-        problems=[FileProblem(file=name, problem=problem_of(error)) for name, error in done.problems],
-    )
-    if not done.documents and done.problems:
-        problem = problem_of(done.problems[0][1])
+    result = upload_files(database, _sources(file), options, settings, author=author)
+    if not result.documents and result.problems:
+        problem = result.problems[0].problem
         body = problem.model_dump(exclude_none=True) | {"problems": result.model_dump(exclude_none=True)["problems"]}
         return JSONResponse(body, problem.status, media_type="application/problem+json")
-    headers = {"location": f"/api/v1/documents/{done.documents[0].uuid}"} if done.documents else {}
+    headers = {"location": f"/api/v1/documents/{result.documents[0].id}"} if result.documents else {}
     return JSONResponse(result.model_dump(), 201, headers)
 
 

@@ -18,17 +18,15 @@ from schemas.documents import (
     DocumentPage,
     DocumentSummary,
     FileProblem,
-    ImportedDocument,
-    Receipt,
     UploadResult,
 )
 from schemas.queries import QueryAnswer, QueryRequest
 from service.actions.check_names import file_name
 from service.actions.describe_document import detail, summary
-from service.actions.describe_problem import problem_of
 from service.actions.export_motion import ExportOptions, export_document
-from service.actions.import_motion import Progress, import_files
+from service.actions.import_motion import Progress
 from service.actions.import_options import ImportOptions
+from service.actions.upload_files import upload_files
 from service.cli.api import Api, error_of
 from service.formats.format import SourceFile
 from service.settings import Settings
@@ -79,14 +77,7 @@ class LocalLibrary(Library):
     def import_paths(self, paths: list[Path], options: ImportOptions, progress: Progress | None) -> UploadResult:
         with ExitStack() as stack:
             files = [SourceFile(name_of(path), stack.enter_context(path.open("rb"))) for path in paths]
-            done = import_files(self.database, files, options, self.settings, progress=progress)
-        return UploadResult(
-            documents=[
-                ImportedDocument(id=item.uuid, name=item.name, skipped=item.skipped, receipt=Receipt(**item.receipt))
-                for item in done.documents
-            ],
-            problems=[FileProblem(file=name, problem=problem_of(error)) for name, error in done.problems],
-        )
+            return upload_files(self.database, files, options, self.settings, progress=progress)
 
     def documents(self, wanted: DocumentFilter, limit: int) -> DocumentPage:
         with self.database.read() as tx:
@@ -142,7 +133,7 @@ class RemoteLibrary(Library):
             ],
             "property": [f"{name}={value} {unit}".strip() for name, value, unit in options.properties],
         }
-        for key in ("name", "encoding", "unit", "up", "frame_time", "skeleton"):
+        for key in ("name", "encoding", "unit", "up", "frame_time", "skeleton", "movements"):
             if getattr(options, key) is not None:
                 data[key] = getattr(options, key)
         with ExitStack() as stack:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from schemas.compose import Composed, ComposeRequest
+from schemas.compose import Composed, ComposeRequest, SplitParts, SplitRequest
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_api, print_json
 
 _RANGE = re.compile(
@@ -17,6 +17,7 @@ _RANGE = re.compile(
 
 def add_to(app: typer.Typer) -> None:
     app.command()(compose)
+    app.command()(split)
 
 
 def compose(
@@ -64,6 +65,27 @@ def compose(
         )
     for notice in made.notices:
         console.print(f"  {notice}", style="yellow")
+
+
+def split(
+    id: Annotated[str, typer.Argument(help="Document")],
+    at: Annotated[list[int] | None, typer.Argument(min=2, help="First frames of the parts after the first")] = None,
+    label: Annotated[str | None, typer.Option(help="Instead: every range of this motion name is a part")] = None,
+    project: Annotated[str | None, typer.Option(help="Project of the parts; default the document's")] = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Store parts of a document as documents of their own; it stays itself."""
+    if bool(at) == (label is not None):
+        raise typer.BadParameter("say before which frames, or around which --label")
+    body = SplitRequest(at=at or [], label=label, project=project).model_dump(exclude_none=True)
+    made = SplitParts(**open_api(database, server).send("POST", f"/documents/{id}/split", json=body).json())
+    if as_json:
+        print_json(made)
+        return
+    for part in made.items:
+        console.print(f"made  {part.name}  {part.document}", markup=False)
 
 
 def _segment(text: str) -> dict[str, Any]:

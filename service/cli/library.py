@@ -51,6 +51,10 @@ def import_(
     up: Annotated[str | None, typer.Option(help="Axis that points up")] = None,
     frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the files do not say")] = None,
     skeleton: Annotated[str | None, typer.Option(help="Stored document whose ASF an AMC alone shall use")] = None,
+    movements: Annotated[
+        float | None,
+        typer.Option(min=0, max=1, help="Name anatomical movements found in the motion with this confidence or more"),
+    ] = None,
     again: Annotated[bool, typer.Option(help="Store files again that are stored already")] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
@@ -68,6 +72,7 @@ def import_(
         frame_time=frame_time,
         skeleton=skeleton,
         on_duplicate="new" if again else "skip",
+        movements=movements,
     )
     library = open_library(database, server)
     stored, failed, answers = 0, 0, []
@@ -110,6 +115,8 @@ def _print_imported(document: ImportedDocument) -> None:
     mapped = "" if facts.naming is None else f", {len(facts.naming.mapped)} of {facts.joints} joints mapped"
     unit = facts.unit.value or "unit unknown"
     console.print(f"stored   {document.name}  {document.id}\n         {facts.frames:,} frames, {rate}, {unit}{mapped}")
+    if document.movements is not None:
+        console.print(f"         {document.movements} movements named")
     for notice in facts.notices:
         if notice.kind in ("repair", "warning"):
             console.print(f"         {notice.kind}: {notice.what}", style="yellow")

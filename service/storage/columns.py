@@ -192,9 +192,7 @@ class Columns:
             rows.setdefault(row.skeleton, []).append(row)
         return {key: to_elements(found) for key, found in rows.items()}
 
-    def tracks(
-        self, keys: Sequence[int], chunks: tuple[int, int], bones: Sequence[int] | None = None
-    ) -> Iterator[Any]:
+    def tracks(self, keys: Sequence[int], chunks: tuple[int, int], bones: Sequence[int] | None = None) -> Iterator[Any]:
         """Rows (document, chunk, bone, from_commit, channels) of the tracks of some bones or all, of chunks first to
         last."""
         query = _TRACKS if bones is None else _TRACKS.where(_OF_BONES)
@@ -218,4 +216,3 @@ class Columns:
             given["keys"] = list(keys[start : start + KEYS_AT_A_TIME])
             for part in self._tx.connection.execute(query, given).partitions(ROWS_AT_A_TIME):
                 yield from part
-

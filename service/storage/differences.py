@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import and_, select
+from sqlalchemy import Column, Table, select
 
-from service.storage.tables import CHUNK, shape_run, track
+from service.storage.tables import CHUNK, CLOSED_TRACK, shape_run, track
 from service.storage.tracks import Piece
 
 if TYPE_CHECKING:
@@ -50,19 +51,20 @@ def missing(runs: list[tuple[int, int]], frames: int) -> list[tuple[int, int]]:
 
 def changed_chunks(before: Transaction, after: Transaction, document_key: int) -> set[int]:
     """Chunks of which some row, a track's or a shape's, is not the same in two states of the document."""
-    chunks: set[int] = set()
-    for table, start, count in ((track, track.c.chunk, None), (shape_run, shape_run.c.slot, shape_run.c.count)):
-        one = before.valid(table)
-        other = after.valid(table)
-        differs = (one & ~other) | (~one & other)
-        columns = [start] if count is None else [start, count]
-        for row in after.connection.execute(
-            select(*columns).where(and_(table.c.document == document_key, differs)).distinct()
-        ):
-            if count is None:
-                chunks.add(int(row[0]))
-            else:
-                chunks |= set(range(row[0] // CHUNK, (row[0] + row[1] - 1) // CHUNK + 1))
+    first, last = sorted((before.at, after.at))
+
+    def differing(table: Table, *columns: Column[int]) -> Iterator[Any]:
+        """Rows that came between the two and stayed, and rows that were there and went."""
+        of_document = select(*columns).where(table.c.document == document_key)
+        came = (table.c.from_commit > first, table.c.from_commit <= last, table.c.to_commit > last)
+        went = (table.c.to_commit > first, table.c.to_commit <= last, table.c.from_commit <= first)
+        closed = (CLOSED_TRACK,) if table is track else ()
+        yield from after.connection.execute(of_document.where(*came).distinct())
+        yield from after.connection.execute(of_document.where(*closed, *went).distinct())
+
+    chunks = {row[0] for row in differing(track, track.c.chunk)}
+    for slot, count in differing(shape_run, shape_run.c.slot, shape_run.c.count):
+        chunks |= set(range(slot // CHUNK, (slot + count - 1) // CHUNK + 1))
     return chunks
 
 

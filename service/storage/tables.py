@@ -26,6 +26,7 @@ from sqlalchemy import (
     Table,
     Text,
     UniqueConstraint,
+    literal_column,
 )
 
 from service.motion.skeleton import CHANNELS
@@ -107,6 +108,7 @@ revision = Table(
     Column("message", Text, nullable=False),
     Column("name", NAME, nullable=False),
     Column("project", ForeignKey("project.id"), nullable=False),
+    sqlite_with_rowid=False,
 )
 """`name`, `project`: what the revision left in the row of the document, which has the present ones."""
 
@@ -130,6 +132,7 @@ skeleton_element = Table(
     Column("tag", String(32), nullable=False),
     Column("attributes", Text, nullable=False),
     Column("text", Text, nullable=False),
+    sqlite_with_rowid=False,
 )
 
 content = Table(
@@ -144,6 +147,7 @@ content = Table(
     Column("frame_time", String(64)),
     Column("intact", Boolean, nullable=False),
     Index(None, "skeleton"),
+    sqlite_with_rowid=False,
 )
 """What is one value a revision. `intact`: all that the source format holds is as it was uploaded, so an export in that
 format may answer the kept bytes."""
@@ -160,6 +164,7 @@ header = Table(
     Column("tag", String(32), nullable=False),
     Column("attributes", Text, nullable=False),
     Column("text", Text, nullable=False),
+    sqlite_with_rowid=False,
 )
 
 property_ = Table(
@@ -171,6 +176,7 @@ property_ = Table(
     Column("text", Text, nullable=False),
     Column("unit", String(64), nullable=False),
     Index(None, "name", "number"),
+    sqlite_with_rowid=False,
 )
 """The property elements of current headers again, for search."""
 
@@ -183,6 +189,7 @@ bone = Table(
     Column("to_commit", BigInteger, nullable=False),
     Column("name", NAME, nullable=False),
     Index(None, "name", "document"),
+    sqlite_with_rowid=False,
 )
 
 timeline = Table(
@@ -194,6 +201,7 @@ timeline = Table(
     Column("to_commit", BigInteger, nullable=False),
     Column("slot", BigInteger, nullable=False),
     Column("count", BigInteger, nullable=False),
+    sqlite_with_rowid=False,
 )
 
 frame_run = Table(
@@ -207,6 +215,7 @@ frame_run = Table(
     Column("first_id", BigInteger),
     Column("step", BigInteger),
     Column("texts", Text),
+    sqlite_with_rowid=False,
 )
 
 shape = Table(
@@ -215,6 +224,7 @@ shape = Table(
     Column("document", ForeignKey("document.id"), primary_key=True),
     Column("shape", Integer, primary_key=True),
     Column("bones", LargeBinary, nullable=False),
+    sqlite_with_rowid=False,
 )
 """`bones`: pairs of little-endian 16-bit numbers (bone, channel bits), in the order of the frame_bones."""
 
@@ -227,6 +237,7 @@ shape_run = Table(
     Column("to_commit", BigInteger, nullable=False),
     Column("count", BigInteger, nullable=False),
     Column("shape", Integer, nullable=False),
+    sqlite_with_rowid=False,
 )
 
 span = Table(
@@ -261,6 +272,11 @@ track = Table(
 )
 """`channels`, `has_missing`: bit i stands for `CHANNELS[i]`. The zone map (min, max) covers the samples present."""
 
+CLOSED_TRACK = track.c.to_commit < literal_column(str(CURRENT))
+"""What a query must say, word for word, to find tracks of the past by `to_commit` without reading all: the index holds
+those alone, so an import writes nothing into it."""
+Index("ix_track_closed", track.c.document, track.c.to_commit, sqlite_where=CLOSED_TRACK, postgresql_where=CLOSED_TRACK)
+
 upload = Table(
     "upload",
     metadata,
@@ -286,6 +302,7 @@ document_upload = Table(
     Column("part", String(16), primary_key=True),
     Column("file_name", NAME, nullable=False),
     Column("upload", ForeignKey("upload.id"), nullable=False, index=True),
+    sqlite_with_rowid=False,
 )
 
 joint_mapping = Table(

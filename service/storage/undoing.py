@@ -12,10 +12,10 @@ from sqlalchemy import and_, insert, literal, select, update
 
 from service.errors import ConflictError
 from service.storage.restoring import REVISIONED
-from service.storage.tables import CURRENT, content, frame_run, header, span, timeline
+from service.storage.tables import CLOSED_TRACK, CURRENT, content, frame_run, header, span, timeline, track
 
 if TYPE_CHECKING:
-    from sqlalchemy import Table
+    from sqlalchemy import ColumnElement, Table
 
     from service.storage.database import Transaction
     from service.storage.documents import StoredDocument
@@ -61,7 +61,12 @@ def _written(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> 
 
 
 def _closed(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> list[Row]:
-    return _rows(tx, table, stored, table.c.to_commit == at, table.c.from_commit < at)
+    return _rows(tx, table, stored, *_closed_at(table, at))
+
+
+def _closed_at(table: Table, at: int) -> list[ColumnElement[bool]]:
+    found = [table.c.to_commit == at, table.c.from_commit < at]
+    return [CLOSED_TRACK, *found] if table is track else found
 
 
 def _changed_since(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> bool:
@@ -79,16 +84,14 @@ def _take_back(tx: Transaction, table: Table, stored: StoredDocument, at: int) -
         raise _touched(f"{what} it set were changed")
     keys = [column.name for column in table.primary_key if column.name not in ("document", "from_commit", "id")]
     if keys:
-        current = {_key(row, keys): row for row in _rows(tx, table, stored, table.c.to_commit == CURRENT)}
-        for row in closed:
-            now = current.get(_key(row, keys))
-            if now is not None and now["from_commit"] > at:
-                raise _touched(f"{what} it took away were set")
+        later = _rows(tx, table, stored, table.c.from_commit > at, table.c.to_commit == CURRENT)
+        if {_key(row, keys) for row in closed} & {_key(row, keys) for row in later}:
+            raise _touched(f"{what} it took away were set")
     of_document = table.c.document == stored.key
     names = [column.name for column in table.columns if column.name not in ("from_commit", "to_commit", "id")]
     copies = select(
         *(table.c[name] for name in names), literal(tx.commit).label("from_commit"), literal(-1).label("to_commit")
-    ).where(of_document, table.c.to_commit == at, table.c.from_commit < at)
+    ).where(of_document, *_closed_at(table, at))
     tx.connection.execute(insert(table).from_select([*names, "from_commit", "to_commit"], copies))
     mine = and_(of_document, table.c.from_commit == at, table.c.to_commit == CURRENT)
     tx.connection.execute(update(table).where(mine).values(to_commit=tx.commit))
@@ -142,5 +145,5 @@ def _merge_content(tx: Transaction, stored: StoredDocument, at: int) -> None:
         frames=merged["frames"],
         frame_time=merged["frame_time"],
         # With nothing in between, all is as it was before.
-        intact=bool(before["intact"]) and now["from_commit"] == at,
+        intact=bool(before["intact"]) and tx.documents.commit_of(stored.key, stored.revision) == at,
     )

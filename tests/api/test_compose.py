@@ -229,3 +229,23 @@ def test_a_saved_mapping(client: TestClient, walk: str) -> None:
     assert client.delete(url, params=project, headers={"if-match": '"1"'}).status_code == 412
     assert client.delete(url, params=project, headers={"if-match": '"2"'}).status_code == 204
     assert client.get(url, params=project).status_code == 404
+
+
+def test_a_document_in_parts(client: TestClient, walk: str) -> None:
+    def split(**request: Any) -> list[dict[str, Any]]:
+        answer = client.post(f"{API}/documents/{walk}/split", json=request)
+        assert answer.status_code == 201, answer.text
+        items: list[dict[str, Any]] = answer.json()["items"]
+        return items
+
+    parts = split(at=[151, 61], project="parts")
+    assert [(item["first"], item["last"]) for item in parts] == [(1, 60), (61, 150), (151, 300)]
+    assert np.array_equal(np.concatenate([values(client, item["document"]) for item in parts]), values(client, walk))
+    named = {"q": "count(//frame[motion_name='walk'])", "project": "parts"}
+    assert client.get(f"{API}/xpath", params=named).json()["value"] == 141
+    (part,) = split(label="walk")
+    assert (part["first"], part["last"], part["name"]) == (60, 200, "walk 60-200")
+    for wrong in ({"at": [301]}, {"label": "run"}):
+        assert client.post(f"{API}/documents/{walk}/split", json=wrong).status_code == 404
+    for wrong in ({}, {"at": [1]}, {"at": [5], "label": "walk"}):
+        assert client.post(f"{API}/documents/{walk}/split", json=wrong).status_code == 422

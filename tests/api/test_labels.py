@@ -130,3 +130,19 @@ def test_names_are_suggested_from_the_motion(client: TestClient, database: Datab
     refused = client.get(f"{API}/documents/{markers}/labels/suggested")
     assert refused.status_code == 422
     assert "Markers" in refused.json()["detail"]
+
+
+def test_movements_are_named_on_import(client: TestClient) -> None:
+    clip = body.clip("walk", 170.0, *body.walk(170.0, 4.0, 1.0, 6.0))
+    files = [
+        ("file", ("walk.bvh", b"".join(FORMATS["bvh"].write(clip, "bvh")))),
+        ("file", ("points.c3d", c3d_file())),
+    ]
+    walk, points = client.post(f"{API}/documents", files=files, data={"movements": "0.5"}).json()["documents"]
+    found = client.get(f"{API}/documents/{walk['id']}/labels/suggested", params={"confidence": 0.5}).json()["items"]
+    assert walk["movements"] == len(found) > 0
+    assert sorted(labels(client, walk["id"])) == sorted((item["name"], item["first"], item["last"]) for item in found)
+    history = client.get(f"{API}/documents/{walk['id']}/revisions").json()["items"]
+    assert [item["operation"] for item in history] == ["label", "import"]
+    assert points["movements"] is None
+    assert "Markers" in points["receipt"]["notices"][-1]["what"]

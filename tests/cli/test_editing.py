@@ -109,5 +109,7 @@ def test_bodies(run: Run, tmp_path: Path) -> None:
     composed = run("compose", f"{small}:1-20", f"{large}:5-30", "--name", "both")
     assert "made  both" in composed
     assert "labels" not in run("labels", "suggest", small, "--accept")
+    assert "movements named" in run("import", "walk_160.bvh", "--again", "--movements", "0.5")
+    assert run("split", small, "11", "31").count("made  walk_160 ") == 3
     run("labels", "export", "labels.csv")
     assert "0 changed" in run("labels", "import", "labels.csv")

@@ -39,7 +39,7 @@ class SQLite(Dialect):
             # The driver's own transaction handling would begin deferred transactions, which cannot be upgraded safely.
             connection.isolation_level = None
             for pragma in (
-                "page_size=16384",
+                "page_size=8192",
                 "journal_mode=WAL",
                 "synchronous=FULL",
                 "foreign_keys=ON",
