@@ -25,7 +25,7 @@ from service.api.dependencies import (
     encode_cursor,
     etag,
 )
-from service.api.streaming import attachment, streamed, unchanged
+from service.api.streaming import Bytes, attachment, streamed, unchanged
 from service.errors import NotFoundError
 from service.motion.kinematics import Walker
 from service.motion.skeleton import CHANNELS
@@ -112,15 +112,12 @@ def _array(
     space: str,
     dtype: str,
 ) -> Response:
-    with database.read() as tx:
-        _, stored = at_revision(tx, uuid, revision)
+    def make(tx: Transaction) -> tuple[Iterator[Bytes], str, dict[str, str]] | Response:
+        then, stored = at_revision(tx, uuid, revision)
         tag = etag(stored, f"npy-{first}-{last}-{step}-{space}-{dtype}-{zlib.crc32(repr(bone).encode())}")
         cached = unchanged(request, tag)
         if cached is not None:
             return cached
-
-    def make(tx: Transaction) -> tuple[Iterator[bytes], str, dict[str, str]]:
-        then, stored = at_revision(tx, uuid, revision)
         source = read_clip(then, stored, first=first, last=last, step=step)
         wanted = _bones(source.names, bone)
         skeleton = source.clip.head.skeleton
@@ -135,7 +132,7 @@ def _array(
 
         walker = Walker(skeleton, reading_of(source.clip.head))
 
-        def content() -> Iterator[bytes]:
+        def content() -> Iterator[Bytes]:
             header = io.BytesIO()
             np.lib.format.write_array_header_1_0(header, {"descr": f"<{dtype}", "fortran_order": False, "shape": shape})
             yield header.getvalue()
@@ -147,7 +144,7 @@ def _array(
                 else:
                     positions, rotations = walker.poses(block)
                     values = (positions if space == "positions" else rotations)[:, order]
-                yield np.ascontiguousarray(values, dtype=f"<{dtype}").tobytes()
+                yield np.ascontiguousarray(values, dtype=f"<{dtype}").reshape(-1).view(np.uint8).data
 
         headers = {
             "etag": tag,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from itertools import chain
+from typing import TypeAlias
 from urllib.parse import quote
 
 from fastapi import Request, Response
@@ -17,18 +18,26 @@ SHORT = 1 << 16
 """Bytes of an answer that is sent whole."""
 
 
+Bytes: TypeAlias = bytes | memoryview
+
+
 def streamed(
-    database: Database,
-    make: Callable[[Transaction], tuple[Iterator[bytes], str, dict[str, str]]],
+    database: Database, make: Callable[[Transaction], tuple[Iterator[Bytes], str, dict[str, str]] | Response]
 ) -> Response:
-    """Stream what `make` returns: (content, media type, headers). The read transaction lives as long as the stream."""
+    """Stream what `make` returns: (content, media type, headers); or a response that says all.
+
+    The read transaction lives as long as the stream.
+    """
     with ExitStack() as stack:
         tx = stack.enter_context(database.read())
-        content, media_type, headers = make(tx)
+        made = make(tx)
+        if isinstance(made, Response):
+            return made
+        content, media_type, headers = made
         first = next(content, b"")
         held = stack.pop_all()
 
-    def blocks() -> Iterator[bytes]:
+    def blocks() -> Iterator[Bytes]:
         with held:
             yield from chain((first,), content)
 

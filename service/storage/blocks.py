@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import chain
 from typing import TypeAlias
 
 import numpy as np
@@ -36,8 +37,9 @@ def gathered(
     columns: those that there are in any case, in this order; others that occur follow.
     """
     layouts = [_columns(tuple((bone, bits) for bone, bits, _ in stretch.tracks)) for stretch in stretches]
-    # Nearly always all stretches have the same columns, so that there is little to unite.
-    whole = tuple(dict.fromkeys((*columns, *(column for layout in dict.fromkeys(layouts) for column in layout))))
+    different = [layout for layout in dict.fromkeys((tuple(columns), *layouts)) if layout]
+    # Nearly always all are alike.
+    whole = different[0] if len(different) == 1 else tuple(dict.fromkeys(chain.from_iterable(different)))
     complete = all(len(layout) == len(whole) for layout in layouts)
     values = np.empty((frames, len(whole))) if complete else np.full((frames, len(whole)), np.nan)
     for stretch, layout in zip(stretches, layouts, strict=True):

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from service.errors import LimitError
 from service.mcml.vocabulary import FRAME_BONE, MOTION, MOTION_NAME
@@ -34,7 +35,7 @@ from service.xpath.numbering import (
     slots_of,
 )
 from service.xpath.tracks import Row
-from service.xpath.zones import MANY_FRAMES
+from service.xpath.zones import MANY_FRAMES, rows_of
 
 BLOCK_FRAMES = 1024
 """Frames written together."""
@@ -100,42 +101,60 @@ def read_frames(forest: Forest, nodes: Ints) -> Iterator[tuple[int, Ints, FrameB
     ids, others = forest.ids.numbers(nodes)
     labels = forest.labels.of_frames(nodes)
     documents, edges = np.unique(documents_of(nodes), return_index=True)
-    chunks = [np.unique(part) for part in np.split(slots // CHUNK, edges[1:])]
-    rows = [_rows(forest, document, wanted) for document, wanted in zip(documents.tolist(), chunks, strict=True)]
-    samples = iter(forest.shared.tracks.read(forest.tx, [row for some in rows for row in some]))
-    for document, start, stop, own in zip(
-        documents.tolist(), edges.tolist(), [*edges[1:].tolist(), len(nodes)], rows, strict=True
-    ):
-        tracks: dict[int, list[tuple[int, int, Array]]] = {}
-        for _, chunk, bone, _, bits in own:
-            tracks.setdefault(chunk, []).append((bone, bits, next(samples)))
-        values, columns = gathered(list(_stretches(slots[start:stop], tracks)), stop - start)
-        numbers, shape_of = np.unique(shapes[start:stop], return_inverse=True)
+    tracks = _tracks(forest, documents_of(nodes), slots // CHUNK)
+    for document, start, stop in zip(documents.tolist(), *_ends(edges, len(nodes)), strict=True):
+        values, columns = gathered(list(_stretches(slots[start:stop], tracks[document])), stop - start)
+        numbers, shape_of = _distinct(shapes[start:stop])
         own_ids = ids[start:stop]
-        texts = (
-            [others.get(start + index, str(number)) for index, number in enumerate(own_ids.tolist())]
-            if others
-            else None
-        )
+        texts = None
+        if others:
+            texts = [others.get(start + index, str(number)) for index, number in enumerate(own_ids.tolist())]
         block = FrameBlock(
             values,
             columns,
-            tuple(forest.shapes.of_shape(number) for number in numbers.tolist()),
+            tuple(forest.shapes.of_shape(number) for number in numbers),
             own_ids if texts is None else texts,
-            None if len(numbers) == 1 else shape_of.reshape(-1).astype(np.intp),
+            shape_of,
             None if labels is None else labels[start:stop],
         )
         yield document, nodes[start:stop], block
 
 
-def _rows(forest: Forest, document: int, chunks: Ints) -> list[Row]:
-    """All tracks of a document in some chunks, by chunk, then bone."""
-    stored = forest.documents[document]
-    if stored.frames > MANY_FRAMES:
-        found = forest.tx.columns.tracks([stored.key], (int(chunks[0]), int(chunks[-1])))
-        asked = set(chunks.tolist())
-        return sorted(tuple(row) for row in found if row[1] in asked)
-    return forest.shared.zones.read(forest.tx, [stored])[0].rows(chunks)
+def _ends(edges: Ints, count: int) -> tuple[list[int], list[int]]:
+    """Where each part begins and ends, of so many."""
+    starts = edges.tolist()
+    return starts, [*starts[1:], count]
+
+
+def _distinct(shapes: Ints) -> tuple[list[int], NDArray[np.intp] | None]:
+    """The different ones, and which of them each is; None where all are one."""
+    if (shapes == shapes[0]).all():
+        return [int(shapes[0])], None
+    numbers, shape_of = np.unique(shapes, return_inverse=True)
+    return numbers.tolist(), shape_of.reshape(-1).astype(np.intp)
+
+
+def _tracks(forest: Forest, documents: Ints, chunks: Ints) -> dict[int, dict[int, list[tuple[int, int, Array]]]]:
+    """All tracks of documents in the chunks that frames lie in: by document and chunk (bone, channels, samples)."""
+    wanted = np.unique((documents << 32) | chunks)
+    rows = _rows(forest, wanted)
+    samples = forest.shared.tracks.read(forest.tx, rows)
+    place = {key: number for number, key in enumerate(forest.keys)}
+    result: dict[int, dict[int, list[tuple[int, int, Array]]]] = {each: {} for each in np.unique(documents).tolist()}
+    for (key, chunk, bone, _, bits), track in zip(rows, samples, strict=True):
+        result[place[key]].setdefault(chunk, []).append((bone, bits, track))
+    return result
+
+
+def _rows(forest: Forest, wanted: Ints) -> list[Row]:
+    """What all tracks over some frames (place << 32 | chunk) are read by, those of a chunk by bone."""
+    if forest.frames.max() <= MANY_FRAMES:
+        return rows_of(forest.tracks.over(wanted).about)
+    place = {forest.keys[number]: number for number in np.unique(wanted >> 32).tolist()}
+    chunks = wanted & 0xFFFFFFFF
+    found = forest.tx.columns.tracks(list(place), (int(chunks.min()), int(chunks.max())))
+    asked = set(wanted.tolist())
+    return sorted(tuple(row) for row in found if place[row[0]] << 32 | row[1] in asked)
 
 
 def _stretches(slots: Ints, tracks: Mapping[int, Sequence[tuple[int, int, Array]]]) -> Iterator[Stretch]:

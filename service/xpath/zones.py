@@ -38,13 +38,6 @@ class Zones:
         """About how much memory it takes."""
         return self.about.nbytes + self.least.nbytes + self.greatest.nbytes
 
-    def rows(self, chunks: Ints) -> list[Row]:
-        """What all tracks in some chunks are read by, by chunk, then bone."""
-        number = self.about[CHUNK_NUMBER]
-        which = np.flatnonzero(number == chunks[0] if len(chunks) == 1 else np.isin(number, chunks))
-        which = which[np.argsort(number[which], kind="stable")]
-        return rows_of(self.about[:, which])
-
 
 def rows_of(about: Ints) -> list[Row]:
     """What tracks are read by."""
@@ -89,6 +82,12 @@ class Table:
     def of_bones(self, numbers: Sequence[int]) -> Table:
         """The tracks of one bone of each document, by its number."""
         return self[np.flatnonzero(self.about[BONE] == np.array(numbers, np.int64)[self.places])]
+
+    def over(self, stretches: Ints) -> Table:
+        """The tracks over some stretches of frames (place << 32 | chunk), those of a stretch by bone."""
+        keys = self._frames()
+        which = np.flatnonzero(np.isin(keys, stretches))
+        return self[which[np.argsort(keys[which], kind="stable")]]
 
     def facing(self, other: Table) -> Table:
         """For each track of another table the one of the same frames, where there is none one without channels.

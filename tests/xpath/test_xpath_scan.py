@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from random import Random
 
 import pytest
 
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest
+from service.actions.change_document import add_labels, delete_document, restore_document
+from service.actions.change_frames import move_frames
 from service.actions.edit_element import Change, change_element, delete_element
 from service.actions.import_options import Label
 from service.settings import Settings
-from service.storage.database import Database
-from service.xpath import run
+from service.storage.database import Database, Transaction
+from service.storage.documents import DocumentFilter, StoredDocument
+from service.xpath import run, scan
 from service.xpath.parse import parse
 from service.xpath.rules import normal
 from service.xpath.run import Queries
@@ -57,11 +61,13 @@ class Maker:
         chance, pick = self.random.random, self.random.choice
         text = "//frame" + (f"[{self.condition('frame')}]" if chance() < 0.6 else "")
         text += "[motion_name='walk']" if chance() < 0.2 else ""
+        target = ""
         if chance() < 0.7:
             text += "/frame_bone" + (f"[@name='{pick(self.bones)}']" if chance() < 0.7 else "")
             text += f"[{self.condition('bone')}]" if chance() < 0.7 else ""
-            text += pick(["", "/@Rx", "/@name", f"/@Rz[{self.condition('@')}]"])
-        return pick(["{}", "{}", "count({})", "boolean({})"]).format(text)
+            target = pick(["", "/@Rx", "/@name", f"/@Rz[{self.condition('@')}]"])
+        extremes = ["min({})", "max({})"] if target.startswith("/@R") else []
+        return pick(["{}", "{}", "count({})", "boolean({})", *extremes]).format(text + target)
 
 
 @pytest.fixture
@@ -114,6 +120,51 @@ def test_zone_maps_rule_tracks_out(engine: Queries) -> None:
     assert explained.way == "index"
     assert explained.tracks_read == 0
     assert explained.tracks_skipped
+
+
+def test_moved_frames_stay_in_order(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
+    with engine.database.write() as tx:
+        stored = next(one for one in tx.documents.page(DocumentFilter(), after=None, limit=9) if one.frames > 600)
+        move_frames(tx, stored, 600, 650, 3, renumber=True)
+        move_frames(tx, tx.documents.get(stored.uuid), 20, 300, 500, renumber=True)
+        tx.documents.add_revision(stored, "frames")
+    monkeypatch.setattr(scan, "FIRST_UNITS", 1)
+    monkeypatch.setattr(scan, "UNITS", 2)
+    for text in ("//frame_bone[@Rx > -1000]", "//frame[frame_bone[@name='Root']/@Rx > -1000]/@id"):
+        assert plan_scan(normal(parse(text).tree)) is not None
+        request = QueryRequest(q=text, limit=1000)
+        first = shown(engine.answer(request))
+        with monkeypatch.context() as patched:
+            patched.setattr(run, "plan_scan", lambda tree: None)
+            assert shown(engine.answer(request)) == first
+
+
+def test_what_is_kept_is_of_the_revision_that_is_read(engine: Queries) -> None:
+    questions = [
+        "//frame[motion_name='jump']/@id", "//frame[last()]", "count(//frame_bone)", "max(//frame_bone/@Rx)",
+        "//header/filename", "//bone/name", "//frame_bone[@Rx > 400]", "//frame[3]/frame_bone[1]",
+    ]  # fmt: skip
+
+    def ask(asked: Queries) -> list[object]:
+        return [shown(asked.answer(QueryRequest(q=text, limit=1000))) for text in questions]
+
+    changes: list[Callable[[Transaction, StoredDocument], object]] = [
+        lambda tx, stored: add_labels(tx, stored, [("jump", 3, 9)]),
+        lambda tx, stored: change_element(tx, stored, "/mcml/motion/frame[3]/frame_bone[1]", Change({"Rx": "500"})),
+        lambda tx, stored: delete_element(tx, stored, "/mcml/motion/frame[1]"),
+        lambda tx, stored: change_element(tx, stored, "/mcml/skeleton/bone/name", Change({}, "other")),
+        delete_document,
+        restore_document,
+    ]
+    seen = [ask(engine)]
+    with engine.database.read() as tx:
+        uuid = tx.documents.page(DocumentFilter(), after=None, limit=1)[0].uuid
+    for change in changes:
+        with engine.database.write() as tx:
+            change(tx, tx.documents.get(uuid, deleted=True))
+        seen.append(ask(engine))
+        assert seen[-1] == ask(Queries(engine.database, Settings()))
+        assert seen[-1] != seen[-2]
 
 
 SPELLINGS = [
