@@ -20,8 +20,10 @@ import numpy as np
 from service.actions.export_motion import ExportOptions, export_document
 from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions, Label
+from service.actions.shared_skeleton import kept_skeleton
 from service.demo import body
 from service.formats import FORMATS
+from service.formats.bvh_hierarchy import shared_hierarchy
 from service.formats.format import SourceFile
 from service.formats.number_text import detect_style, rows_of_text
 from service.formats.numbers import parse_numbers
@@ -90,8 +92,15 @@ def write_plain(tx: Transaction, stored: StoredDocument, path: Path) -> None:
             target.write(re.sub(rb"<!DOCTYPE[^>]*>\n", b"", block) if number < 4 else block)
 
 
+def forget_skeletons() -> None:
+    """As in a new process: what was kept of skeletons that were seen before would make a second load faster."""
+    shared_hierarchy.cache_clear()
+    kept_skeleton.cache_clear()
+
+
 def load_together(database: Database, files: list[tuple[str, bytes]]) -> float:
     """Seconds to import the files in one call, as `mcml import folder` and an upload of several files do."""
+    forget_skeletons()
     start = time.perf_counter()
     sources = [SourceFile(name, io.BytesIO(content)) for name, content in files]
     done = import_files(database, sources, ImportOptions(), Settings())
@@ -108,6 +117,7 @@ def load(database: Database, files: list[tuple[str, bytes]], *, labelled: bool) 
     for _, content in files:
         frames = int(content.partition(b"Frames:")[2].split()[0]) if labelled else 0
         options.append(ImportOptions(labels=labels(rng, frames) if labelled else ()))
+    forget_skeletons()
     start = time.perf_counter()
     for (name, content), option in zip(files, options, strict=True):
         done = import_files(database, [SourceFile(name, io.BytesIO(content))], option, settings)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import Executor, Future
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -14,7 +13,7 @@ from service.storage.database import Database
 if TYPE_CHECKING:
     from service.actions.import_motion import Importer
 
-BATCH_BYTES, BATCH_CLIPS = 8 << 20, 16
+BATCH_BYTES, BATCH_CLIPS = 16 << 20, 32
 """Of files whose clips are stored in one transaction."""
 
 
@@ -35,29 +34,20 @@ class ImportResult:
 
 
 class Batch:
-    """Clips that were read and wait to be stored together: a commit takes as long as it takes to read a short clip.
+    """Clips that were read and wait to be stored together: a commit takes as long as it takes to read a short clip."""
 
-    While the numbers of one are compressed, the next is read; so are those that follow while a full batch is stored.
-    writer: a single thread, so that batches are stored one after the other.
-    """
-
-    def __init__(self, database: Database, author: str, result: ImportResult, writer: Executor) -> None:
+    def __init__(self, database: Database, author: str, result: ImportResult) -> None:
         self._database = database
         self._author = author
         self._result = result
-        self._writer = writer
         self._waiting: list[Importer] = []
-        self._leaving: list[Importer] = []
-        self._left: Future[None] | None = None
 
     def take(self, importer: Importer) -> None:
         """Read a clip; store those that wait once they are enough, or where this one must see them stored."""
         with self._blaming(importer):
             importer.begin()
-            if importer.skips_twins:
-                before = [*self._leaving, *self._waiting]
-                if any(importer.digests == other.digests for other in before):
-                    self.store()
+            if importer.skips_twins and any(importer.digests == other.digests for other in self._waiting):
+                self.store()
             skipped = importer.read()
             if skipped is not None:
                 self.store()
@@ -65,29 +55,16 @@ class Batch:
                 return
             self._waiting.append(importer)
         if len(self._waiting) >= BATCH_CLIPS or sum(other.size for other in self._waiting) >= BATCH_BYTES:
-            # The last one is still being compressed: meanwhile the others are stored.
-            count = max(1, len(self._waiting) - 1)
-            self._wait()
-            self._leaving, self._waiting = self._waiting[:count], self._waiting[count:]
-            self._left = self._writer.submit(self._store, self._leaving)
+            self.store()
 
     def store(self) -> None:
-        """Store all that wait."""
-        self._wait()
+        """Store all that wait: in one transaction, or each in its own where that fails or one has begun."""
         waiting, self._waiting = self._waiting, []
-        self._store(waiting)
-
-    def _wait(self) -> None:
-        """Let the batch be stored that was left to the writer."""
-        left, self._left, self._leaving = self._left, None, []
-        if left is not None:
-            left.result()
-
-    def _store(self, importers: list[Importer]) -> None:
-        """Store in one transaction, or each in its own where that fails or one has begun."""
+        for importer in waiting:
+            importer.compress()
         ready = []
-        for importer in importers:
-            with self._noting(importer):
+        for importer in waiting:
+            with self._blaming(importer):
                 importer.finish()
                 ready.append(importer)
         if len(ready) > 1 and all(importer.key is None for importer in ready):
@@ -97,7 +74,7 @@ class Batch:
                 self._result.documents += done
                 return
         for importer in ready:
-            with self._noting(importer):
+            with self._blaming(importer):
                 self._result.documents.append(importer.store_alone())
 
     @contextmanager
@@ -107,15 +84,5 @@ class Batch:
             yield
         except McmlError as error:
             self.store()
-            self._note(importer, error)
-
-    @contextmanager
-    def _noting(self, importer: Importer) -> Iterator[None]:
-        try:
-            yield
-        except McmlError as error:
-            self._note(importer, error)
-
-    def _note(self, importer: Importer, error: McmlError) -> None:
-        name = importer.clip.name
-        self._result.problems.append((name, error.in_file(name)))
+            name = importer.clip.name
+            self._result.problems.append((name, error.in_file(name)))

@@ -55,13 +55,9 @@ def import_files(
     )
     lookup = _skeleton_lookup(database, options.skeleton) if options.skeleton else None
     result = ImportResult()
-    with (
-        gathered(files, settings, lookup) as found,
-        ThreadPoolExecutor(WORKERS) as executor,
-        ThreadPoolExecutor(1) as writer,
-    ):
+    with gathered(files, settings, lookup) as found, ThreadPoolExecutor(WORKERS) as executor:
         result.problems += found.problems
-        batch = Batch(database, author, result, writer)
+        batch = Batch(database, author, result)
         try:
             for clip in found.clips:
                 chosen = options if len(found.clips) == 1 else replace(options, name=None)
@@ -163,6 +159,10 @@ class Importer:
             facts = opened.receipt(head, encoder.frames)
             self._found = _Read(opened.document, rows, head, encoder, facts)
         return None
+
+    def compress(self) -> None:
+        """Let the numbers be compressed that wait for it."""
+        self._found.encoder.compress()
 
     def finish(self) -> None:
         """Wait for what is still being compressed; a large clip begins to be stored."""

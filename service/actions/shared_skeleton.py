@@ -38,7 +38,7 @@ MOST_JOINTS = 300
 
 def shared_skeleton(source: Skeleton) -> SharedSkeleton:
     """Name the joints of a source and write them as elements. DocumentError where these would not be valid."""
-    return _kept(source) if len(source) <= MOST_JOINTS else _made(source)
+    return kept_skeleton(source) if len(source) <= MOST_JOINTS else _made(source)
 
 
 def _made(source: Skeleton) -> SharedSkeleton:
@@ -49,4 +49,4 @@ def _made(source: Skeleton) -> SharedSkeleton:
     return SharedSkeleton(skeleton, report, elements, skeleton_rows(elements), shape, skeleton_facts(skeleton))
 
 
-_kept = lru_cache(maxsize=64)(_made)
+kept_skeleton = lru_cache(maxsize=64)(_made)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import BinaryIO, Protocol
@@ -9,6 +10,8 @@ from typing import BinaryIO, Protocol
 from service.errors import ConversionError, FormatError, LimitError, Notice, Place
 from service.motion.clip import ClipStream
 from service.motion.skeleton import Convention, Skeleton
+
+_CONTROL = re.compile("[\x00-\x1f\x7f]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,10 +47,10 @@ class Limits:
         """Raises LimitError for a name that is too long, FormatError for one with control characters."""
         if len(name.encode(errors="replace")) > self.name:
             raise LimitError(f"a name is longer than {self.name} bytes", at=at, remedy="Give the joint a shorter name.")
-        control = next((character for character in name if character < " " or character == "\x7f"), None)
+        control = _CONTROL.search(name)
         if control is not None:
             raise FormatError(
-                f"the name {name!r} holds the control character U+{ord(control):04X}",
+                f"the name {name!r} holds the control character U+{ord(control[0]):04X}",
                 at=at,
                 remedy="Write joint names in letters, digits and punctuation.",
             )

@@ -147,8 +147,8 @@ class Lines:
     """The lines of a stream, decoded, one ahead."""
 
     def __init__(self, stream: BinaryIO, encoding: Encoding, start: int | None = None, number: int = 1) -> None:
-        self._codec = "utf-8" if encoding.codec == "utf-8-sig" else encoding.codec
-        self._raw = _raw_lines(stream, encoding.start if start is None else start, number)
+        codec = "utf-8" if encoding.codec == "utf-8-sig" else encoding.codec
+        self._lines = _lines(stream, encoding.start if start is None else start, number, codec)
         self._ahead: Line | None = None
         self.number = number
         """Number of the line last read."""
@@ -156,10 +156,7 @@ class Lines:
     def peek(self) -> Line | None:
         """The next line, None at the end of the file."""
         if self._ahead is None:
-            raw = next(self._raw, None)
-            if raw is not None:
-                text, number, start, end = raw
-                self._ahead = Line(text.decode(self._codec, errors="replace"), number, start, end)
+            self._ahead = next(self._lines, None)
         return self._ahead
 
     def next(self) -> Line | None:
@@ -179,8 +176,8 @@ class Lines:
         return Place(line=self.number)
 
 
-def _raw_lines(stream: BinaryIO, start: int, number: int) -> Iterator[tuple[bytes, int, int, int]]:
-    """(bytes, number, start, end) of each line. Raises FormatError for NUL, LimitError for an endless line."""
+def _lines(stream: BinaryIO, start: int, number: int, codec: str) -> Iterator[Line]:
+    """Raises FormatError for NUL, LimitError for an endless line."""
     rest, offset = b"", start
     for block in blocks_of(stream, start, 1 << 16):
         if b"\0" in block:
@@ -189,21 +186,20 @@ def _raw_lines(stream: BinaryIO, start: int, number: int) -> Iterator[tuple[byte
         rest += block
         position = 0
         for match in _LINE_END.finditer(rest):
-            if match.end() == len(rest) and match.group() == b"\r":
+            last, end = match.span()
+            if end == len(rest) and match.group() == b"\r":
                 # A CR at the end of a block may be the half of a CRLF.
                 break
-            yield rest[position : match.start()], number, offset + position, offset + match.end()
-            position = match.end()
+            yield Line(rest[position:last].decode(codec, "replace"), number, offset + position, offset + end)
+            position = end
             number += 1
         rest, offset = rest[position:], offset + position
         if len(rest) > LONGEST_LINE:
             raise LimitError(
                 f"a line is longer than {LONGEST_LINE} bytes", at=Place(line=number), remedy="Break it into lines."
             )
-    if rest.endswith(b"\r"):
-        yield rest[:-1], number, offset, offset + len(rest)
-    elif rest:
-        yield rest, number, offset, offset + len(rest)
+    if rest:
+        yield Line(rest.removesuffix(b"\r").decode(codec, "replace"), number, offset, offset + len(rest))
 
 
 class Token(NamedTuple):
@@ -234,14 +230,13 @@ class Tokens:
         """The next word, None at the end of the file."""
         if self._ahead is not None:
             return self._ahead
-        line, position = self._line, self._position
         while True:
-            if line is not None:
-                match = _WORD.search(line.text, position)
+            if self._line is not None:
+                match = _WORD.search(self._line.text, self._position)
                 if match:
-                    self._ahead = Token(match.group(), line, match.start() + 1)
+                    self._ahead = Token(match.group(), self._line, match.start() + 1)
                     return self._ahead
-            line, position = self._lines.next(), 0
+            line = self._lines.next()
             if line is None:
                 return None
             self._line, self._position = line, 0

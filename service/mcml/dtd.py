@@ -62,7 +62,8 @@ def validate_by_shapes(document: Element, shapes: Iterable[tuple[Shape, int]], n
 
     document: the `mcml` element without its motion. shapes: each with a number of motion names. names: of the joints.
     """
-    validate_frames(document, (frame_of(shape, count, names) for shape, count in dict.fromkeys(shapes)))
+    frames = {(tuple({bits: (joint, bits) for joint, bits in shape}.values()), count) for shape, count in shapes}
+    validate_frames(document, (frame_of(shape, count, names) for shape, count in sorted(frames)))
 
 
 def validate_frames(document: Element, frames: Iterable[Element]) -> None:

@@ -24,7 +24,7 @@ PCODEC = 1
 """Codec number of `track.data`: one pcodec stream of the bone's columns, one after the other."""
 
 JOBS_AHEAD = 32
-"""Chunks that are being compressed while the next block is read; bounds the memory of an import."""
+"""Chunks that wait or are being compressed while the next block is read; bounds the memory of an import."""
 
 _CONFIG = ChunkConfig(compression_level=6, delta_spec=DeltaSpec.try_consecutive(1))
 
@@ -206,7 +206,8 @@ class Spans:
 class ClipEncoder:
     """Frame blocks of any length in, rows of whole chunks out; feed it in order, then `close` it and take the `rest`.
 
-    executor: where tracks are compressed (pcodec lets other threads run).
+    executor: where tracks are compressed. Chunks of short clips wait there for `compress`: pcodec lets other threads
+    run for 25 µs at a time, and takes longer beside one that reads than behind it.
     """
 
     executor: Executor
@@ -217,6 +218,8 @@ class ClipEncoder:
     shape_rows: list[dict[str, Any]] = field(default_factory=list)
     _pending: list[FrameBlock] = field(default_factory=list)
     _waiting: int = 0
+    _is_long: bool = False
+    _held: list[tuple[int, Array, tuple[tuple[int, int], ...]]] = field(default_factory=list)
     _jobs: deque[Future[list[dict[str, Any]]]] = field(default_factory=deque)
 
     def add(self, block: FrameBlock) -> Iterator[list[dict[str, Any]]]:
@@ -235,12 +238,18 @@ class ClipEncoder:
             yield self._jobs.popleft().result()
 
     def close(self) -> None:
-        """No block follows: let the last chunk be compressed."""
+        """No block follows."""
         self.spans.finish()
         self._submit(whole=False)
 
+    def compress(self) -> None:
+        """Let the chunks that wait be compressed."""
+        self._jobs += [self.executor.submit(_encode_chunk, *chunk) for chunk in self._held]
+        self._held.clear()
+
     def rest(self) -> Iterator[list[dict[str, Any]]]:
         """The rows of all chunks that are still on their way."""
+        self.compress()
         while self._jobs:
             yield self._jobs.popleft().result()
 
@@ -252,7 +261,10 @@ class ClipEncoder:
         end = len(values) // CHUNK * CHUNK if whole else len(values)
         for start in range(0, end, CHUNK):
             part = values[start : min(start + CHUNK, end)]
-            self._jobs.append(self.executor.submit(_encode_chunk, first_chunk + start // CHUNK, part, columns))
+            self._held.append((first_chunk + start // CHUNK, part, columns))
+        self._is_long = self._is_long or len(self._held) > JOBS_AHEAD
+        if self._is_long:
+            self.compress()
         self._waiting = len(values) - end
         rest = self._pending[-1]
         self._pending = [FrameBlock(values[end:].copy(), columns, rest.shapes, [])] if self._waiting else []

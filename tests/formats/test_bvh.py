@@ -212,6 +212,52 @@ def test_a_bad_number_is_found_in_its_line_and_column() -> None:
     assert (error.value.at.line, error.value.at.column) == (29, 20)
 
 
+@pytest.mark.parametrize("ends", ["\n", "\r\n", "\r", " \n\n"])
+@pytest.mark.parametrize("bom", [b"", b"\xef\xbb\xbf"])
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("", ""),
+        ("Left Arm", "b:Right.Arm-1"),
+        ("Left Arm", "MOTION Frames"),
+        ("JOINT Left Arm", "JOINT\nMOTION Frames"),
+        ("MOTION\n", "MOTION "),
+        ("Frames: 2", "Frames: x"),
+        ("Frame Time", "Fps"),
+        ("}\nMOTION", "MOTION"),
+        ("31 1.5", "31 x"),
+    ],
+)
+def test_a_hierarchy_read_before_says_the_same(
+    change: tuple[str, str], bom: bytes, ends: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data = bom + (HEAD + MOTION).replace(*change, 1).replace("\n", ends).encode()
+
+    def said() -> tuple[object, ...]:
+        try:
+            clip = clip_of(data)
+            read_in_full = frames(clip)
+        except FormatError as error:
+            return (str(error),)
+        return clip.head, read_in_full, clip.notices
+
+    first, again = said(), said()
+    monkeypatch.setattr("service.formats.bvh.LONGEST_SHARED", 0)
+    assert first == again == said()
+
+
+def test_the_beginning_is_looked_at_as_if_it_were_alone() -> None:
+    rows = "\n".join(" ".join(f"{frame + 0.5 * column:.3f}" for column in range(11)) for frame in range(600))
+    whole = motion(f"Frames: 600\nFrame Time: .1\n{rows}")
+    assert len(whole) < 1 << 16
+    for tail in (b"", b"\n", b"\n" + b"0.125 " * 40_000):
+        clip = clip_of(whole + tail)
+        assert clip.head.number_style == "fixed:3"
+        assert np.concatenate([block.values for block in clip.blocks()]).tolist() == [
+            [float(word) for word in row.split()] for row in rows.split("\n")
+        ]
+
+
 def test_a_joint_that_is_not_closed_is_named() -> None:
     assert "joint 'Left Arm' opened at line 6 is not closed" in refusal(BASIC[: BASIC.index(b"End Site")])
 

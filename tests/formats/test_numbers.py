@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from service.formats.number_text import detect_style, number_tokens, rows_of_text
-from service.formats.numbers import bad_token, is_number, parse_numbers, what_is_wrong
+from service.formats.numbers import bad_token, is_number, parse_numbers, token_bounds, what_is_wrong
 
 doubles = st.floats(allow_nan=False, allow_infinity=False)
 spellings = st.sampled_from(["{!r}", "{:.6f}", "{:g}", "{:.17g}", "{:.25e}", "{:+}", "{:E}"])
@@ -29,6 +29,12 @@ def test_parses_as_float_does(pairs: list[tuple[str, str]]) -> None:
     found = parse_numbers(text)
     assert found is not None
     assert bits(found) == bits([float(token) for token, _ in pairs])
+
+
+@given(st.text("0-.e,\1 \t\n\r\v\f", max_size=20))
+def test_bounds_are_those_of_the_words(text: str) -> None:
+    data = text.encode()
+    assert [data[start:end] for start, end in token_bounds(data).tolist()] == data.split()
 
 
 @given(st.text('0123456789+-.eE,_ infaxy[]"{}:\n\t\0', max_size=20))
