@@ -42,6 +42,7 @@ class DeleteEdit(BaseModel):
 
     do: Literal["delete"]
     xpath: Path
+    renumber: bool = Field(False, description="Ids of frames that counted up by one do so again")
 
 
 class ReplaceEdit(BaseModel):

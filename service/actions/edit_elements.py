@@ -6,8 +6,11 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from service.actions.edit_element import Change, apply_change, apply_deletion, read_element
 from service.actions.insert_elements import Where, insert_elements, replace_element
+from service.actions.splice_frames import check_range, splice_frames
 from service.errors import ConflictError, DocumentError, NotFoundError, Place
 from service.mcml.element import Element, addresses
 from service.storage.database import Transaction
@@ -34,7 +37,9 @@ class Replacement:
 
 @dataclass(frozen=True)
 class Deletion:
-    pass
+    """renumber: ids of frames that counted up by one do so again behind a frame that goes; else they keep theirs."""
+
+    renumber: bool = False
 
 
 What = Change | Insertion | Replacement | Deletion
@@ -49,15 +54,20 @@ class ElementEdit:
 
 
 def edit_elements(
-    tx: Transaction, stored: StoredDocument, edits: Sequence[ElementEdit], message: str = ""
+    tx: Transaction, stored: StoredDocument, edits: Sequence[ElementEdit], message: str = "", *, gapless: bool = False
 ) -> StoredDocument:
     """Make all edits, as one revision. They are made from the end of the document to its beginning, so that none moves
-    what another one means; those at one address in the order given."""
+    what another one means; those at one address in the order given.
+
+    gapless: DocumentError where the ids of frames do not count up by one afterwards.
+    """
     if not edits:
         raise NotFoundError("The expression selects nothing.", remedy="Try it with GET /xpath first.")
     order = {address: place for place, (address, _) in enumerate(addresses(tx.heads.document(stored)))}
     for edit in sorted(edits, key=lambda edit: _place(edit.address, order), reverse=True):
         _make(tx, tx.documents.get(stored.uuid), edit)
+    if gapless:
+        _check_ids(tx, tx.documents.get(stored.uuid))
     tx.documents.add_revision(stored, "edit", message or _told(edits))
     return tx.documents.get(stored.uuid)
 
@@ -70,8 +80,25 @@ def _make(tx: Transaction, stored: StoredDocument, edit: ElementEdit) -> None:
         insert_elements(tx, stored, edit.address, what.where, list(what.elements), renumber=what.renumber)
     elif isinstance(edit.what, Replacement):
         replace_element(tx, stored, edit.address, list(edit.what.elements))
+    elif edit.what.renumber and (match := _FRAME.fullmatch(edit.address)) and match[3] == "]":
+        check_range(stored, int(match[2]), int(match[2]))
+        splice_frames(tx, stored, int(match[2]), 1)
     else:
         apply_deletion(tx, stored, edit.address)
+
+
+def _check_ids(tx: Transaction, stored: StoredDocument) -> None:
+    ids = tx.tracks.frame_ids(stored.key, 1, stored.frames)
+    if not isinstance(ids, np.ndarray):
+        raise DocumentError("Ids of frames are not all whole numbers.", remedy="Allow gaps, or change the ids first.")
+    gaps = np.flatnonzero(np.diff(ids) != 1)
+    if len(gaps):
+        place = int(gaps[0])
+        raise DocumentError(
+            f"Frame {ids[place]} would be followed by frame {ids[place + 1]}.",
+            at=Place(element=f"/mcml/motion/frame[{place + 2}]/@id"),
+            remedy="Let frames be renumbered, or allow gaps.",
+        )
 
 
 def _told(edits: Sequence[ElementEdit]) -> str:

@@ -105,6 +105,9 @@ class Edit:
         bool,
         Query(description="If the revision is stale: edit all the same where nobody changed these elements"),
     ] = False
+    gaps: Annotated[
+        Literal["allow", "refuse"], Query(description="Whether ids of frames may skip numbers after the edit")
+    ] = "allow"
     if_match: IfMatch = None
 
     def run(self, edits: Sequence[ElementEdit], message: str = "") -> ElementEdited:
@@ -115,7 +118,7 @@ class Edit:
                 then, was = at_revision(tx, self.id, base)
                 moved = carried_over(then, was, tx, stored, [edit.address for edit in edits])
                 edits = [replace(edit, address=address) for edit, address in zip(edits, moved, strict=True)]
-            changed = edit_elements(tx, stored, edits, message)
+            changed = edit_elements(tx, stored, edits, message, gapless=self.gaps == "refuse")
         self.response.headers["etag"] = etag(changed, "json")
         return ElementEdited(address=edits[0].address, elements=len(edits), revision=changed.revision)
 
@@ -150,9 +153,14 @@ def patch_element(edit: EditDep, xpath: One, change: ElementChange, many: Many =
 
 
 @router.delete("/documents/{id}/elements", operation_id="delete_element")
-def remove_element(edit: EditDep, xpath: One, many: Many = False) -> ElementEdited:
+def remove_element(
+    edit: EditDep,
+    xpath: One,
+    many: Many = False,
+    renumber: Annotated[bool, Query(description="Ids of frames that counted up by one do so again")] = False,
+) -> ElementEdited:
     """Delete elements or attributes, unless `mcml.dtd` or the frames need them."""
-    return edit.run([ElementEdit(address, Deletion()) for address in edit.addresses(xpath, many)])
+    return edit.run([ElementEdit(address, Deletion(renumber)) for address in edit.addresses(xpath, many)])
 
 
 @router.put("/documents/{id}/elements", operation_id="replace_element", openapi_extra=_FRAGMENT)
@@ -201,7 +209,7 @@ def _made(edit: Edit, item: AnyEdit, request: ElementEdits) -> list[ElementEdit]
     if isinstance(item, ChangeEdit):
         return [ElementEdit(address, Change(item.attributes, item.text)) for address in found]
     if isinstance(item, DeleteEdit):
-        return [ElementEdit(address, Deletion()) for address in found]
+        return [ElementEdit(address, Deletion(item.renumber)) for address in found]
     if isinstance(item, MoveEdit):
         with edit.database.read() as tx:
             moved = tuple(read_fragment(read_element(tx, tx.documents.get(edit.id), found[0])))

@@ -80,6 +80,7 @@ def delete(
     id: IdArgument,
     xpath: PathArgument,
     many: ManyOption = False,
+    renumber: Annotated[bool, typer.Option("--renumber", help="Let the ids of later frames move up")] = False,
     revision: RevisionOption = None,
     merge: MergeOption = False,
     database: DatabaseOption = None,
@@ -87,7 +88,7 @@ def delete(
     as_json: JsonOption = False,
 ) -> None:
     """Delete elements or attributes, unless mcml.dtd or the frames need them."""
-    api, asked = open_api(database, server), {"xpath": xpath, "many": many, "merge": merge}
+    api, asked = open_api(database, server), {"xpath": xpath, "many": many, "merge": merge, "renumber": renumber}
     _told(api.send("DELETE", f"/documents/{id}/elements", params=asked, headers=if_match(revision)), as_json)
 
 

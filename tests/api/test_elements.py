@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi.testclient import TestClient
 
-from tests.builders import MCML, upload
+from tests.builders import MCML, bvh, upload
 
 API = "/api/v1"
 
@@ -35,3 +35,25 @@ def test_what_is_not_one_element_is_refused(client: TestClient) -> None:
     refused = client.delete(address, params={"xpath": "//bone/name"}, headers={"if-match": "*"})
     assert refused.status_code == 422
     assert client.get(f"{API}/documents/{uuid}").json()["revision"] == 1
+
+
+def test_ids_after_an_edit(client: TestClient) -> None:
+    uuid = upload(client, {"a.bvh": bvh(9)})["documents"][0]["id"]
+    address, head = f"{API}/documents/{uuid}/elements", {"if-match": "*"}
+
+    def ids() -> list[int]:
+        found = client.get(f"{API}/xpath", params={"q": "//frame/@id", "document": uuid, "limit": 50}).json()["items"]
+        return [int(item["value"]) for item in found]
+
+    refused = client.delete(address, params={"xpath": "//frame[4]", "gaps": "refuse"}, headers=head)
+    assert refused.status_code == 422
+    assert refused.json()["where"] == {"element": "/mcml/motion/frame[4]/@id"}
+    assert ids() == list(range(1, 10))
+    several = {"xpath": "//frame[position() mod 3 = 1]", "many": True, "renumber": True, "gaps": "refuse"}
+    assert client.delete(address, params=several, headers=head).json()["elements"] == 3
+    assert ids() == list(range(1, 7))
+    assert client.delete(address, params={"xpath": "//frame[2]"}, headers=head).status_code == 200
+    assert ids() == [1, 3, 4, 5, 6]
+    batch = {"edits": [{"do": "delete", "xpath": "//frame[1]"}]}
+    done = client.post(f"{address}/batch", json=batch, params={"gaps": "refuse"}, headers=head)
+    assert done.status_code == 200, "what is left counts up by one"
