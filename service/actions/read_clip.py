@@ -35,7 +35,7 @@ def read_clip(
     last = stored.frames if last is None else last
     if stored.frames and not 1 <= first <= last <= stored.frames:
         raise NotFoundError(
-            f"Frames {first} to {last} are not in a document of {stored.frames} frames.",
+            f"Frames {first} to {last} are not in {stored.name!r}, a document of {stored.frames} frames.",
             remedy="Frame numbers are positions, from 1, both ends included.",
         )
     frames = len(range(first, last + 1, step))
