@@ -66,7 +66,7 @@ class Explain(BaseModel):
     plan: list[str]
     documents: int = Field(description="Documents that were looked at")
     tracks_read: int | None = Field(None, description="Tracks (a bone over 256 frames) whose samples were compared")
-    tracks_skipped: int | None = Field(None, description="Tracks that their zone maps ruled out")
+    tracks_skipped: int | None = Field(None, description="Tracks that their zone maps decided")
     milliseconds: float
 
 

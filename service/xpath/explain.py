@@ -19,10 +19,9 @@ def _scan(source: Scan) -> list[str]:
     steps = [f"spans named {_names(group)}, by the index on names" for group in plan.names]
     bones = f"the bone {plan.lead!r}" if plan.lead is not None else "all bones"
     zones = [f"{_sample(sample)} {operator} {bound:g}" for sample, operator, bound in plan.condition.bounds]
-    allowed = f" whose zone maps allow {' and '.join(zones)}" if zones else ""
-    steps.append(f"tracks of {bones}{allowed}")
+    steps.append(f"tracks of {bones} whose zone maps allow {' and '.join(zones) or 'the condition'}")
     samples = ", ".join(sorted(_sample(sample) for sample in plan.condition.samples))
-    steps.append(f"the condition on {samples}, a track of 256 frames at a time")
+    steps.append(f"where they do not decide it, the condition on {samples}, a track of 256 frames at a time")
     if plan.target != "frame":
         steps.append("their frame_bones" + (f" named {plan.bone!r}" if plan.bone is not None else ""))
     if plan.attribute is not None:
