@@ -103,6 +103,7 @@ class QueryRequest(BaseModel):
     q: str = Field(min_length=1, max_length=10_000)
     document: list[str] = Field(default_factory=list, max_length=1000, description="Documents to ask; none: all")
     project: str | None = None
+    revision: int | None = Field(None, ge=1, le=2**31 - 1, description="Of the one document asked: as this left it")
     as_: Literal["json", "xml", "ndjson", "csv", "runs"] = Field("json", alias="as")
     limit: int | None = Field(None, ge=1, description="Most items; pages have 100, streams (xml, ndjson, csv) all")
     cursor: str | None = None

@@ -53,7 +53,6 @@ from service.xpath.run import Queries
 router = APIRouter(tags=["elements"])
 
 MOST_ELEMENTS = 10_000
-CANONICAL = re.compile(r"/mcml(?:/[a-z_]+(?:\[\d{1,18}\])?)*(?:/@\w+)?")
 _FRAGMENT: dict[str, Any] = {
     "requestBody": {
         "required": True,
@@ -86,7 +85,7 @@ def get_element(
     """One element of a document as XML, or the value of one attribute as text."""
     with database.read() as tx:
         then, stored = at_revision(tx, id, revision)
-        address = xpath if revision is not None else _addresses(queries, id, xpath, False)[0]
+        address = _addresses(queries, id, xpath, False, revision)[0]
         content = read_element(then, stored, address)
         media = "text/plain; charset=utf-8" if "/@" in address else "application/xml"
         return Response(content, media_type=media, headers={"etag": etag(stored, "element")})
@@ -127,18 +126,19 @@ class Edit:
         try:
             return checked_for_write(tx, self.id, self.if_match), None
         except PreconditionError as error:
-            said = re.fullmatch(r'(?:W/)?"(\d{1,9})(?:-[a-z-]+)?"', (self.if_match or "").strip())
-            if error.status != 412 or not self.merge or said is None:
+            if error.status != 412 or self.base is None:
                 raise
-            return checked_for_write(tx, self.id, "*"), int(said[1])
+            return checked_for_write(tx, self.id, "*"), self.base
 
     def addresses(self, xpath: str, many: bool) -> list[str]:
         """What an expression selects, at the revision that the edits are made for."""
+        return _addresses(self.queries, self.id, xpath, many, self.base)
+
+    @property
+    def base(self) -> int | None:
+        """The revision that edits are made for where they are to be merged, None for the current one."""
         said = re.fullmatch(r'(?:W/)?"(\d{1,9})(?:-[a-z-]+)?"', (self.if_match or "").strip())
-        if self.merge and said is not None and CANONICAL.fullmatch(xpath):
-            # Whatever it may mean by now.
-            return [xpath]
-        return _addresses(self.queries, self.id, xpath, many)
+        return int(said[1]) if self.merge and said is not None else None
 
 
 EditDep = Annotated[Edit, Depends()]
@@ -212,7 +212,8 @@ def _made(edit: Edit, item: AnyEdit, request: ElementEdits) -> list[ElementEdit]
         return [ElementEdit(address, Deletion(item.renumber)) for address in found]
     if isinstance(item, MoveEdit):
         with edit.database.read() as tx:
-            moved = tuple(read_fragment(read_element(tx, tx.documents.get(edit.id), found[0])))
+            then, stored = at_revision(tx, edit.id, edit.base)
+            moved = tuple(read_fragment(read_element(then, stored, found[0])))
         (to,) = edit.addresses(item.to, False)
         return [ElementEdit(to, Insertion(item.where, moved, request.renumber)), ElementEdit(found[0], Deletion())]
     elements = tuple(read_fragment(item.fragment.encode()))
@@ -221,13 +222,14 @@ def _made(edit: Edit, item: AnyEdit, request: ElementEdits) -> list[ElementEdit]
     return [ElementEdit(address, Insertion(item.where, elements, request.renumber)) for address in found]
 
 
-def _addresses(queries: Queries, uuid: str, xpath: str, many: bool) -> list[str]:
+def _addresses(queries: Queries, uuid: str, xpath: str, many: bool, revision: int | None = None) -> list[str]:
     """The canonical addresses of what an expression selects: one node, or several."""
     found: list[str] = []
     cursor: str | None = None
     while True:
         limit = 1000 if many else 2
-        answer = queries.answer(QueryRequest(q=xpath, document=[uuid], limit=limit, cursor=cursor))
+        request = QueryRequest(q=xpath, document=[uuid], revision=revision, limit=limit, cursor=cursor)
+        answer = queries.answer(request)
         if answer.type != "nodes":
             raise DocumentError("The expression gives a value, not an element.", remedy="Write a path to one element.")
         found += [item.address.removesuffix("/text()") for item in answer.items or [] if isinstance(item, NodeItem)]

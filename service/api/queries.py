@@ -12,7 +12,7 @@ from starlette.concurrency import run_in_threadpool
 
 from schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
 from schemas.queries import CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
-from service.api.dependencies import ProjectQuery, QueriesDep
+from service.api.dependencies import MOST, ProjectQuery, QueriesDep
 from service.api.streaming import begun
 from service.xpath.limits import Limits
 from service.xpath.run import Queries
@@ -49,6 +49,9 @@ async def query(
         list[str] | None, Query(description="Documents to ask; default all", examples=[[DOCUMENT]])
     ] = None,
     project: ProjectQuery = None,
+    revision: Annotated[
+        int | None, Query(ge=1, le=MOST, description="Of the one document asked: as this revision left it")
+    ] = None,
     as_: Annotated[
         Form,
         Query(
@@ -71,7 +74,14 @@ async def query(
     page was read. A query ends when its time is up, or when its client leaves.
     """
     request = QueryRequest(
-        q=q, document=document or [], project=project, limit=limit, cursor=cursor, explain=explain, **{"as": as_}
+        q=q,
+        document=document or [],
+        project=project,
+        revision=revision,
+        limit=limit,
+        cursor=cursor,
+        explain=explain,
+        **{"as": as_},
     )
     return await _answer(http, queries, request)
 

@@ -42,7 +42,7 @@ def add_to(app: typer.Typer) -> None:
 def get(
     id: IdArgument,
     xpath: PathArgument,
-    revision: Annotated[int | None, typer.Option(min=1, help="Read this revision (canonical address)")] = None,
+    revision: Annotated[int | None, typer.Option(min=1, help="Read this revision")] = None,
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:

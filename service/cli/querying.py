@@ -26,6 +26,7 @@ FORMS = ("runs", "json", "xml", "ndjson", "csv", "count")
 def xpath(
     query: Annotated[str, typer.Argument(help="An XPath expression, such as //frame[motion_name='walk']")],
     document: Annotated[list[str] | None, typer.Option(help="Document to ask; may be repeated; default all")] = None,
+    revision: Annotated[int | None, typer.Option(min=1, help="With one --document: as this revision left it")] = None,
     project: Annotated[str | None, typer.Option(help="Only this project")] = None,
     as_: Annotated[
         str, typer.Option("--as", help="runs, json, count; or the whole answer as xml, ndjson or csv")
@@ -53,6 +54,7 @@ def xpath(
         "q": text,
         "document": document or [],
         "project": project,
+        "revision": revision,
         "explain": explain,
         "variables": variables,
     }

@@ -80,7 +80,7 @@ class Queries:
         if request.as_ != "json" and kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         limits = limits or self.limits()
-        with self.database.read(LATEST if cursor is None else cursor.commit) as tx:
+        with self.database.read(self._commit(request) if cursor is None else cursor.commit) as tx:
             scope = Scope(tx, self.shared.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=request.explain)
             page = _Page(self.shared, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
@@ -97,7 +97,7 @@ class Queries:
         if kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         limits = limits or self.limits()
-        with self.database.read() as tx:
+        with self.database.read(self._commit(request)) as tx:
             scope = Scope(tx, self.shared.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=False)
             commit = scope.state.commit
@@ -106,6 +106,15 @@ class Queries:
             except (TooWideError, TooLongError, NotOnColumnsError):
                 return Shown(asking.on_xml(request.limit))
         return Answer(self.database, self.shared, commit, parts, limits.max_elements)
+
+    def _commit(self, request: QueryRequest) -> int:
+        """The state of the store that is asked: the newest, or that which a revision of the document left."""
+        if request.revision is None:
+            return LATEST
+        if len(request.document) != 1:
+            raise QueryError("A revision is one of a document.", remedy="Name exactly one document.")
+        with self.database.read() as tx:
+            return tx.documents.commit_of(tx.documents.get(request.document[0]).key, request.revision)
 
     def completions(
         self, text: str, at: int, documents: Sequence[str], project: str | None

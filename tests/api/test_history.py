@@ -84,3 +84,52 @@ def test_a_document_edited_in_its_new_project_goes_back_with_the_old_skeleton(
     assert b"<length>8</length>" in client.get(f"{address}/mcml").content
     assert client.get(address).json()["project"] == "gait"
     assert database.check() == []
+
+
+QUESTIONS = [
+    "//frame[2]/frame_bone[@Rx > 0]/@Rx",
+    "count(//frame)",
+    "string(/mcml/header/filename)",
+    "//frame[motion_name='walk']",
+    "for $f in //frame return string-length($f/@id)",
+    "sum(//@*[. > 3])",
+]
+
+
+def test_any_revision_is_asked(client: TestClient, address: str) -> None:
+    uuid = address.rpartition("/")[2]
+    edits = [
+        ("PATCH", "//frame[2]/frame_bone[1]", {"attributes": {"Rx": "33"}}),
+        ("DELETE", "//frame[1]", None),
+        ("DELETE", "//frame[1]/motion_name", None),
+    ]
+
+    def asked(as_: str, **more: object) -> list[str]:
+        found = []
+        for q in QUESTIONS:
+            answer = client.get(f"{API}/xpath", params={"q": q, "document": uuid, "as": as_, **more})
+            found.append(answer.text)
+        return found
+
+    then = {}
+    for number, (method, xpath, body) in enumerate(edits, 3):
+        then[number] = asked("json"), asked("xml")
+        client.request(method, f"{address}/elements", params={"xpath": xpath}, json=body, headers=ANY)
+    assert len({str(answers) for answers in then.values()}) == len(edits)
+    for number, (pages, streams) in then.items():
+        assert asked("json", revision=number) == pages
+        assert asked("xml", revision=number) == streams
+    old = {"xpath": "//frame[2]/frame_bone[1]/@Rx", "revision": 3}
+    assert client.get(f"{address}/elements", params=old).text != "33.0"
+    several = client.get(f"{API}/xpath", params={"q": "//frame", "revision": 3})
+    assert several.status_code == 422
+    assert client.get(f"{API}/xpath", params={"q": "//frame", "document": uuid, "revision": 99}).status_code == 404
+
+
+def test_an_edit_means_the_revision_it_was_made_for(client: TestClient, address: str) -> None:
+    """Merged, an expression says what it said there, though frames came and went since."""
+    client.delete(f"{address}/elements", params={"xpath": "//frame[1]"}, headers=ANY).raise_for_status()
+    asked = {"xpath": "//frame[position() = 3]/frame_bone[1]", "merge": True}
+    body = {"attributes": {"Rx": "77"}}
+    done = client.patch(f"{address}/elements", json=body, params=asked, headers={"if-match": '"3"'})
+    assert done.json()["address"] == "/mcml/motion/frame[2]/frame_bone[1]", done.text
