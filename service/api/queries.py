@@ -50,7 +50,8 @@ async def query(
     ] = None,
     project: ProjectQuery = None,
     revision: Annotated[
-        int | None, Query(ge=1, le=MOST, description="Of the one document asked: as this revision left it")
+        int | None,
+        Query(ge=1, le=MOST, description="Of the one document asked: as this revision left it", examples=[1]),
     ] = None,
     as_: Annotated[
         Form,
