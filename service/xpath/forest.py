@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from service.errors import StoreError
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.frame_runs import IdRuns, LabelRuns
 from service.xpath.head_rows import HeadRows
 from service.xpath.layouts import Layout, ShapeRuns
-from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, MAX_DOCUMENTS, MAX_FRAMES, Ints
+from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
 from service.xpath.pairs import expand
 from service.xpath.shared import Shared
 from service.xpath.timeline import Timeline
@@ -27,15 +24,13 @@ class Forest:
     """
 
     def __init__(self, tx: Transaction, documents: Sequence[Listed], shared: Shared, *, whole_heads: bool) -> None:
-        if len(documents) > MAX_DOCUMENTS or any(stored.frames > MAX_FRAMES for stored in documents):
-            raise StoreError("More documents or frames than nodes can be numbered for.")
         self.tx = tx
         self.documents = documents
-        self.keys = [stored.key for stored in documents]
-        self.frames: Ints = np.array([stored.frames for stored in documents], np.int64)
         self.shared = shared
         self.whole_heads = whole_heads
         self._columns = shared.batch(documents, whole_heads=whole_heads)
+        self.keys = self._columns.keys
+        self.frames = self._columns.frames
 
     def __len__(self) -> int:
         return len(self.documents)

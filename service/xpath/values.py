@@ -29,6 +29,8 @@ from service.xpath.numbering import (
     slots_of,
 )
 from service.xpath.texts import Strings, constant, joined, of_texts
+from service.xpath.tracks import Row
+from service.xpath.zones import MANY_FRAMES, rows_of
 
 MAX_TEXT = 32 << 20
 """Characters of the string of one element that holds frames."""
@@ -109,25 +111,28 @@ def samples(forest: Forest, nodes: Ints) -> Floats:
     order = np.argsort(track, kind="stable")
     starts = np.flatnonzero(np.concatenate([[True], np.diff(track[order]) != 0]))
     stops = np.append(starts[1:], len(track))
-    wanted = {
-        key: (start, stop)
-        for key, start, stop in zip(track[order[starts]].tolist(), starts.tolist(), stops.tolist(), strict=True)
-    }
-    place = {key: number for number, key in enumerate(forest.keys)}
-    for asked, kept, chunks in _requests(forest, documents, bones, slot // CHUNK):
-        rows = [
-            row
-            for row in forest.tx.columns.tracks(asked, chunks, kept)
-            if (place[row.document] << 48) | (row.bone << 32) | row.chunk in wanted
-        ]
-        for row, data in zip(rows, forest.shared.tracks.read(forest.tx, rows), strict=True):
-            start, stop = wanted[(place[row.document] << 48) | (row.bone << 32) | row.chunk]
-            some = order[start:stop]
-            held = channels_of(row.channels)
-            columns = np.full(len(CHANNELS), -1)
-            columns[held] = np.arange(len(held))
-            result[some] = data[columns[channels[some]], slot[some] % CHUNK]
+    rows = _rows(forest, track[order[starts]])
+    for row, data, start, stop in zip(
+        rows, forest.shared.tracks.read(forest.tx, rows), starts.tolist(), stops.tolist(), strict=True
+    ):
+        some = order[start:stop]
+        held = channels_of(row[4])
+        columns = np.full(len(CHANNELS), -1)
+        columns[held] = np.arange(len(held))
+        result[some] = data[columns[channels[some]], slot[some] % CHUNK]
     return result
+
+
+def _rows(forest: Forest, tracks: Ints) -> list[Row]:
+    """What tracks (place << 48 | bone << 32 | chunk, ascending) are read by."""
+    if forest.frames.max() <= MANY_FRAMES:
+        return rows_of(forest.tracks.named(tracks).about)
+    place = {key: number for number, key in enumerate(forest.keys)}
+    found: dict[int, Row] = {}
+    for asked, kept, chunks in _requests(forest, tracks >> 48, tracks >> 32 & 0xFFFF, tracks & 0xFFFFFFFF):
+        for row in forest.tx.columns.tracks(asked, chunks, kept):
+            found[(place[row.document] << 48) | (row.bone << 32) | row.chunk] = tuple(row)
+    return [found[track] for track in tracks.tolist()]
 
 
 def _requests(

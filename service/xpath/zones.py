@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -82,6 +83,14 @@ class Table:
     def of_bones(self, numbers: Sequence[int]) -> Table:
         """The tracks of one bone of each document, by its number."""
         return self[np.flatnonzero(self.about[BONE] == np.array(numbers, np.int64)[self.places])]
+
+    def named(self, tracks: Ints) -> Table:
+        """Tracks by their numbers (place << 48 | bone << 32 | chunk), which are all there, of all bones."""
+        return self[np.searchsorted(self._tracks, tracks)]
+
+    @cached_property
+    def _tracks(self) -> Ints:
+        return np.asarray((self.places << 48) | (self.about[BONE] << 32) | self.about[CHUNK_NUMBER], np.int64)
 
     def over(self, stretches: Ints) -> Table:
         """The tracks over some stretches of frames (place << 32 | chunk), those of a stretch by bone."""

@@ -15,11 +15,14 @@ from service.actions.import_options import Label
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import DocumentFilter, StoredDocument
-from service.xpath import run, scan
+from service.xpath import render, run, scan, shared, streams, values
 from service.xpath.parse import parse
 from service.xpath.rules import normal
 from service.xpath.run import Queries
 from service.xpath.scan import plan_scan
+from service.xpath.shared import OfDocuments, Shared
+from service.xpath.tracks import Tracks
+from service.xpath.zones import read_zones
 from tests.builders import HTR, MCML, bvh, store
 
 CHANNELS = ["Rx", "Ry", "Rz", "Tx", "SF"]
@@ -165,6 +168,27 @@ def test_what_is_kept_is_of_the_revision_that_is_read(engine: Queries) -> None:
         seen.append(ask(engine))
         assert seen[-1] == ask(Queries(engine.database, Settings()))
         assert seen[-1] != seen[-2]
+
+
+def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
+    questions = [
+        "//frame[position() mod 90 = 1]", "//frame[@id='7']/frame_bone/@Rx", "max(//frame_bone[@name='Root']/@Rx)",
+        "//frame_bone[@Rx > 5]/@Ry", "//bone/name", "count(//frame[frame_bone/@Rx > 3])",
+    ]  # fmt: skip
+    requests = [QueryRequest(q=text, limit=200) for text in questions]
+    usual = [shown(engine.answer(request)) for request in requests]
+    forgetful = Queries(engine.database, Settings())
+    forgetful.shared = Shared(tracks=Tracks(packed=0, decoded=0), zones=OfDocuments(read_zones, 0))
+    for module in (shared, streams):
+        monkeypatch.setattr(module, "MANY_DOCUMENTS", 0)
+    for many in (10**9, 299):
+        for module in (render, scan, values):
+            monkeypatch.setattr(module, "MANY_FRAMES", many)
+        assert [shown(forgetful.answer(request)) for request in requests] == usual
+        for request, first in zip(requests, usual, strict=True):
+            if first[1]:
+                found = [node for nodes in forgetful.stream(request).nodes() for node in nodes]
+                assert [(node.stored.uuid, node.address, node.value) for node in found] == first[1]
 
 
 SPELLINGS = [
