@@ -17,7 +17,7 @@ STATES = 4
 @dataclass
 class State:
     """What was read of the store as one commit left it: all documents, once somebody asked for them, and single ones by
-    key; keys by id. commit: the newest one."""
+    key; keys by id. commit: that one."""
 
     commit: int
     whole: list[Listed] | None = None
@@ -34,8 +34,8 @@ class Listing:
 
     def state(self, tx: Transaction) -> State:
         """What a transaction sees."""
-        commit = tx.newest_commit()
-        return self._states.get([(commit, tx.at)], lambda keys: {keys[0]: State(commit)})[0]
+        newest = tx.newest_commit()
+        return self._states.get([(newest, tx.at)], lambda keys: {keys[0]: State(min(newest, tx.at))})[0]
 
 
 class Scope:

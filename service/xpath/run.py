@@ -324,7 +324,7 @@ class _Page:
     def _next(self, tx: Transaction, more: bool) -> str | None:
         if not more:
             return None
-        commit = tx.newest_commit() if self.cursor is None else self.cursor.commit
+        commit = min(tx.newest_commit(), tx.at)
         return str(Cursor(commit, self.offset + self.limit, question(self.request)))
 
 

@@ -191,6 +191,27 @@ def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: p
                 assert [(node.stored.uuid, node.address, node.value) for node in found] == first[1]
 
 
+def test_all_of_an_answer_is_of_the_revision_that_is_asked(engine: Queries) -> None:
+    with engine.database.read() as tx:
+        uuid = tx.documents.page(DocumentFilter(), after=None, limit=1)[0].uuid
+    request = QueryRequest(q="//frame_bone[1]/@Rx", document=[uuid], revision=1, limit=30)
+    first = engine.answer(request)
+    with engine.database.write() as tx:
+        change_element(tx, tx.documents.get(uuid), "/mcml/motion/frame[2]/frame_bone[1]", Change({"Rx": "77"}))
+        change_element(tx, tx.documents.get(uuid), "/mcml/motion/frame[40]/frame_bone[1]", Change({"Rx": "78"}))
+    later = Queries(engine.database, Settings())
+    streamed = [node.value for nodes in later.stream(request).nodes() for node in nodes]
+    again = Queries(engine.database, Settings()).answer(request)
+    assert again.next_cursor is not None
+    following = later.answer(request.model_copy(update={"cursor": again.next_cursor, "revision": None}))
+    assert streamed == [value for *_, value in shown(first)[1]]
+    assert shown(again) == shown(first)
+    assert "78.0" not in [value for *_, value in shown(following)[1]]
+    assert "78.0" in [
+        value for *_, value in shown(later.answer(request.model_copy(update={"revision": None, "limit": 99})))[1]
+    ]
+
+
 SPELLINGS = [
     [
         "//frame[motion_name='walk']",
