@@ -10,7 +10,7 @@ import numpy as np
 
 from schemas.frames import DeleteFrames, FrameEdits, InsertFrames, KeepFrames, MoveFrames, ReverseFrames
 from service.actions.reshape_motion import reshape
-from service.actions.splice_frames import check_range, splice_frames, write_counts
+from service.actions.splice_frames import check_range, counts_up, splice_frames, write_counts
 from service.errors import DocumentError
 from service.mcml.elements import to_head
 from service.motion.clip import FrameBlock
@@ -53,6 +53,8 @@ def delete_frames(tx: Transaction, stored: StoredDocument, first: int, last: int
 def trim(tx: Transaction, stored: StoredDocument, first: int, last: int, *, renumber: bool = True) -> None:
     """Keep frames first to last alone."""
     check_range(stored, first, last)
+    # As the ids were before the first of the two steps.
+    renumber = renumber and counts_up(tx, stored)
     if last < stored.frames:
         splice_frames(tx, stored, last + 1, stored.frames - last, renumber=renumber)
     if first > 1:
@@ -91,6 +93,7 @@ def move_frames(tx: Transaction, stored: StoredDocument, first: int, last: int, 
     if first <= to <= last + 1:
         return
     blocks = list(_frames(tx, stored, first, last))
+    renumber = renumber and counts_up(tx, stored)
     count = last - first + 1
     splice_frames(tx, stored, first, count, renumber=renumber)
     splice_frames(tx, tx.documents.get(stored.uuid), to - count if to > last else to, 0, blocks, renumber=renumber)

@@ -10,7 +10,7 @@ import numpy as np
 
 from service.actions.edit_element import Change, apply_change, apply_deletion, read_element
 from service.actions.insert_elements import Where, insert_elements, replace_element
-from service.actions.splice_frames import check_range, splice_frames
+from service.actions.splice_frames import check_range, counts_up, splice_frames
 from service.errors import ConflictError, DocumentError, NotFoundError, Place
 from service.mcml.element import Element, addresses
 from service.storage.database import Transaction
@@ -63,24 +63,26 @@ def edit_elements(
     """
     if not edits:
         raise NotFoundError("The expression selects nothing.", remedy="Try it with GET /xpath first.")
+    counting = counts_up(tx, stored)
     order = {address: place for place, (address, _) in enumerate(addresses(tx.heads.document(stored)))}
     for edit in sorted(edits, key=lambda edit: _place(edit.address, order), reverse=True):
-        _make(tx, tx.documents.get(stored.uuid), edit)
+        _make(tx, tx.documents.get(stored.uuid), edit, counting)
     if gapless:
         _check_ids(tx, tx.documents.get(stored.uuid))
     tx.documents.add_revision(stored, "edit", message or _told(edits))
     return tx.documents.get(stored.uuid)
 
 
-def _make(tx: Transaction, stored: StoredDocument, edit: ElementEdit) -> None:
+def _make(tx: Transaction, stored: StoredDocument, edit: ElementEdit, counting: bool) -> None:
+    """counting: whether the ids of frames counted up by one before the first edit."""
     if isinstance(edit.what, Change):
         apply_change(tx, stored, edit.address, edit.what)
     elif isinstance(edit.what, Insertion):
         what = edit.what
-        insert_elements(tx, stored, edit.address, what.where, list(what.elements), renumber=what.renumber)
+        insert_elements(tx, stored, edit.address, what.where, list(what.elements), renumber=what.renumber and counting)
     elif isinstance(edit.what, Replacement):
         replace_element(tx, stored, edit.address, list(edit.what.elements))
-    elif edit.what.renumber and (match := _FRAME.fullmatch(edit.address)) and match[3] == "]":
+    elif edit.what.renumber and counting and (match := _FRAME.fullmatch(edit.address)) and match[3] == "]":
         check_range(stored, int(match[2]), int(match[2]))
         splice_frames(tx, stored, int(match[2]), 1)
     else:

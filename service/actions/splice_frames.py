@@ -30,6 +30,12 @@ def check_range(stored: StoredDocument, first: int, last: int) -> None:
         )
 
 
+def counts_up(tx: Transaction, stored: StoredDocument) -> bool:
+    """Whether the ids of all frames are whole numbers, each one more than the one before."""
+    ids = tx.tracks.frame_ids(stored.key, 1, stored.frames)
+    return isinstance(ids, np.ndarray) and len(ids) > 0 and bool((np.diff(ids) == 1).all())
+
+
 def splice_frames(
     tx: Transaction,
     stored: StoredDocument,
@@ -126,8 +132,7 @@ def _write_ids(
     tx: Transaction, stored: StoredDocument, first: int, behind: int, encoder: ClipEncoder, renumber: bool
 ) -> None:
     old = tx.tracks.frame_ids(stored.key, 1, stored.frames)
-    counting = isinstance(old, np.ndarray) and len(old) and bool((np.diff(old) == 1).all())
-    if renumber and counting:
+    if renumber and counts_up(tx, stored):
         count = stored.frames - (behind - first) + encoder.frames
         tx.tracks.rewrite_frame_ids(stored.key, [int(old[0]) + np.arange(count, dtype=np.int64)])
         return

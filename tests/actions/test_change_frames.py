@@ -15,6 +15,7 @@ from schemas.queries import NodeItem, QueryRequest
 from service.actions.change_document import add_labels, restore_revision
 from service.actions.change_frames import delete_frames, insert_frames, move_frames, reverse, trim, write_values
 from service.actions.edit_element import Change, change_element, delete_element
+from service.actions.edit_elements import Deletion, ElementEdit, edit_elements
 from service.actions.export_motion import ExportOptions, export_document
 from service.errors import DocumentError, NotFoundError
 from service.mcml.dtd import violations
@@ -229,3 +230,27 @@ def test_one_value_writes_one_track(database: Database) -> None:
         stored = tx.documents.get(uuid)
         assert write_values(tx, stored, 700, [("Spine", "Rx")], np.array([[1.5]])) == 1
         assert write_values(tx, stored, 700, [("Spine", "Rx")], np.array([[1.5]])) == 0
+
+
+def test_ids_with_a_gap_stay_whatever_is_left_in_between(database: Database) -> None:
+    """A move and a trim are two steps: ids that count up only between them did not before."""
+
+    def ids(uuid: str) -> list[int]:
+        with database.read() as tx:
+            return [int(number) for number in tx.tracks.frame_ids(tx.documents.get(uuid).key, 1, 5)]
+
+    def gapped(gap: int) -> str:
+        uuid = store(database, {"a.bvh": bvh(6)})[0]
+        with database.write() as tx:
+            delete_element(tx, tx.documents.get(uuid), f"/mcml/motion/frame[{gap}]")
+        return uuid
+
+    moved, kept, deleted = gapped(3), gapped(5), gapped(3)
+    with database.write() as tx:
+        move_frames(tx, tx.documents.get(moved), 1, 2, 6, renumber=True)
+        trim(tx, tx.documents.get(kept), 2, 4)
+        edits = [ElementEdit(f"/mcml/motion/frame[{place}]", Deletion(renumber=True)) for place in (1, 2, 4)]
+        edit_elements(tx, tx.documents.get(deleted), edits)
+    assert ids(moved) == [4, 5, 6, 1, 2]
+    assert ids(kept) == [2, 3, 4]
+    assert ids(deleted) == [4, 6]
