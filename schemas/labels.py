@@ -30,6 +30,9 @@ class LabelQuery(BaseModel):
     document: list[str] = Field([], max_length=10_000, description="Documents to look in; default all")
     project: str | None = None
     remove: bool = Field(False, description="Take the name off these frames instead")
+    instead_of: str | None = Field(
+        None, min_length=1, max_length=1024, description="Take this name off the same frames: so names are changed"
+    )
     strict: bool = Field(False, description="Refuse names that are no anatomical movement")
 
 

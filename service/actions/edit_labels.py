@@ -59,10 +59,22 @@ def _told(name: str, ranges: Iterable[tuple[int, int]]) -> str:
 
 
 def label_by_query(
-    database: Database, queries: Queries, request: QueryRequest, name: str, *, author: str, remove: bool, strict: bool
+    database: Database,
+    queries: Queries,
+    request: QueryRequest,
+    name: str,
+    *,
+    author: str,
+    remove: bool,
+    strict: bool,
+    instead_of: str | None = None,
 ) -> list[StoredDocument]:
-    """Name the frames that an expression selects, or take the name off them. One transaction; answers what changed."""
+    """Name the frames that an expression selects, or take the name off them. One transaction; answers what changed.
+
+    instead_of: a name that is taken off the same frames.
+    """
     wanted = motion_names.canonical(name, strict=strict)
+    other = None if instead_of is None else motion_names.canonical(instead_of)
     runs: dict[str, list[tuple[int, int, int]]] = {}
     cursor: str | None = None
     while True:
@@ -82,7 +94,9 @@ def label_by_query(
             if any(revision != stored.revision for _, _, revision in found):
                 raise DocumentError(f"{stored.name} was edited meanwhile.", remedy="Repeat the request.")
             ranges = [(first, last) for first, last, _ in found]
-            if (_take_off if remove else _put_on)(tx, stored, wanted, ranges):
+            touched = other not in (None, wanted) and _take_off(tx, stored, other, ranges)
+            touched |= (_take_off if remove else _put_on)(tx, stored, wanted, ranges)
+            if touched:
                 tx.documents.add_revision(stored, "unlabel" if remove else "label", f"{wanted} by query")
                 changed.append(tx.documents.get(uuid))
     return changed

@@ -126,7 +126,14 @@ def post_query(request: LabelQuery, database: DatabaseDep, queries: QueriesDep, 
     """Name all frames that an XPath expression selects, in one document or many, or take the name off them."""
     asked = QueryRequest(q=request.xpath, document=request.document, project=request.project)
     changed = label_by_query(
-        database, queries, asked, request.name, author=author, remove=request.remove, strict=request.strict
+        database,
+        queries,
+        asked,
+        request.name,
+        author=author,
+        remove=request.remove,
+        strict=request.strict,
+        instead_of=request.instead_of,
     )
     return _changed(changed)
 

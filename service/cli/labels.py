@@ -1,4 +1,4 @@
-"""`mcml labels`: labels of many documents at once, and suggested ones."""
+"""`mcml labels`: labels of a document, of many at once, and suggested ones."""
 
 from __future__ import annotations
 
@@ -7,9 +7,19 @@ from typing import Annotated, Any
 
 import typer
 
-from schemas.documents import ChangedDocuments
+from schemas.documents import ChangedDocuments, LabelPage
 from schemas.labels import SuggestedLabels
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_api, print_json, table
+from service.cli.shared import (
+    DatabaseOption,
+    JsonOption,
+    RevisionOption,
+    ServerOption,
+    console,
+    if_match,
+    open_api,
+    print_json,
+    table,
+)
 from service.errors import McmlError
 
 
@@ -17,11 +27,65 @@ def add_to(app: typer.Typer) -> None:
     labels = typer.Typer(
         no_args_is_help=True, help="Labels of many documents: by query, as tables; and from the motion."
     )
+    labels.command("list")(list_)
+    labels.command("change")(change)
+    labels.command("delete")(delete)
     labels.command("query")(by_query)
     labels.command("suggest")(suggest)
     labels.command("export")(export)
     labels.command("import")(import_)
     app.add_typer(labels, name="labels")
+
+
+def list_(
+    id: Annotated[str, typer.Argument(help="Document")],
+    name: Annotated[str | None, typer.Option(help="Only this motion name")] = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """List the labels of a document with their ids, which `change` and `delete` take."""
+    asked: dict[str, Any] = {"limit": 1000} | ({} if name is None else {"name": name})
+    api, items = open_api(database, server), []
+    while True:
+        page = LabelPage(**api.send("GET", f"/documents/{id}/labels", params=asked).json())
+        items += page.items
+        if page.next_cursor is None:
+            break
+        asked["cursor"] = page.next_cursor
+    _shown(LabelPage(items=items), as_json)
+
+
+def change(
+    id: Annotated[str, typer.Argument(help="Document")],
+    label: Annotated[int, typer.Argument(help="Id of the label")],
+    name: Annotated[str | None, typer.Option(help="Another motion name")] = None,
+    first: Annotated[int | None, typer.Option(min=1, help="Another first frame")] = None,
+    last: Annotated[int | None, typer.Option(min=1, help="Another last frame")] = None,
+    split: Annotated[int | None, typer.Option(min=2, help="Make two of it; the second begins here")] = None,
+    revision: RevisionOption = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Rename a label, move its ends, or split it."""
+    given = {"name": name, "first": first, "last": last, "split": split}
+    body = {key: value for key, value in given.items() if value is not None}
+    if not body:
+        raise typer.BadParameter("say what becomes of it: --name, --first, --last or --split")
+    url, headers = f"/documents/{id}/labels/{label}", if_match(revision)
+    _shown(LabelPage(**open_api(database, server).send("PATCH", url, json=body, headers=headers).json()), as_json)
+
+
+def delete(
+    id: Annotated[str, typer.Argument(help="Document")],
+    label: Annotated[int, typer.Argument(help="Id of the label")],
+    revision: RevisionOption = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Take a label off its frames."""
+    open_api(database, server).send("DELETE", f"/documents/{id}/labels/{label}", headers=if_match(revision))
 
 
 def by_query(
@@ -30,13 +94,16 @@ def by_query(
     project: Annotated[str | None, typer.Option(help="Only in this project")] = None,
     document: Annotated[list[str] | None, typer.Option(help="Only in this document; may be repeated")] = None,
     remove: Annotated[bool, typer.Option("--remove", help="Take the name off these frames")] = False,
+    instead_of: Annotated[
+        str | None, typer.Option("--instead-of", help="Take this name off the same frames: so names are changed")
+    ] = None,
     strict: Annotated[bool, typer.Option(help="Refuse names that are no anatomical movement")] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
     """Name all frames that an XPath expression selects."""
     asked = {"name": name, "xpath": xpath, "document": document or [], "remove": remove, "strict": strict}
-    asked |= {} if project is None else {"project": project}
+    asked |= {key: value for key, value in (("project", project), ("instead_of", instead_of)) if value is not None}
     _told(ChangedDocuments(**open_api(database, server).send("POST", "/labels", json=asked).json()))
 
 
@@ -95,6 +162,16 @@ def import_(
         _told(ChangedDocuments(**answer.json()))
     except McmlError as error:
         raise error.in_file(table.name) from error
+
+
+def _shown(page: LabelPage, as_json: bool) -> None:
+    if as_json:
+        print_json(page)
+        return
+    rows = table("id#", "first#", "last#", "name")
+    for item in page.items:
+        rows.add_row(f"{item.id}", f"{item.first}", f"{item.last}", item.name)
+    console.print(rows, markup=False)
 
 
 def _told(changed: ChangedDocuments) -> None:

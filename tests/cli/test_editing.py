@@ -74,6 +74,26 @@ def test_elements(run: Run, walk: str) -> None:
     assert json.loads(run("show", walk, "--json"))["frames"] == 28
 
 
+def test_labels(run: Run, walk: str) -> None:
+    run("label", walk, "hop:5-9")
+    first, hop = (item["id"] for item in json.loads(run("labels", "list", walk, "--json"))["items"])
+    run("labels", "change", walk, f"{hop}", "--name", "leap", "--last", "12")
+    run("labels", "change", walk, f"{first}", "--split", "11")
+    listed = run("labels", "list", walk)
+    assert [line.split()[1:] for line in listed.splitlines()[1:]] == [
+        ["1", "10", "walk"],
+        ["5", "12", "leap"],
+        ["11", "20", "walk"],
+    ]
+    assert "1 changed" in run("labels", "query", "stroll", "//frame[motion_name='walk']", "--instead-of", "walk")
+    assert "walk" not in run("labels", "list", walk)
+    assert run("xpath", "count(//frame[motion_name='stroll'])").strip() == "20"
+    leap = json.loads(run("labels", "list", walk, "--name", "leap", "--json"))["items"][0]["id"]
+    run("labels", "delete", walk, f"{leap}")
+    assert "leap" not in run("labels", "list", walk)
+    assert "say what becomes of it" in run("labels", "change", walk, "1", code=2)
+
+
 def test_frames(run: Run, walk: str) -> None:
     bone = json.loads(run("show", walk, "--json"))["bones"][1]["name"]
     run("frames", walk, "adjust", "1-5", "--channel", "Rx", "--factor", "0", "--offset", "7", "--bone", bone)
