@@ -11,7 +11,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from service.errors import FormatError, McmlError, Notice, Place
+from service.errors import FormatError, Notice, Place
 from service.formats.asf import read_asf
 from service.formats.asf_amc_writer import write_amc, write_asf
 from service.formats.format import Limits, Part, ReadOptions, SourceFile, need_convention
@@ -55,12 +55,10 @@ class AsfAmc:
             raise FormatError("AMC needs its ASF skeleton", at=Place(file=name), remedy="Send the .asf file too.")
         notices: list[Notice] = []
         asf = files["asf"]
-        try:
+        with asf.blamed():
             encoding = detect_encoding(asf.stream, options.encoding)
             notices += encoding.notices
             skeleton_file = read_asf(asf.stream, encoding, options.limits, notices)
-        except McmlError as error:
-            raise error.in_file(asf.name) from None
         part = SourcePart(
             part="asf",
             name=_base(asf.name),
@@ -86,12 +84,10 @@ def _base(name: str) -> str:
 
 def _read_amc(head: ClipHead, file: SourceFile, options: ReadOptions, notices: list[Notice]) -> ClipStream:
     stream = file.stream
-    try:
+    with file.blamed():
         encoding = detect_encoding(stream, options.encoding)
         notices += encoding.notices
         flags, comments, start = _read_amc_head(stream, encoding, options.limits)
-    except McmlError as error:
-        raise error.in_file(file.name) from None
     stream.seek(start)
     sample = b" ".join(re.findall(rb"(?<=\s)[+-]?[.0-9][^\s]*", stream.read(SAMPLE_BYTES))[:-1])
     part = SourcePart(
@@ -109,13 +105,11 @@ def _read_amc(head: ClipHead, file: SourceFile, options: ReadOptions, notices: l
 
     def blocks() -> Iterator[FrameBlock]:
         watch = _Watch(head.skeleton, full, notices)
-        try:
+        with file.blamed():
             for block in rows.blocks():
                 options.limits.check_size(watch.frames + len(block), len(block.columns))
                 watch.look(block)
                 yield block
-        except McmlError as error:
-            raise error.in_file(file.name) from None
         watch.report()
         note_comments(rows, notices)
 

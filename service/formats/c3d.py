@@ -15,7 +15,7 @@ from typing import Any, BinaryIO, Final
 
 import numpy as np
 
-from service.errors import ConversionError, FormatError, McmlError, Notice
+from service.errors import ConversionError, FormatError, Notice
 from service.formats import isolated
 from service.formats.format import Part, ReadOptions, SourceFile, need_convention, note
 from service.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart, full_shape
@@ -48,10 +48,8 @@ class C3d:
 
     def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:
         file = files["c3d"]
-        try:
+        with file.blamed():
             return _read(file, options)
-        except McmlError as error:
-            raise error.in_file(file.name) from None
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
         need_convention(clip.head.skeleton, self.convention, self.title)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import BinaryIO, Protocol
 
-from service.errors import ConversionError, FormatError, LimitError, Notice, Place
+from service.errors import ConversionError, FormatError, LimitError, McmlError, Notice, Place
 from service.motion.clip import ClipStream
 from service.motion.skeleton import Convention, Skeleton
 
@@ -116,6 +117,14 @@ class SourceFile:
 
     name: str
     stream: BinaryIO
+
+    @contextmanager
+    def blamed(self) -> Iterator[None]:
+        """Errors of ours that come out of the block name this file."""
+        try:
+            yield
+        except McmlError as error:
+            raise error.in_file(self.name) from None
 
 
 class Format(Protocol):

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from service.errors import FormatError, McmlError, Notice
+from service.errors import FormatError, Notice
 from service.formats.format import Part, ReadOptions, SourceFile, need_convention
 from service.formats.frame_rows import FrameRows, RowLayout, note_comments
 from service.formats.htr_head import CHANNELS, HtrHead, read_head
@@ -49,10 +49,8 @@ class Htr:
 
     def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:
         file = files["htr"]
-        try:
+        with file.blamed():
             return _read(file, options)
-        except McmlError as error:
-            raise error.in_file(file.name) from None
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
         need_convention(clip.head.skeleton, self.convention, self.title)
@@ -105,13 +103,11 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
 
     def blocks() -> Iterator[FrameBlock]:
         gaps = 0
-        try:
+        with file.blamed():
             for block in source():
                 cleaned = _without_missing(block)
                 gaps += cleaned is not block
                 yield cleaned
-        except McmlError as error:
-            raise error.in_file(file.name) from None
         if gaps:
             notice = Notice("warning", f"values of {missing or _DEFAULT_LEXEME} say that a sample is missing")
             if notice not in notices:

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import BinaryIO, Final
 
-from service.errors import FormatError, McmlError, Notice
+from service.errors import FormatError, Notice
 from service.formats.format import Limits, Part, ReadOptions, SourceFile, need_convention, note
 from service.formats.lines import Line, Lines, detect_encoding, shown
 from service.formats.number_text import detect_style
@@ -40,10 +40,8 @@ class Trc:
 
     def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:
         file = files["trc"]
-        try:
+        with file.blamed():
             return _read(file, options)
-        except McmlError as error:
-            raise error.in_file(file.name) from None
 
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
         need_convention(clip.head.skeleton, self.convention, self.title)
@@ -104,10 +102,8 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     )
 
     def blocks() -> Iterator[FrameBlock]:
-        try:
+        with file.blamed():
             yield from rows.blocks(notices)
-        except McmlError as error:
-            raise error.in_file(file.name) from None
 
     return ClipStream(clip_head, blocks, None, notices)
 
