@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-
 PLAIN = "SERIALIZER indent=no"
 """Answers as they are stored, as ours are."""
 
