@@ -18,7 +18,7 @@ MEMORY = 150.0
 
 @dataclass
 class Row:
-    """Milliseconds by size, net of an empty request; lxml's and PostgreSQL's as they are. alone: BaseX in a session for
+    """Milliseconds by size, net of an empty request; lxml's and PostgreSQL's as they are. alone: BaseX, a session for
     each question."""
 
     question: Question
