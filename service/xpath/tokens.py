@@ -138,8 +138,16 @@ def _test(token: Any) -> str:
 
 def _span(token: Any) -> Span:
     """From the first character of the whole expression to the last of the token that joins it."""
-    first, last = token.span
-    while len(token):
-        token = token[0]
-        first = min(first, token.span[0])
-    return int(first), int(last)
+    # Noted on each token: a long sum leans to the left, and all its parts begin where it does.
+    below: list[Any] = []
+    current = token
+    while "first_character" not in current.__dict__:
+        below.append(current)
+        if not len(current):
+            break
+        current = current[0]
+    first = current.__dict__.get("first_character", current.span[0])
+    for part in reversed(below):
+        first = min(first, int(part.span[0]))
+        part.first_character = first
+    return first, int(token.span[1])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import resource
-import time
 from collections.abc import Iterator
 from io import BytesIO, RawIOBase
 
@@ -61,13 +60,13 @@ def test_undeclared_entities_are_refused(doctype: bytes, place: bytes) -> None:
 @pytest.mark.parametrize(
     "spaces", [b" " * 200_000, b"<!-- -->" * 20_000, b"\n<?a b?>" * 20_000, b"<!--" * 50_000, b"<?" * 50_000]
 )
-def test_long_prologues_take_no_time(spaces: bytes) -> None:
-    start = time.perf_counter()
+@pytest.mark.timeout(30)
+def test_long_prologues_are_read_once(spaces: bytes) -> None:
+    """An expression that tried every beginning would take hours."""
     with pytest.raises((DocumentError, LimitError)):
         read(spaces + b"<x/>")
     with pytest.raises(DocumentError):
         dtd.validate(spaces + b"<x/>")
-    assert time.perf_counter() - start < 2
 
 
 def test_deep_nesting_is_refused() -> None:
