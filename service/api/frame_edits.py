@@ -74,18 +74,35 @@ async def put_values(
     database: DatabaseDep,
     author: AuthorDep,
     first: Annotated[int, Query(ge=1, le=MOST, description="Frame of the first row", examples=[100])] = 1,
+    last: Annotated[
+        int | None, Query(ge=1, le=MOST, description="Frame of the last row; so many rows are needed", examples=[142])
+    ] = None,
     column: Annotated[
         list[str] | None,
         Query(description="BONE.CHANNEL of each column of an array", examples=[["left_up_leg.Rx"]]),
     ] = None,
+    bone: Annotated[
+        list[str] | None, Query(description="Or bones, each with every `channel`", examples=[["left_up_leg"]])
+    ] = None,
+    channel: Annotated[list[str] | None, Query(description="Channels of every `bone`", examples=[["Rx"]])] = None,
     if_match: IfMatch = None,
 ) -> FramesEdited:
-    """Set channels of consecutive frames to numbers: JSON, or a NumPy file. Only what changes is written."""
+    """Set channels of consecutive frames to numbers: JSON, or a NumPy file. Only what changes is written.
+
+    Columns are named by `column`, or by `bone` and `channel`, which may be repeated: all channels of the first bone,
+    then those of the next. JSON is `{columns, values}`, or a list of numbers or of rows where the query names the columns.
+    """
     content = await read_body(request, MOST_BYTES)
     plain = request.headers.get("content-type", "").partition(";")[0].strip() in ("", "application/json")
 
     def write() -> StoredDocument:
-        columns, values = _from_json(content) if plain else (column or [], _from_npy(content))
+        stated = [*(column or []), *(f"{one}.{other}" for one in bone or [] for other in channel or [])]
+        columns, values = _from_json(content, stated) if plain else (stated, _from_npy(content))
+        if last is not None and len(values) != last - first + 1:
+            raise DocumentError(
+                f"Frames {first} to {last} need {last - first + 1} rows, there are {len(values)}.",
+                remedy="Send a row for each frame, or leave `last` out.",
+            )
         if values.shape[1] != len(columns):
             raise DocumentError(
                 f"The array has {values.shape[1]} columns, {len(columns)} are named.", remedy="Name each: BONE.CHANNEL."
@@ -111,9 +128,14 @@ def _edited(response: Response, changed: StoredDocument) -> FramesEdited:
     return FramesEdited(revision=changed.revision, frames=changed.frames)
 
 
-def _from_json(content: bytes) -> tuple[list[str], Array]:
+def _from_json(content: bytes, stated: list[str]) -> tuple[list[str], Array]:
+    """Columns and values. stated: the columns, where the body has numbers alone."""
     try:
-        found = FrameValues.model_validate(orjson.loads(content or b"{}"))
+        sent = orjson.loads(content or b"{}")
+        if isinstance(sent, list):
+            rows = sent if sent and isinstance(sent[0], list) else [[number] for number in sent]
+            sent = {"columns": stated, "values": rows}
+        found = FrameValues.model_validate(sent)
         values = np.array(found.values, dtype=np.float64)
         if values.ndim != 2:
             raise ValueError("rows of different lengths")

@@ -69,6 +69,23 @@ def test_all_or_nothing(client: TestClient, uuid: str) -> None:
     assert client.post(f"{API}/documents/{uuid}/frames", json={"edits": edits}).status_code == 428
 
 
+def test_a_curve_by_bone_and_channel(client: TestClient, uuid: str) -> None:
+    def curves() -> np.ndarray:
+        both = {"bone": ["Spine"], "first": 5, "last": 8}
+        found = client.get(f"{API}/documents/{uuid}/frames", params=both).json()["items"]
+        return np.array([[row["values"]["Spine"][name] for name in ("Rx", "Rz")] for row in found])
+
+    url, spot = f"{API}/documents/{uuid}/frames", {"first": 5, "last": 8, "bone": "Spine"}
+    assert client.put(url, params=spot | {"channel": "Rx"}, json=[1, 2, 3, 4], headers=ANY).status_code == 200
+    assert curves()[:, 0].tolist() == [1, 2, 3, 4]
+    pairs = [[5, 6], [7, 8], [9, 10], [11, 12]]
+    assert client.put(url, params=spot | {"channel": ["Rz", "Rx"]}, json=pairs, headers=ANY).status_code == 200
+    assert curves()[:, ::-1].tolist() == pairs
+    for wrong in ([1, 2, 3], [[1, 2]] * 4, [], [1, [2]]):
+        assert client.put(url, params=spot | {"channel": "Rx"}, json=wrong, headers=ANY).status_code == 422
+    assert client.put(url, params=spot, json=[1, 2, 3, 4], headers=ANY).status_code == 422
+
+
 @pytest.mark.parametrize("form", ["json", "npy"])
 def test_channels_as_arrays(client: TestClient, uuid: str, form: str) -> None:
     columns = client.get(f"{API}/documents/{uuid}/frames?format=npy").headers["x-mcml-columns"].split(",")
