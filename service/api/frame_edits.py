@@ -90,7 +90,7 @@ async def put_values(
     """Set channels of consecutive frames to numbers: JSON, or a NumPy file. Only what changes is written.
 
     Columns are named by `column`, or by `bone` and `channel`, which may be repeated: all channels of the first bone,
-    then those of the next. JSON is `{columns, values}`, or a list of numbers or of rows where the query names the columns.
+    then those of the next. JSON is `{columns, values}`, or a list of numbers or rows where the query names the columns.
     """
     content = await read_body(request, MOST_BYTES)
     plain = request.headers.get("content-type", "").partition(";")[0].strip() in ("", "application/json")
