@@ -31,12 +31,15 @@ def undo_rows(tx: Transaction, stored: StoredDocument, at: int) -> None:
 
     ConflictError where a later commit has touched them.
     """
-    moved = bool(_written(tx, timeline, stored, at) or _closed(tx, timeline, stored, at))
+    moved = _touches(tx, timeline, stored, at)
+    moved_since = _order(tx, stored, at) != _order(tx, stored, CURRENT - 1)
     for table in REVISIONED:
         if table in (content, header):
             continue
         if moved and table in _BY_POSITION and _changed_since(tx, table, stored, at):
             raise _touched("frames came or went, and their names or ids were changed")
+        if moved_since and table in _BY_POSITION and _touches(tx, table, stored, at):
+            raise _touched("names or ids of frames were changed, and frames came or went")
         _take_back(tx, table, stored, at)
     _merge_header(tx, stored, at)
     _merge_content(tx, stored, at)
@@ -67,6 +70,10 @@ def _closed(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> l
 def _closed_at(table: Table, at: int) -> list[ColumnElement[bool]]:
     found = [table.c.to_commit == at, table.c.from_commit < at]
     return [CLOSED_TRACK, *found] if table is track else found
+
+
+def _touches(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> bool:
+    return bool(_written(tx, table, stored, at) or _closed(tx, table, stored, at))
 
 
 def _changed_since(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> bool:
@@ -104,6 +111,11 @@ def _key(row: Row, names: list[str]) -> tuple[Any, ...]:
 
 def _at(tx: Transaction, table: Table, stored: StoredDocument, commit: int) -> list[Row]:
     return _rows(tx, table, stored, table.c.from_commit <= commit, table.c.to_commit > commit)
+
+
+def _order(tx: Transaction, stored: StoredDocument, commit: int) -> list[tuple[Any, ...]]:
+    """Where the frames of the document lay."""
+    return sorted(_key(row, ["first", "slot", "count"]) for row in _at(tx, timeline, stored, commit))
 
 
 def _merge_header(tx: Transaction, stored: StoredDocument, at: int) -> None:
