@@ -8,34 +8,29 @@ makes it visible.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+import os
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
-from service.actions.check_names import check_frame_time, given_name, name_of_file
+from service.actions.check_names import given_name, name_of_file
+from service.actions.encode_clip import EncodedClip, Progress, encode_clip
 from service.actions.gather_files import Clip, SkeletonLookup, gathered
 from service.actions.import_batch import Batch, Imported, ImportResult
 from service.actions.import_options import ImportOptions
-from service.actions.keep_upload import WORKERS, Upload
-from service.actions.open_clip import open_clip
-from service.errors import DocumentError, Notice
+from service.actions.import_workers import FEWEST_CLIPS, MOST_BYTES, ReadApart, Task, reading_ahead
+from service.actions.keep_upload import WORKERS, Upload, digest_of
+from service.errors import McmlError
 from service.formats.format import SourceFile
-from service.mcml import motion_names
-from service.mcml.elements import Element
-from service.motion.clip import ClipHead, ClipStream
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.encoding import ClipEncoder
-from service.storage.rows import SkeletonRows, skeleton_rows
 from service.storage.tracks import Piece
 
 FLUSH_BYTES = 16 << 20
 """Rows of a clip that wait in memory before they are written in a transaction of their own."""
-
-Progress = Callable[[str, int, int | None], None]
-"""Called with a file name, frames done, and frames in all if known; may raise to stop the import."""
 
 
 def import_files(
@@ -57,15 +52,39 @@ def import_files(
     result = ImportResult()
     with gathered(files, settings, lookup) as found, ThreadPoolExecutor(WORKERS) as executor:
         result.problems += found.problems
+        chosen = options if len(found.clips) == 1 else replace(options, name=None)
         batch = Batch(database, author, result)
-        try:
-            for clip in found.clips:
-                chosen = options if len(found.clips) == 1 else replace(options, name=None)
-                batch.take(Importer(database, clip, chosen, settings, author, executor, progress))
-        finally:
-            # What was read before the import was stopped is stored.
-            batch.store()
+        with reading_ahead(_tasks(database, found.clips, chosen), settings) as workers:
+            try:
+                for number, clip in enumerate(found.clips):
+                    apart = workers.take(number)
+                    batch.take(Importer(database, clip, chosen, settings, author, executor, progress, apart))
+            finally:
+                # What was read before the import was stopped is stored.
+                batch.store()
     return result
+
+
+def _tasks(database: Database, clips: list[Clip], options: ImportOptions) -> dict[int, Task]:
+    """The clips that another process may read, by their number: not those that are large, or stored already."""
+    sizes = [sum(file.stream.seek(0, os.SEEK_END) for file in clip.files.values()) for clip in clips]
+    tasks = {
+        number: Task(clip, options, size)
+        for number, (clip, size) in enumerate(zip(clips, sizes, strict=True))
+        if size <= MOST_BYTES
+    }
+    if options.on_duplicate != "skip" or len(tasks) < FEWEST_CLIPS:
+        return tasks
+    with database.read() as tx:
+        project = tx.projects.find(options.project)
+        if project is None:
+            return tasks
+
+        def is_stored(clip: Clip) -> bool:
+            digests = {part: digest_of(file) for part, file in clip.files.items()}
+            return bool(tx.uploads.twins(digests, project))
+
+        return {number: task for number, task in tasks.items() if not is_stored(task.clip)}
 
 
 class _StoredMeanwhile(Exception):  # noqa: N818
@@ -76,20 +95,10 @@ class _StoredMeanwhile(Exception):  # noqa: N818
         self.uuid = uuid
 
 
-@dataclass(frozen=True)
-class _Read:
-    """What was read of a clip, all but its rows. facts: the receipt."""
-
-    document: Element
-    skeleton: SkeletonRows
-    head: ClipHead
-    encoder: ClipEncoder
-    facts: dict[str, Any]
-
-
 class Importer:
     """The import of one clip: `begin`, `read`, then `store` it, once or again.
 
+    apart: what another process made of it, where one has read it.
     key: of the document where a transaction that is committed already holds a part of it.
     """
 
@@ -102,6 +111,7 @@ class Importer:
         author: str,
         executor: ThreadPoolExecutor,
         progress: Progress | None,
+        apart: ReadApart | None = None,
     ) -> None:
         self.database = database
         self.clip = clip
@@ -110,6 +120,8 @@ class Importer:
         self.author = author
         self.executor = executor
         self.progress = progress
+        self.apart = apart
+        self.encoder = ClipEncoder(executor)
         self.key: int | None = None
         self.uuid = ""
         self.project = 0
@@ -120,6 +132,9 @@ class Importer:
 
     def begin(self) -> None:
         """Take the digests of the files, and let them be compressed."""
+        if self.apart is not None:
+            self.uploads = [Upload.of_packed(self.clip.files[made.part], made) for made in self.apart.uploads]
+            return
         self.uploads = [Upload.begin(part, file, self.executor) for part, file in self.clip.files.items()]
 
     @property
@@ -142,32 +157,28 @@ class Importer:
             twins = self._twins() if self.skips_twins else []
             if twins:
                 return self._stored(twins[0])
-            opened = open_clip(self.clip, self.options, self.settings)
-            stream = opened.stream
-            encoder = ClipEncoder(self.executor)
-            for block in stream.blocks():
-                self._keep(encoder.add(block))
-                if self.progress is not None:
-                    self.progress(self.clip.name, encoder.frames, stream.frames)
-            encoder.close()
-            head = replace(stream.head, frame_time=self._frame_time(stream))
-            opened.check(encoder.shapes)
-            self._make_names_canonical(encoder, stream)
-            self._add_labels(encoder)
-            forest = opened.document.children[1:]
-            rows = skeleton_rows(forest) if opened.shared is None else opened.shared.rows
-            facts = opened.receipt(head, encoder.frames)
-            self._found = _Read(opened.document, rows, head, encoder, facts)
+            self._found = self._encoded() if self.apart is None else self._taken(self.apart)
         return None
+
+    def _encoded(self) -> EncodedClip:
+        return encode_clip(self.clip, self.options, self.settings, self.encoder, self._keep, self.progress)
+
+    def _taken(self, apart: ReadApart) -> EncodedClip:
+        if isinstance(apart.encoded, McmlError):
+            raise apart.encoded
+        self.rows = apart.rows
+        if self.progress is not None:
+            self.progress(self.clip.name, apart.encoded.frames, apart.encoded.frames)
+        return apart.encoded
 
     def compress(self) -> None:
         """Let the numbers be compressed that wait for it."""
-        self._found.encoder.compress()
+        self.encoder.compress()
 
     def finish(self) -> None:
         """Wait for what is still being compressed; a large clip begins to be stored."""
         with self._whole_or_absent():
-            self._keep(self._found.encoder.rest())
+            self._keep(self.encoder.rest())
             for upload in self.uploads:
                 self._prepare(upload)
 
@@ -204,37 +215,6 @@ class Importer:
             project = tx.projects.find(self.options.project)
             return [] if project is None else tx.uploads.twins(self.digests, project)
 
-    def _frame_time(self, stream: ClipStream) -> str | None:
-        stated = self.options.frame_time
-        if stated is None:
-            return stream.head.frame_time
-        check_frame_time(stated)
-        return stated
-
-    def _make_names_canonical(self, encoder: ClipEncoder, stream: ClipStream) -> None:
-        """Motion names that the document itself has are stored as labels are: canonically, and none impossible."""
-        for row in encoder.spans.rows:
-            said = row["name"]
-            row["name"] = motion_names.canonical(said, strict=self.options.strict_names)
-            if row["name"] != said:
-                notice = Notice("note", f"motion name {said!r} is stored as {row['name']!r}")
-                if notice not in stream.notices:
-                    stream.notices.append(notice)
-
-    def _add_labels(self, encoder: ClipEncoder) -> None:
-        for label in self.options.labels:
-            name = motion_names.canonical(label.name, strict=self.options.strict_names)
-            first = 1 if label.first is None else label.first
-            last = encoder.frames if label.last is None else label.last
-            if not 1 <= first <= last <= encoder.frames:
-                raise DocumentError(
-                    f"The label {label.name!r} lies on frames {first} to {last}, the clip has {encoder.frames}.",
-                    remedy="Give positions from 1 to the number of frames.",
-                )
-            overlapping = [row["rank"] for row in encoder.spans.rows if row["first"] <= last and row["last"] >= first]
-            rank = max(overlapping, default=-1) + 1
-            encoder.spans.rows.append({"name": name, "rank": rank, "first": first, "last": last})
-
     def _keep(self, chunks: Iterator[list[dict[str, Any]]]) -> None:
         for rows in chunks:
             self.rows += rows
@@ -261,24 +241,23 @@ class Importer:
 
     def store(self, tx: Transaction) -> Imported:
         """Write what is not written yet and make the document visible. Changes nothing here: it may be repeated."""
-        document, head, encoder = self._found.document, self._found.head, self._found.encoder
+        found = self._found
         key = self._flush(tx)
-        tx.tracks.write_shapes(key, encoder.shapes)
-        tx.tracks.write_shape_runs(key, encoder.shape_rows, 0)
-        tx.tracks.write_frame_runs(key, encoder.ids.rows, 0)
-        tx.tracks.write_timeline(key, [Piece(1, 0, encoder.frames)] if encoder.frames else [], 0)
-        tx.spans.write(key, encoder.spans.rows, 0)
-        tx.heads.write_header(key, document.children[0], 0)
-        tx.heads.write_bones(key, list(head.skeleton.names), 0)
+        tx.tracks.write_shapes(key, found.shapes)
+        tx.tracks.write_shape_runs(key, found.shape_rows, 0)
+        tx.tracks.write_frame_runs(key, found.frame_runs, 0)
+        tx.tracks.write_timeline(key, [Piece(1, 0, found.frames)] if found.frames else [], 0)
+        tx.spans.write(key, found.spans, 0)
+        tx.heads.write_header(key, found.header, 0)
+        tx.heads.write_bones(key, found.bones, 0)
         tx.documents.write_content(
             key,
             0,
-            skeleton=tx.heads.add_skeleton(self.project, self._found.skeleton, len(head.skeleton)),
-            version=document.attributes["version"],
-            frames=encoder.frames,
-            frame_time=head.frame_time,
-            # A stated frame time changes what BVH holds; AMC and HTR files have no place for it.
-            intact=head.frame_time is None or self.options.frame_time is None or head.format != "bvh",
+            skeleton=tx.heads.add_skeleton(self.project, found.skeleton, len(found.bones)),
+            version=found.version,
+            frames=found.frames,
+            frame_time=found.frame_time,
+            intact=found.intact,
         )
         if self.skips_twins:
             # Whoever stores an equal clip at this moment is waited for.
@@ -287,13 +266,15 @@ class Importer:
         twins = tx.uploads.twins(self.digests, self.project) if all(kept) else []
         if twins and self.skips_twins:
             raise _StoredMeanwhile(twins[0])
-        facts = self._found.facts | {"twins": twins}
+        facts = found.facts | {"twins": twins}
         packed = json.dumps(facts, ensure_ascii=False)
-        tx.documents.publish(key, next_slot=encoder.frames, receipt=packed, message=self.clip.name)
+        tx.documents.publish(key, next_slot=found.frames, receipt=packed, message=self.clip.name)
         return Imported(self.uuid, self.name, facts)
 
     def _prepare(self, upload: Upload) -> None:
         """Compress what is not stored yet; a large file goes into the store in transactions of its own."""
+        if upload.blocks is not None:
+            return
         if upload.size and not upload.early:
             with self.database.read() as tx:
                 if tx.uploads.find(upload.sha256, upload.size) is not None:

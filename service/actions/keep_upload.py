@@ -21,6 +21,22 @@ EARLY_BYTES = 64 << 20
 WORKERS = 2
 
 
+@dataclass(frozen=True)
+class PackedFile:
+    """A whole file as the store keeps it. blocks: compressed."""
+
+    part: str
+    size: int
+    sha256: str
+    blocks: list[bytes]
+
+
+def packed(part: str, content: bytes) -> PackedFile:
+    """A file that fits in memory, compressed."""
+    blocks = [content[start : start + BLOCK_BYTES] for start in range(0, len(content), BLOCK_BYTES)]
+    return PackedFile(part, len(content), _digest_of(blocks), [compress_block(block) for block in blocks])
+
+
 @dataclass
 class Upload:
     """A file on its way into the store.
@@ -44,11 +60,16 @@ class Upload:
         """Read the file once, for its digest, and let its blocks be compressed where they all fit in memory."""
         size = file.stream.seek(0, os.SEEK_END)
         if size > EARLY_BYTES:
-            sha256 = _digest_of(_blocks_of(file))
+            sha256 = digest_of(file)
             return cls(part, file, size, [], lambda: sha256)
         blocks = list(_blocks_of(file))
         early = [executor.submit(compress_block, block) for block in blocks]
         return cls(part, file, size, early, executor.submit(_digest_of, blocks).result)
+
+    @classmethod
+    def of_packed(cls, file: SourceFile, made: PackedFile) -> Upload:
+        """A file that was compressed elsewhere."""
+        return cls(made.part, file, made.size, [], lambda: made.sha256, made.blocks)
 
     @property
     def sha256(self) -> str:
@@ -111,6 +132,11 @@ def _blocks_of(file: SourceFile) -> Iterator[bytes]:
     while block := file.stream.read(BLOCK_BYTES):
         yield block
     file.stream.seek(0)
+
+
+def digest_of(file: SourceFile) -> str:
+    """The SHA-256 of a file."""
+    return _digest_of(_blocks_of(file))
 
 
 def _digest_of(blocks: Iterable[bytes]) -> str:

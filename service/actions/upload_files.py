@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from schemas.documents import FileProblem, ImportedDocument, NoticeLine, Receipt, UploadResult
 from service.actions.describe_problem import problem_of
-from service.actions.import_motion import Progress, import_files
+from service.actions.encode_clip import Progress
+from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions
 from service.errors import McmlError
 from service.formats.format import SourceFile

@@ -23,8 +23,8 @@ from schemas.documents import (
 from schemas.queries import QueryAnswer, QueryRequest
 from service.actions.check_names import file_name
 from service.actions.describe_document import detail, summary
+from service.actions.encode_clip import Progress
 from service.actions.export_motion import ExportOptions, export_document
-from service.actions.import_motion import Progress
 from service.actions.import_options import ImportOptions
 from service.actions.upload_files import upload_files
 from service.cli.api import Api, error_of
