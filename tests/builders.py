@@ -7,8 +7,10 @@ from collections.abc import Iterator, Sequence
 
 import c3d
 import numpy as np
+import pytest
 from fastapi.testclient import TestClient
 
+from service.actions import import_workers
 from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions
 from service.formats.format import SourceFile
@@ -174,6 +176,12 @@ MCML = b"""<?xml version="1.0" encoding="UTF-8"?>
 
 def source(name: str, content: bytes) -> SourceFile:
     return SourceFile(name, io.BytesIO(content))
+
+
+def read_by(monkeypatch: pytest.MonkeyPatch, processes: int) -> None:
+    """Let so many processes read the clips of imports: threads of the test's runner do nothing that a fork harms."""
+    monkeypatch.setenv("MCML_IMPORT_PROCESSES", str(processes))
+    monkeypatch.setattr(import_workers, "may_fork", lambda: True)
 
 
 def store(database: Database, files: dict[str, bytes], **options: object) -> list[str]:

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 BATCH_BYTES, BATCH_CLIPS = 16 << 20, 32
 """Of files whose clips are stored in one transaction."""
 
+EARLY_CLIPS = 8
+"""For which a commit is worth while where the importer would wait otherwise."""
+
 
 @dataclass(frozen=True)
 class Imported:
@@ -55,6 +58,11 @@ class Batch:
                 return
             self._waiting.append(importer)
         if len(self._waiting) >= BATCH_CLIPS or sum(other.size for other in self._waiting) >= BATCH_BYTES:
+            self.store()
+
+    def store_early(self) -> None:
+        """Store while there is nothing else to do, unless it is too little for a commit."""
+        if len(self._waiting) >= EARLY_CLIPS:
             self.store()
 
     def store(self) -> None:

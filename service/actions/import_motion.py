@@ -57,6 +57,8 @@ def import_files(
         with reading_ahead(_tasks(database, found.clips, chosen), settings) as workers:
             try:
                 for number, clip in enumerate(found.clips):
+                    if workers.is_behind(number):
+                        batch.store_early()
                     apart = workers.take(number)
                     batch.take(Importer(database, clip, chosen, settings, author, executor, progress, apart))
             finally:
@@ -67,11 +69,10 @@ def import_files(
 
 def _tasks(database: Database, clips: list[Clip], options: ImportOptions) -> dict[int, Task]:
     """The clips that another process may read, by their number: not those that are large, or stored already."""
-    sizes = [sum(file.stream.seek(0, os.SEEK_END) for file in clip.files.values()) for clip in clips]
     tasks = {
-        number: Task(clip, options, size)
-        for number, (clip, size) in enumerate(zip(clips, sizes, strict=True))
-        if size <= MOST_BYTES
+        number: Task(clip, options)
+        for number, clip in enumerate(clips)
+        if sum(file.stream.seek(0, os.SEEK_END) for file in clip.files.values()) <= MOST_BYTES
     }
     if options.on_duplicate != "skip" or len(tasks) < FEWEST_CLIPS:
         return tasks

@@ -2,7 +2,7 @@
 
 Reading holds Python's lock, so threads do not help. A process without threads forks in a few milliseconds, and its
 workers find files, options and settings in the memory they inherit. A process with threads must not fork, and to start
-a worker afresh takes longer than to read a hundred clips: there, and where fork is unsafe, the importer reads by itself.
+a worker afresh takes longer than to read a hundred clips: there, and where fork is unsafe, the importer reads alone.
 """
 
 from __future__ import annotations
@@ -12,14 +12,16 @@ import io
 import multiprocessing
 import os
 import signal
+import struct
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
-from typing import Any
+from itertools import islice
+from multiprocessing.connection import Connection, wait
+from typing import Any, cast
 
 from service.actions.encode_clip import EncodedClip, TrackRows, encode_clip
 from service.actions.gather_files import Clip
@@ -33,11 +35,16 @@ from service.storage.encoding import ClipEncoder
 FEWEST_CLIPS = 8
 """For which workers are started: to read these takes several times as long as to fork."""
 
-MOST_BYTES = 8 << 20
+MOST_BYTES = 4 << 20
 """Of the files of a clip that a worker reads; larger ones stream into the store."""
 
+AHEAD = 8
+"""Clips of each worker that are handed out and not taken yet: bounds the memory of an import."""
+
 PIPE_BYTES = 1 << 20
-"""What a worker may be ahead of the store: bounds the memory of an import. More takes a privilege on Linux."""
+"""Of what a worker made, on its way to the importer. For more one needs a privilege on Linux."""
+
+_NUMBER = struct.Struct("=I")
 
 
 @dataclass(frozen=True)
@@ -51,56 +58,81 @@ class ReadApart:
 
 @dataclass(frozen=True)
 class Task:
-    """A clip for a worker. size: bytes of its files."""
+    """A clip for a worker."""
 
     clip: Clip
     options: ImportOptions
-    size: int
 
 
 class ImportWorkers:
-    """Each worker reads its clips in their order, and waits while as much as a pipe holds has not been taken."""
+    """Workers that read clips a little ahead of the importer, who takes what they made in the order of the clips."""
 
-    def __init__(self) -> None:
-        self._pipes: dict[int, Connection] = {}
+    def __init__(self, tasks: dict[int, Task]) -> None:
+        self._tasks = tasks
+        self._numbers = iter(tasks)
+        self._pipes: list[Connection] = []
+        self._to_do = -1
+        self._made: dict[int, ReadApart | None] = {}
 
     def take(self, number: int) -> ReadApart | None:
-        """What a worker made of this clip; ask in the order of clips. None where the importer must read it itself."""
-        pipe = self._pipes.get(number)
-        if pipe is None or pipe.closed:
+        """What a worker made of this clip. None where the importer must read it itself."""
+        if number not in self._tasks:
             return None
+        while number not in self._made and self._pipes:
+            for pipe in wait(self._pipes):
+                self._receive(cast(Connection, pipe))
+        self._hand_out(1)
+        return self._made.pop(number, None)
+
+    def is_behind(self, number: int) -> bool:
+        """Whether the importer would have to wait for this clip."""
+        is_due = number in self._tasks and number not in self._made
+        return is_due and bool(self._pipes) and not wait(self._pipes, 0)
+
+    def _receive(self, pipe: Connection) -> None:
         try:
-            answer: ReadApart | None = pipe.recv()
+            number, made = pipe.recv()
         except (EOFError, OSError):
-            # The worker was killed, by want of memory for one: its other clips are the importer's too.
+            # A worker was killed, nobody knows with which clip: whatever is not made yet is the importer's.
+            self._part()
+        else:
+            self._made[number] = made
+
+    def _hand_out(self, count: int) -> None:
+        if self._pipes:
+            for number in islice(self._numbers, count):
+                os.write(self._to_do, _NUMBER.pack(number))
+
+    def _part(self) -> None:
+        """Take no more from workers, who end when they notice."""
+        for pipe in self._pipes:
             pipe.close()
-            return None
-        return answer
+        self._pipes = []
 
     @contextmanager
-    def started(self, tasks: dict[int, Task], settings: Settings, processes: int) -> Iterator[None]:
-        """Workers for tasks by number, ended at the end of the block."""
+    def started(self, settings: Settings, processes: int) -> Iterator[None]:
+        """As many workers, which end when the block does."""
         context = multiprocessing.get_context("fork")
+        to_do, self._to_do = os.pipe()
         running = []
-        shares = _shares(tasks, processes)
         try:
-            for share in shares:
+            for _ in range(processes):
                 here, there = context.Pipe(duplex=False)
-                inherited = [here, *self._pipes.values()]
-                worker = context.Process(
-                    target=_work, args=([tasks[number] for number in share], settings, there, inherited), daemon=True
-                )
+                self._pipes.append(here)
+                work = _Work(self._tasks, settings, to_do, there)
+                worker = context.Process(target=work.run, args=(self._to_do, self._pipes), daemon=True)
                 with there:
                     _widen(there)
-                    # Without memory for a process there is none, and the importer reads its clips.
+                    # Where there is no room for another process, its pipe ends here.
                     with suppress(OSError):
                         worker.start()
                         running.append(worker)
-                self._pipes |= dict.fromkeys(share, here)
+            self._hand_out(AHEAD * processes)
             yield
         finally:
-            for pipe in self._pipes.values():
-                pipe.close()
+            self._part()
+            for end in (to_do, self._to_do):
+                os.close(end)
             for worker in running:
                 worker.terminate()
             for worker in running:
@@ -110,12 +142,12 @@ class ImportWorkers:
 @contextmanager
 def reading_ahead(tasks: dict[int, Task], settings: Settings) -> Iterator[ImportWorkers]:
     """Workers for the tasks, none where that is not worth while."""
-    workers = ImportWorkers()
+    workers = ImportWorkers(tasks)
     processes = min(settings.import_processes_at_a_time, len(tasks) // 2)
     if processes < 2 or len(tasks) < FEWEST_CLIPS or not may_fork():
         yield workers
         return
-    with workers.started(tasks, settings, processes):
+    with workers.started(settings, processes):
         yield workers
 
 
@@ -126,17 +158,6 @@ def may_fork() -> bool:
     return sys.platform == "linux" and is_alone
 
 
-def _shares(tasks: dict[int, Task], processes: int) -> list[list[int]]:
-    """Numbers of tasks for each worker, each to the one that has the fewest bytes so far."""
-    shares: list[list[int]] = [[] for _ in range(processes)]
-    loads = [0] * processes
-    for number, task in tasks.items():
-        least = loads.index(min(loads))
-        shares[least].append(number)
-        loads[least] += task.size + 1
-    return shares
-
-
 def _widen(pipe: Connection) -> None:
     import fcntl
 
@@ -145,24 +166,37 @@ def _widen(pipe: Connection) -> None:
         fcntl.fcntl(pipe.fileno(), fcntl.F_SETPIPE_SZ, PIPE_BYTES)
 
 
-def _work(tasks: Sequence[Task], settings: Settings, answers: Connection, inherited: Sequence[Connection]) -> None:
-    """What a worker does, until all is read or nobody is left who takes it."""
-    # As long as any process could read from a pipe, writing to it would not tell that the importer was killed.
-    for pipe in inherited:
-        pipe.close()
-    # A handler of the importer's, or the traceback of an interrupt, has no place here.
-    for kind in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(kind, signal.SIG_DFL)
-    # What was inherited is not to be collected, which would copy the memory that holds it.
-    gc.freeze()
-    with suppress(BrokenPipeError):
-        for task in tasks:
-            try:
-                answer = read_apart(task, settings)
-            except Exception:
-                # The importer meets the same, and says it in its own words.
-                answer = None
-            answers.send(answer)
+@dataclass(frozen=True)
+class _Work:
+    """What a worker does. to_do: a pipe of numbers of tasks, from which all workers help themselves."""
+
+    tasks: dict[int, Task]
+    settings: Settings
+    to_do: int
+    answers: Connection
+
+    def run(self, handing_out: int, taking: Sequence[Connection]) -> None:
+        """Read clips until nobody hands them out or takes them. handing_out, taking: the importer's ends of pipes."""
+        # As long as any process had these, no end of a pipe would tell that the importer was killed.
+        os.close(handing_out)
+        for pipe in taking:
+            pipe.close()
+        # A handler of the importer's, or the traceback of an interrupt, has no place here.
+        for kind in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(kind, signal.SIG_DFL)
+        # What was inherited is not to be collected, which would copy the memory that holds it.
+        gc.freeze()
+        with suppress(BrokenPipeError):
+            while found := os.read(self.to_do, _NUMBER.size):
+                (number,) = _NUMBER.unpack(found)
+                self.answers.send((number, self._read(number)))
+
+    def _read(self, number: int) -> ReadApart | None:
+        try:
+            return read_apart(self.tasks[number], self.settings)
+        except Exception:
+            # The importer meets the same, and says it in its own words.
+            return None
 
 
 def read_apart(task: Task, settings: Settings) -> ReadApart:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
@@ -30,6 +31,14 @@ from service.errors import McmlError, UnsupportedError
 from service.storage.documents import DocumentFilter
 
 EXTENSIONS = {".bvh", ".asf", ".amc", ".htr", ".htr2", ".c3d", ".trc", ".mcml", ".xml", ".zip"}
+
+PAIRED = (".asf", ".amc")
+
+MOST_FILES, MOST_BYTES = 64, 64 << 20
+"""Of one call: what was read of it is told when all of it is stored, and a server's limit is one of all its files."""
+
+SECONDS_DRAWN = 0.1
+"""Between two drawings of the bar, each of which takes as long as to read a short clip."""
 
 
 def add_to(app: typer.Typer) -> None:
@@ -76,13 +85,12 @@ def import_(
     )
     library = open_library(database, server)
     stored, failed, answers = 0, 0, []
-    groups = list(_groups(paths))
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, disable=as_json or not sys.stderr.isatty()) as bar:
-        task = bar.add_task("importing", total=len(groups))
+    # A name is for the one document of a call.
+    groups = list(_groups(paths, MOST_FILES if name is None else 1))
+    with _Bar(sum(map(len, groups)), disable=as_json or not sys.stderr.isatty()) as bar:
         for group in groups:
-            bar.update(task, description=name_of(group[-1])[:40])
-            answer = library.import_paths(group, options, None)
+            bar.begin(group)
+            answer = library.import_paths(group, options, bar.tell)
             answers.append(answer)
             for document in answer.documents:
                 stored += not document.skipped
@@ -95,7 +103,6 @@ def import_(
                     line = problem.problem.where.line if problem.problem.where else None
                     place = f"{problem.file}:{line}" if line else problem.file
                     console.print(f"[red]failed[/red]   {place}: {problem.problem.detail}{remedy}")
-            bar.advance(task)
     if as_json:
         documents = [item.model_dump() for answer in answers for item in answer.documents]
         problems = [item.model_dump(exclude_none=True) for answer in answers for item in answer.problems]
@@ -122,28 +129,81 @@ def _print_imported(document: ImportedDocument) -> None:
             console.print(f"         {notice.kind}: {notice.what}", style="yellow")
 
 
-def _groups(paths: list[Path]) -> Iterator[list[Path]]:
-    """Files that belong together: ASF with the AMC files of its folder; every other file alone."""
+class _Bar:
+    """How many files are done. It is drawn by whoever tells it: beside a thread that drew it, no import could fork."""
+
+    def __init__(self, files: int, *, disable: bool) -> None:
+        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        self._bar = Progress(*columns, console=console, transient=True, disable=disable, auto_refresh=False)
+        self._task = self._bar.add_task("importing", total=files)
+        self._before = 0
+        self._files = 0
+        self._names: set[str] = set()
+        self._drawn = 0.0
+
+    def __enter__(self) -> _Bar:
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def begin(self, group: list[Path]) -> None:
+        """All before these files are done."""
+        self._before += self._files
+        self._files = len(group)
+        self._names = set()
+        self._draw(name_of(group[0]))
+
+    def tell(self, name: str, _frames: int, _of: int | None) -> None:
+        """The progress of an import: a file of the group is read."""
+        self._names.add(name)
+        if time.monotonic() - self._drawn > SECONDS_DRAWN:
+            self._draw(name)
+
+    def _draw(self, name: str) -> None:
+        completed = self._before + max(0, len(self._names) - 1)
+        self._bar.update(self._task, description=name[:40], completed=completed, refresh=True)
+        self._drawn = time.monotonic()
+
+
+def _groups(paths: list[Path], most: int) -> Iterator[list[Path]]:
+    """Files for one call each: ASF with the AMC files of its folder, a zip alone, at most so many others together."""
+    others: list[Path] = []
     for path in paths:
         if not path.exists():
             raise UnsupportedError(f"{path} does not exist.")
-        files = (
-            sorted(found for found in path.rglob("*") if found.suffix.lower() in EXTENSIONS)
-            if path.is_dir()
-            else [path]
-        )
+        if not path.is_dir():
+            others += [] if path.suffix.lower() in PAIRED else [path]
+            continue
         paired: dict[Path, list[Path]] = {}
-        for file in files:
-            if file.suffix.lower() in (".asf", ".amc"):
+        for file in sorted(found for found in path.rglob("*") if found.suffix.lower() in EXTENSIONS):
+            if file.suffix.lower() in PAIRED:
                 paired.setdefault(file.parent, []).append(file)
             else:
-                yield [file]
-        if not path.is_dir() and path.suffix.lower() in (".asf", ".amc"):
-            paired = {}
+                others.append(file)
         yield from paired.values()
-    loose = [path for path in paths if path.is_file() and path.suffix.lower() in (".asf", ".amc")]
+    yield from _bounded(others, most)
+    loose = [path for path in paths if path.is_file() and path.suffix.lower() in PAIRED]
     if loose:
         yield loose
+
+
+def _bounded(files: list[Path], most: int) -> Iterator[list[Path]]:
+    group: list[Path] = []
+    size = 0
+    for file in files:
+        if file.suffix.lower() == ".zip":
+            # Its ASF and AMC files are looked for among all of a call.
+            yield [file]
+            continue
+        size += file.stat().st_size
+        if group and (len(group) == most or size > MOST_BYTES):
+            yield group
+            group, size = [], file.stat().st_size
+        group.append(file)
+    if group:
+        yield group
 
 
 def ls(
