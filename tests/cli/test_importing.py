@@ -1,0 +1,124 @@
+"""`mcml import`: many files, a call for each group of them."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from service.cli import library
+from service.cli.access import LocalLibrary, RemoteLibrary
+from service.cli.library import _groups
+from service.errors import UnsupportedError
+from tests.builders import ASF, amc, bvh, read_by
+from tests.cli.test_access import library as server  # noqa: F401
+from tests.cli.test_cli import Mcml, environment, mcml  # noqa: F401
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Ten clips, one of them cut off, and two folders whose skeletons have one name."""
+    made = tmp_path / "takes"
+    for part in ("a", "b"):
+        (made / part).mkdir(parents=True)
+        (made / part / "leg.asf").write_bytes(ASF)
+        (made / part / "leg.amc").write_bytes(amc(4 if part == "a" else 5))
+    for number in range(10):
+        (made / f"{number}.bvh").write_bytes(bvh(3, seed=number))
+    (made / "4.bvh").write_bytes(bvh(3)[:-40])
+    (made / "notes.txt").write_text("no motion")
+    return made
+
+
+def names(groups: list[list[Path]]) -> list[list[str]]:
+    return [[path.name for path in group] for group in groups]
+
+
+def test_groups_hold_every_file_once_and_what_belongs_together(folder: Path) -> None:
+    (folder / "more.zip").write_bytes(b"PK\x03\x04")
+    loose = folder / "a" / "leg.amc"
+    groups = list(_groups([folder, loose], 4))
+    assert names(groups) == [
+        ["leg.amc", "leg.asf"],
+        ["leg.amc", "leg.asf"],
+        ["0.bvh", "1.bvh", "2.bvh", "3.bvh"],
+        ["4.bvh", "5.bvh", "6.bvh", "7.bvh"],
+        ["more.zip"],
+        ["8.bvh", "9.bvh"],
+        ["leg.amc"],
+    ]
+    assert [group[0].parent.name for group in groups[:2]] == ["a", "b"]
+    assert Counter(map(len, _groups([folder], 1))) == {1: 11, 2: 2}
+
+
+def test_groups_are_bounded_in_bytes(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    size = (folder / "0.bvh").stat().st_size
+    monkeypatch.setattr(library, "MOST_BYTES", int(2.5 * size))
+    with (folder / "5.bvh").open("ab") as large:
+        large.truncate(9 * size)
+    groups = names(list(_groups([folder], 64))[2:])
+    assert ["5.bvh"] in groups
+    assert max(map(len, groups)) == 2
+    assert sorted(name for group in groups for name in group) == [f"{number}.bvh" for number in range(10)]
+
+
+def test_nothing_is_imported_where_a_path_is_wrong(folder: Path) -> None:
+    with pytest.raises(UnsupportedError):
+        list(_groups([folder, folder / "nothing"], 64))
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_a_folder_is_imported_in_few_calls(
+    mcml: Mcml,  # noqa: F811
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    processes: int,
+) -> None:
+    read_by(monkeypatch, processes)
+    calls = []
+    given = LocalLibrary.import_paths
+
+    def counted(self: LocalLibrary, paths: list[Path], *rest: object) -> object:
+        calls.append(len(paths))
+        return given(self, paths, *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(LocalLibrary, "import_paths", counted)
+    code, output, _ = mcml("import", str(folder))
+    assert (code, calls) == (3, [2, 2, 10])
+    assert "11 stored, 1 failed" in output
+    assert [line.split()[1] for line in output.splitlines() if line.startswith("stored")] == [
+        *("leg", "leg"),
+        *(str(number) for number in range(10) if number != 4),
+    ]
+    assert "failed   4.bvh:" in output
+    (folder / "4.bvh").write_bytes(bvh(3, seed=4))
+    code, output, _ = mcml("import", str(folder), "--json")
+    answer = json.loads(output)
+    assert (code, answer["problems"]) == (0, [])
+    assert [item["name"] for item in answer["documents"] if not item["skipped"]] == ["4"]
+
+
+def test_all_bad_is_failed(mcml: Mcml, folder: Path) -> None:  # noqa: F811
+    (folder / "5.bvh").write_bytes(b"HIERARCHY")
+    assert mcml("import", str(folder / "4.bvh"), str(folder / "5.bvh"))[0] == 1
+
+
+def test_the_bar_counts_files(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(library, "SECONDS_DRAWN", -1)
+    with library._Bar(5, disable=False) as bar:
+        task = bar._bar.tasks[0]
+        bar.begin([folder / "0.bvh", folder / "1.bvh", folder / "2.bvh"])
+        for name in ("0.bvh", "0.bvh", "1.bvh", "2.bvh"):
+            bar.tell(name, 3, None)
+        assert (task.completed, task.description) == (2, "2.bvh")
+        bar.begin([folder / "3.bvh", folder / "4.bvh"])
+        assert (task.completed, task.total) == (3, 5)
+
+
+def test_several_files_are_one_request(server: RemoteLibrary, folder: Path) -> None:  # noqa: F811
+    paths = [folder / f"{number}.bvh" for number in range(3, 6)]
+    answer = server.import_paths(paths, library.ImportOptions(), None)
+    assert [item.name for item in answer.documents] == ["3", "5"]
+    assert [item.file for item in answer.problems] == ["4.bvh"]
