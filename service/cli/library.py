@@ -34,8 +34,8 @@ EXTENSIONS = {".bvh", ".asf", ".amc", ".htr", ".htr2", ".c3d", ".trc", ".mcml", 
 
 PAIRED = (".asf", ".amc")
 
-MOST_FILES, MOST_BYTES = 64, 64 << 20
-"""Of one call: what was read of it is told when all of it is stored, and a server's limit is one of all its files."""
+MOST_FILES, MOST_BYTES = 128, 64 << 20
+"""Of one call: its files are open together, and what became of them is told when all are stored."""
 
 SECONDS_DRAWN = 0.1
 """Between two drawings of the bar, each of which takes as long as to read a short clip."""
