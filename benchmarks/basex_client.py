@@ -12,15 +12,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-PLAIN = "SERIALIZER indent=no"
-"""Answers as they are stored, as ours are."""
-
 
 class BaseXClient:
     """A session. Strings end with a zero byte; an answer is followed by a line of information and a status byte."""
 
     def __init__(self, port: int) -> None:
-        self.port = port
         self._socket = socket.create_connection(("127.0.0.1", port))
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._rest = b""
@@ -78,7 +74,7 @@ def serving(home: Path) -> Iterator[BaseXClient]:
     process = subprocess.Popen(command, env=environment, stdout=log, stderr=log)
     try:
         client = _connected(port, home / "log")
-        for option in ("TEXTINDEX true", "ATTRINDEX true", PLAIN):
+        for option in ("TEXTINDEX true", "ATTRINDEX true", "SERIALIZER indent=no"):
             client.execute(f"SET {option}")
         yield client
         client.close()

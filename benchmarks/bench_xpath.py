@@ -140,7 +140,6 @@ def _timed(
 ) -> None:
     warming, timed = (WARMING_AGAIN, TIMED_AGAIN) if edited else (WARMING, TIMED)
     ours_at, basex_at = (row.ours_edited, row.basex_edited) if edited else (row.ours, row.basex)
-    alone_at = row.alone_edited if edited else row.alone
     cases = [(k, measured.constants(k), measured.document(question, k, size)) for k in (*warming, *timed)]
 
     def net(empty: Callable[[int], object], ask: Callable[[dict[str, str], int | None], object]) -> float:
@@ -157,8 +156,6 @@ def _timed(
     ours_at[number] = net(ours.empty, partial(ours.ask, question))
     if peer is not None:
         basex_at[number] = net(peer.empty, partial(peer.ask, question))
-    if peer is not None and number == max(SIZES):
-        alone_at[number] = net(peer.empty_alone, partial(peer.ask_alone, question))
 
 
 def _seconds(action: Callable[[], object]) -> float:

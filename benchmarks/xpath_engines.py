@@ -23,7 +23,7 @@ import orjson
 import psycopg
 from lxml import etree
 
-from benchmarks.basex_client import PLAIN, BaseXClient
+from benchmarks.basex_client import BaseXClient
 from benchmarks.xpath_library import Size
 from benchmarks.xpath_questions import Question
 from tests.postgres import server
@@ -132,8 +132,7 @@ def _next(page: bytes) -> str | None:
 
 
 class BaseX:
-    """A database of a server, over its own protocol: in one session that has it open, or in a session for each
-    question, which opens it, as a request over HTTP does to BaseX."""
+    """A database of a server, over its own protocol."""
 
     def __init__(self, client: BaseXClient, name: str, size: Size) -> None:
         self.client = client
@@ -150,25 +149,6 @@ class BaseX:
     def ask(self, question: Question, constants: dict[str, str], document: int | None) -> bytes:
         place = None if document is None else f"{self.name}/{document:03}.xml"
         return self.client.query(question.asked_of_basex(constants, place))
-
-    def empty_alone(self, _: int) -> None:
-        session = self._session()
-        session.query("()")
-        session.close()
-
-    def ask_alone(self, question: Question, constants: dict[str, str], document: int | None) -> bytes:
-        session = self._session()
-        if document is None:
-            session.execute(f"OPEN {self.name}")
-        place = None if document is None else f"{self.name}/{document:03}.xml"
-        answer = session.query(question.asked_of_basex(constants, place))
-        session.close()
-        return answer
-
-    def _session(self) -> BaseXClient:
-        session = BaseXClient(self.client.port)
-        session.execute(f"SET {PLAIN}")
-        return session
 
     def edit(self, document: int, value: str) -> None:
         place = f"doc('{self.name}/{document:03}.xml')/mcml/motion/frame[7]/frame_bone[2]/@Rx"

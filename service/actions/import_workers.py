@@ -184,8 +184,8 @@ class _Work:
         # A handler of the importer's, or the traceback of an interrupt, has no place here.
         for kind in (signal.SIGINT, signal.SIGTERM):
             signal.signal(kind, signal.SIG_DFL)
-        # What was inherited is not to be collected, which would copy the memory that holds it.
-        gc.freeze()
+        # A search for cycles would copy the inherited memory, and finds hardly any; a worker ends with its call.
+        gc.disable()
         with suppress(BrokenPipeError):
             while found := os.read(self.to_do, _NUMBER.size):
                 (number,) = _NUMBER.unpack(found)

@@ -53,6 +53,10 @@ from service.xpath.run import Queries
 router = APIRouter(tags=["elements"])
 
 MOST_ELEMENTS = 10_000
+_ADDRESS = re.compile(
+    r"/mcml/motion/frame\[[1-9]\d{0,8}\](?:/@id|/(?:frame_bone|motion_name)\[[1-9]\d{0,8}\](?:/@\w+)?)?"
+)
+"""What can select but one node, and says which: nobody needs to be asked. Whether it is there, the edit finds out."""
 _FRAGMENT: dict[str, Any] = {
     "requestBody": {
         "required": True,
@@ -224,6 +228,8 @@ def _made(edit: Edit, item: AnyEdit, request: ElementEdits) -> list[ElementEdit]
 
 def _addresses(queries: Queries, uuid: str, xpath: str, many: bool, revision: int | None = None) -> list[str]:
     """The canonical addresses of what an expression selects: one node, or several."""
+    if _ADDRESS.fullmatch(xpath):
+        return [xpath]
     found: list[str] = []
     cursor: str | None = None
     while True:

@@ -13,7 +13,7 @@ from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
 from service.xpath.pairs import expand
 from service.xpath.shared import Shared
 from service.xpath.timeline import Timeline
-from service.xpath.zones import Table, joined
+from service.xpath.zones import FEW_FRAMES, MANY_FRAMES, Table, joined
 
 
 class Forest:
@@ -70,6 +70,15 @@ class Forest:
         if self._columns.timeline is None:
             self._columns.timeline = Timeline(self.shapes)
         return self._columns.timeline
+
+    @property
+    def has_tracks(self) -> bool:
+        """Whether all tracks with their zone maps are at hand, or read in no time: else, as after an edit of a long
+        document, a few tracks are found sooner by a query of their own."""
+        if self._columns.tracks is not None:
+            return True
+        few = int(self.frames.sum()) <= FEW_FRAMES
+        return int(self.frames.max()) <= MANY_FRAMES and (few or self.shared.zones.holds(self.documents))
 
     @property
     def tracks(self) -> Table:

@@ -37,6 +37,11 @@ class Kept(Generic[Key, Part]):
             self._keep(new)
         return [found[key] for key in keys]
 
+    def holds(self, keys: Sequence[Key]) -> bool:
+        """Whether the parts of all keys are kept now."""
+        with self._lock:
+            return all(key in self._parts for key in keys)
+
     def _keep(self, new: Mapping[Key, Part]) -> None:
         with self._lock:
             for key, part in new.items():

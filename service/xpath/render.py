@@ -35,7 +35,7 @@ from service.xpath.numbering import (
     slots_of,
 )
 from service.xpath.tracks import Row
-from service.xpath.zones import MANY_FRAMES, rows_of
+from service.xpath.zones import rows_of
 
 BLOCK_FRAMES = 1024
 """Frames written together."""
@@ -148,7 +148,7 @@ def _tracks(forest: Forest, documents: Ints, chunks: Ints) -> dict[int, dict[int
 
 def _rows(forest: Forest, wanted: Ints) -> list[Row]:
     """What all tracks over some frames (place << 32 | chunk) are read by, those of a chunk by bone."""
-    if forest.frames.max() <= MANY_FRAMES:
+    if forest.has_tracks:
         return rows_of(forest.tracks.over(wanted).about)
     place = {forest.keys[number]: number for number in np.unique(wanted >> 32).tolist()}
     chunks = wanted & 0xFFFFFFFF

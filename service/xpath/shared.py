@@ -38,6 +38,10 @@ class OfDocuments(Generic[Part]):
         self._read = read
         self._kept = Kept[tuple[int, int], Part](limit, lambda part: part.nbytes)
 
+    def holds(self, documents: Sequence[Listed]) -> bool:
+        """Whether the parts of all of them are kept now."""
+        return self._kept.holds([(listed.key, listed.revision) for listed in documents])
+
     def read(self, tx: Transaction, documents: Sequence[Listed]) -> list[Part]:
         """The part of each document. tx: one that only reads, for a revision that may yet be taken back is none."""
         wanted = {(listed.key, listed.revision): listed for listed in documents}

@@ -30,7 +30,7 @@ from service.xpath.numbering import (
 )
 from service.xpath.texts import Strings, constant, joined, of_texts
 from service.xpath.tracks import Row
-from service.xpath.zones import MANY_FRAMES, rows_of
+from service.xpath.zones import rows_of
 
 MAX_TEXT = 32 << 20
 """Characters of the string of one element that holds frames."""
@@ -125,7 +125,7 @@ def samples(forest: Forest, nodes: Ints) -> Floats:
 
 def _rows(forest: Forest, tracks: Ints) -> list[Row]:
     """What tracks (place << 48 | bone << 32 | chunk, ascending) are read by."""
-    if forest.frames.max() <= MANY_FRAMES:
+    if forest.has_tracks:
         return rows_of(forest.tracks.named(tracks).about)
     place = {key: number for number, key in enumerate(forest.keys)}
     found: dict[int, Row] = {}

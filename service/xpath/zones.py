@@ -18,6 +18,9 @@ from service.xpath.tracks import Row
 MANY_FRAMES = 1 << 19
 """Documents of more frames have zone maps that are too large to be kept."""
 
+FEW_FRAMES = 1 << 9
+"""Of so few the zone maps are read in a few milliseconds."""
+
 DOCUMENT, CHUNK_NUMBER, BONE, COMMIT, BITS, GAPS, FRAMES = range(7)
 """Rows of `about`: key of the document, numbers of chunk and bone, the commit that wrote the track, the channels that
 it has, those of them that some frame lacks, and how many frames it has."""

@@ -15,7 +15,7 @@ from service.actions.import_options import Label
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import DocumentFilter, StoredDocument
-from service.xpath import render, run, scan, shared, streams, values
+from service.xpath import forest, run, scan, shared, streams
 from service.xpath.parse import parse
 from service.xpath.rules import normal
 from service.xpath.run import Queries
@@ -181,9 +181,10 @@ def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: p
     forgetful.shared = Shared(tracks=Tracks(packed=0, decoded=0), zones=OfDocuments(read_zones, 0))
     for module in (shared, streams):
         monkeypatch.setattr(module, "MANY_DOCUMENTS", 0)
-    for many in (10**9, 299):
-        for module in (render, scan, values):
+    for many, few in ((10**9, 10**9), (10**9, 0), (299, 10**9)):
+        for module in (forest, scan):
             monkeypatch.setattr(module, "MANY_FRAMES", many)
+        monkeypatch.setattr(forest, "FEW_FRAMES", few)
         assert [shown(forgetful.answer(request)) for request in requests] == usual
         for request, first in zip(requests, usual, strict=True):
             if first[1]:
