@@ -43,7 +43,7 @@ def list_mappings(database: DatabaseDep, page: PageDep, project: ProjectQuery = 
     return MappingPage(items=[mapping_answer(item) for item in shown], next_cursor=more)
 
 
-@router.get("/mappings/{name}", operation_id="get_mapping")
+@router.get("/mappings/{name:path}", operation_id="get_mapping")
 def get_mapping(
     name: MappingName, response: Response, database: DatabaseDep, project: InProject = "default"
 ) -> Mapping:
@@ -53,7 +53,7 @@ def get_mapping(
 
 
 @router.put(
-    "/mappings/{name}",
+    "/mappings/{name:path}",
     operation_id="save_mapping",
     responses={201: {"model": Mapping, "description": "A new mapping"}},
 )
@@ -74,7 +74,7 @@ def put_mapping(
     return _answer(made, response)
 
 
-@router.delete("/mappings/{name}", status_code=204, operation_id="delete_mapping")
+@router.delete("/mappings/{name:path}", status_code=204, operation_id="delete_mapping")
 def delete_mapping(
     name: MappingName,
     database: DatabaseDep,

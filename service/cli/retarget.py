@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from typing import Annotated, Any
+from urllib.parse import quote
 
 import typer
 
@@ -130,7 +131,7 @@ def show(
 ) -> None:
     """Show a mapping: source and target of each pair."""
     api = open_api(database, server)
-    _told(Mapping(**api.send("GET", f"/mappings/{name}", params={"project": project}).json()), as_json)
+    _told(Mapping(**api.send("GET", _address(name), params={"project": project}).json()), as_json)
 
 
 def save(
@@ -155,9 +156,9 @@ def save(
     if not pairs:
         raise typer.BadParameter("give --joint SOURCE=TARGET, or --suggest ID SKELETON")
     body = {"pairs": [JointPair(source=source, target=target).model_dump() for target, source in pairs.items()]}
-    present = api.send("GET", f"/mappings/{name}", (404,), params={"project": project})
+    present = api.send("GET", _address(name), (404,), params={"project": project})
     headers = {"if-match": present.headers["etag"]} if present.is_success else {}
-    answer = api.send("PUT", f"/mappings/{name}", json=body, params={"project": project}, headers=headers)
+    answer = api.send("PUT", _address(name), json=body, params={"project": project}, headers=headers)
     _told(Mapping(**answer.json()), as_json)
 
 
@@ -169,7 +170,12 @@ def delete(
 ) -> None:
     """Delete a mapping; what was made with it stays."""
     api = open_api(database, server)
-    api.send("DELETE", f"/mappings/{name}", params={"project": project}, headers={"if-match": "*"})
+    api.send("DELETE", _address(name), params={"project": project}, headers={"if-match": "*"})
+
+
+def _address(name: str) -> str:
+    """Names may hold what means something in an address, such as ? and /."""
+    return f"/mappings/{quote(name, safe='')}"
 
 
 def _told(mapping: Mapping, as_json: bool) -> None:

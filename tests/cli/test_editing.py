@@ -122,6 +122,10 @@ def test_bodies(run: Run, tmp_path: Path) -> None:
     assert made["frames"] == 60
     many = run("retarget", large, "--xpath", "//frame[60]", "--all-of", "default", "--preview")
     assert "2 made, 0 failed" in many
+    for name in ("a/b", "a?b", "50 % #1"):
+        assert f"{name}  version 1" in run("mapping", "save", name, "--joint", "left_hand=right_hand")
+        assert f"{name}  version 1" in run("mapping", "show", name)
+        run("mapping", "delete", name)
     run("frames", small, "mirror", "1-60")
     run("mapping", "delete", "mine")
     assert "no mapping" in run("mapping", "show", "mine", code=1)
