@@ -11,17 +11,16 @@ from service.actions.gather_files import Clip
 from service.actions.import_options import ImportOptions
 from service.actions.open_clip import open_clip
 from service.errors import DocumentError, Notice
+from service.formats.number_text import decimals_of
 from service.mcml import motion_names
 from service.mcml.elements import Element
 from service.motion.clip import ClipHead, ClipStream, Shape
 from service.settings import Settings
-from service.storage.encoding import ClipEncoder
+from service.storage.encoding import ClipEncoder, TrackRow
 from service.storage.rows import SkeletonRows, skeleton_rows
 
 Progress: TypeAlias = Callable[[str, int, int | None], None]
 """Called with a file name, frames done, and frames in all if known; may raise to stop the import."""
-
-TrackRows: TypeAlias = list[dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ def encode_clip(
     options: ImportOptions,
     settings: Settings,
     encoder: ClipEncoder,
-    keep: Callable[[Iterator[TrackRows]], None],
+    keep: Callable[[Iterator[list[TrackRow]]], None],
     progress: Progress | None = None,
 ) -> EncodedClip:
     """Read, check and encode a clip. Raises what readers raise.
@@ -59,6 +58,7 @@ def encode_clip(
     """
     opened = open_clip(clip, options, settings)
     stream = opened.stream
+    encoder.decimals = decimals_of(stream.head.number_style)
     for block in stream.blocks():
         keep(encoder.add(block))
         if progress is not None:

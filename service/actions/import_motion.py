@@ -7,13 +7,13 @@ makes it visible.
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from typing import Any
+
+import orjson
 
 from service.actions.check_names import given_name, name_of_file
 from service.actions.encode_clip import EncodedClip, Progress, encode_clip
@@ -26,7 +26,7 @@ from service.errors import McmlError
 from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database, Transaction
-from service.storage.encoding import ClipEncoder
+from service.storage.encoding import DATA_PLACE, ClipEncoder, TrackRow
 from service.storage.tracks import Piece
 
 FLUSH_BYTES = 16 << 20
@@ -127,7 +127,7 @@ class Importer:
         self.uuid = ""
         self.project = 0
         self.uploads: list[Upload] = []
-        self.rows: list[dict[str, Any]] = []
+        self.rows: list[TrackRow] = []
         self.row_bytes = 0
         self.name = options.name or name_of_file(clip.name)
 
@@ -208,7 +208,7 @@ class Importer:
     def _stored(self, uuid: str) -> Imported:
         with self.database.read() as tx:
             stored = tx.documents.get(uuid)
-            return Imported(stored.uuid, stored.name, json.loads(tx.documents.receipt(stored.key)), skipped=True)
+            return Imported(stored.uuid, stored.name, orjson.loads(tx.documents.receipt(stored.key)), skipped=True)
 
     def _twins(self) -> list[str]:
         """Documents made from equal files."""
@@ -216,10 +216,10 @@ class Importer:
             project = tx.projects.find(self.options.project)
             return [] if project is None else tx.uploads.twins(self.digests, project)
 
-    def _keep(self, chunks: Iterator[list[dict[str, Any]]]) -> None:
+    def _keep(self, chunks: Iterator[list[TrackRow]]) -> None:
         for rows in chunks:
             self.rows += rows
-            self.row_bytes += sum(len(row["data"]) + 200 for row in rows)
+            self.row_bytes += sum(len(row[DATA_PLACE]) + 200 for row in rows)
             if self.row_bytes >= FLUSH_BYTES:
                 with self.database.write(self.author) as tx:
                     key = self._flush(tx)
@@ -268,8 +268,8 @@ class Importer:
         if twins and self.skips_twins:
             raise _StoredMeanwhile(twins[0])
         facts = found.facts | {"twins": twins}
-        packed = json.dumps(facts, ensure_ascii=False)
-        tx.documents.publish(key, next_slot=found.frames, receipt=packed, message=self.clip.name)
+        said = orjson.dumps(facts).decode()
+        tx.documents.publish(key, self.name, self.project, next_slot=found.frames, receipt=said, message=self.clip.name)
         return Imported(self.uuid, self.name, facts)
 
     def _prepare(self, upload: Upload) -> None:

@@ -23,14 +23,14 @@ from itertools import islice
 from multiprocessing.connection import Connection, wait
 from typing import Any, cast
 
-from service.actions.encode_clip import EncodedClip, TrackRows, encode_clip
+from service.actions.encode_clip import EncodedClip, encode_clip
 from service.actions.gather_files import Clip
 from service.actions.import_options import ImportOptions
 from service.actions.keep_upload import PackedFile, packed
 from service.errors import McmlError
 from service.formats.format import SourceFile
 from service.settings import Settings
-from service.storage.encoding import ClipEncoder
+from service.storage.encoding import ClipEncoder, TrackRow
 
 FEWEST_CLIPS = 8
 """For which workers are started: to read these takes several times as long as to fork."""
@@ -52,7 +52,7 @@ class ReadApart:
     """What a worker made of a clip. encoded: the clip, or why there is none."""
 
     uploads: list[PackedFile]
-    rows: TrackRows
+    rows: list[TrackRow]
     encoded: EncodedClip | McmlError
 
 
@@ -207,10 +207,10 @@ def read_apart(task: Task, settings: Settings) -> ReadApart:
         {part: SourceFile(file.name, io.BytesIO(contents[part])) for part, file in task.clip.files.items()},
     )
     uploads = [packed(part, content) for part, content in contents.items()]
-    rows: TrackRows = []
+    rows: list[TrackRow] = []
     encoder = ClipEncoder(_Inline())
 
-    def keep(chunks: Iterator[TrackRows]) -> None:
+    def keep(chunks: Iterator[list[TrackRow]]) -> None:
         for chunk in chunks:
             rows.extend(chunk)
 

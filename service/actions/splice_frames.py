@@ -90,10 +90,10 @@ def _store(tx: Transaction, stored: StoredDocument, blocks: Iterable[FrameBlock]
         encoder = ClipEncoder(executor)
         for block in blocks:
             for rows in encoder.add(block):
-                _write_chunks(tx, stored, chunk, rows)
+                tx.tracks.write_chunks(stored.key, rows, tx.commit, chunk)
         encoder.close()
         for rows in encoder.rest():
-            _write_chunks(tx, stored, chunk, rows)
+            tx.tracks.write_chunks(stored.key, rows, tx.commit, chunk)
     if encoder.frames:
         numbers = {number: tx.tracks.shape_number(stored.key, shape) for shape, number in encoder.shapes.items()}
         runs = [
@@ -102,12 +102,6 @@ def _store(tx: Transaction, stored: StoredDocument, blocks: Iterable[FrameBlock]
         tx.tracks.write_shape_runs(stored.key, runs, tx.commit)
         tx.documents.set_next_slot(stored.key, chunk * CHUNK + encoder.frames)
     return encoder, chunk * CHUNK
-
-
-def _write_chunks(tx: Transaction, stored: StoredDocument, chunk: int, rows: list[dict[str, Any]]) -> None:
-    for row in rows:
-        row["chunk"] += chunk
-    tx.tracks.write_chunks(stored.key, rows, tx.commit)
 
 
 def _cut(piece: Piece, start: int, shift: int) -> Piece:

@@ -4,39 +4,22 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
 from service.errors import FormatError, LimitError, Notice, Place
+from service.formats.bvh_plain import CHANNEL_OF, OpenJoint, read_plain
 from service.formats.format import Limits
-from service.formats.lines import BLANKS, Encoding, Lines, Token, Tokens, shown
+from service.formats.lines import BLANKS, LINE_END, Encoding, Lines, Token, Tokens, shown
 from service.formats.numbers import is_number, what_is_wrong
 from service.motion.skeleton import Convention, EndSite, Joint, Skeleton, Triple, unique_names
 
-_CHANNEL_OF = {
-    f"{axis.lower()}{kind}": f"{letter}{axis.lower()}"
-    for kind, letter in (("position", "T"), ("rotation", "R"))
-    for axis in "XYZ"
-}
 LONGEST_SHARED: Final = 1 << 15
 """Bytes of a hierarchy that is kept for files to come; a person of 80 joints takes 10,000."""
 
 _KEYWORDS = frozenset({"{", "}", "OFFSET", "CHANNELS", "JOINT", "ROOT", "END", "MOTION"})
-_WORD_OF = {channel: f"{channel[1].upper()}{word[1:]}" for word, channel in _CHANNEL_OF.items()}
-
-
-@dataclass
-class _Open:
-    """A joint whose body is being read."""
-
-    name: str
-    parent: int
-    at: Place
-    offset: Triple | None = None
-    channels: tuple[str, ...] | None = None
-    children: int = 0
-    end_sites: list[EndSite] = field(default_factory=list)
+_WORD_OF = {channel: f"{channel[1].upper()}{word[1:]}" for word, channel in CHANNEL_OF.items()}
 
 
 @dataclass(frozen=True)
@@ -52,6 +35,9 @@ class SharedHierarchy:
 def shared_hierarchy(text: bytes, codec: str, limits: Limits) -> SharedHierarchy:
     """As `read_hierarchy`, of a text that holds nothing else and ends with a line."""
     notices: list[Notice] = []
+    joints = None if b"\0" in text else read_plain(text.decode(codec, "replace"), limits)
+    if joints is not None:
+        return SharedHierarchy(_skeleton(joints, notices), tuple(notices), len(LINE_END.findall(text)))
     tokens = Tokens(Lines(io.BytesIO(text), Encoding(codec, 0)))
     skeleton = read_hierarchy(tokens, limits, notices)
     if tokens.peek() is not None:
@@ -65,7 +51,7 @@ def read_hierarchy(tokens: Tokens, limits: Limits, notices: list[Notice]) -> Ske
     if first is None or first.text.upper() != "HIERARCHY":
         found = "an empty file" if first is None else _shown(first)
         raise FormatError(f"not a BVH file: expected HIERARCHY, found {found}", at=first.at if first else Place(line=1))
-    joints: list[_Open] = []
+    joints: list[OpenJoint] = []
     stack: list[int] = []
     while True:
         if not stack:
@@ -108,7 +94,7 @@ def read_hierarchy(tokens: Tokens, limits: Limits, notices: list[Notice]) -> Ske
             raise _unexpected(token, "OFFSET, CHANNELS, JOINT, End Site or }", tokens)
 
 
-def _open_joint(tokens: Tokens, keyword: str, parent: int, joints: list[_Open], limits: Limits) -> int:
+def _open_joint(tokens: Tokens, keyword: str, parent: int, joints: list[OpenJoint], limits: Limits) -> int:
     at = tokens.here
     name = tokens.rest_of_line()
     if name is None:
@@ -120,11 +106,11 @@ def _open_joint(tokens: Tokens, keyword: str, parent: int, joints: list[_Open], 
     if len(joints) >= limits.joints:
         raise LimitError(f"the skeleton has more than {limits.joints} joints", at=name.at)
     _expect(tokens, "{", f"behind the name of joint {name.text!r}")
-    joints.append(_Open(name.text, parent, name.at))
+    joints.append(OpenJoint(name.text, parent, name.at))
     return len(joints) - 1
 
 
-def _close(joint: _Open, token: Token) -> None:
+def _close(joint: OpenJoint, token: Token) -> None:
     if joint.offset is None:
         raise FormatError(
             f"joint {joint.name!r} opened at line {joint.at.line} has no OFFSET",
@@ -133,7 +119,7 @@ def _close(joint: _Open, token: Token) -> None:
         )
 
 
-def _read_end_site(tokens: Tokens, joint: _Open, limits: Limits) -> None:
+def _read_end_site(tokens: Tokens, joint: OpenJoint, limits: Limits) -> None:
     site = tokens.next()
     if site is None or site.text.upper() != "SITE":
         raise _unexpected(site, "Site behind End", tokens)
@@ -173,24 +159,24 @@ def _read_channels(tokens: Tokens, joint: str) -> tuple[str, ...]:
     if count is None or not (count.text.isascii() and count.text.isdigit()):
         raise _unexpected(count, f"the number of channels of joint {joint!r}", tokens)
     channels: list[str] = []
-    listed = [_CHANNEL_OF.get(word.lower(), "") for word in tokens.rest_words()]
+    listed = [CHANNEL_OF.get(word.lower(), "") for word in tokens.rest_words()]
     if all(listed) and len(set(listed)) == len(listed):
         tokens.skip_line()
         channels = listed
     while (token := tokens.peek()) is not None:
         word = token.text.lower()
-        if word not in _CHANNEL_OF and not word.endswith(("position", "rotation")):
+        if word not in CHANNEL_OF and not word.endswith(("position", "rotation")):
             break
         tokens.next()
-        if word not in _CHANNEL_OF:
+        if word not in CHANNEL_OF:
             raise FormatError(
                 f"joint {joint!r}: unknown channel {_shown(token)}",
                 at=token.at,
                 remedy="Channels are Xposition Yposition Zposition Xrotation Yrotation Zrotation.",
             )
-        if _CHANNEL_OF[word] in channels:
+        if CHANNEL_OF[word] in channels:
             raise FormatError(f"joint {joint!r}: channel {token.text!r} stands twice", at=token.at)
-        channels.append(_CHANNEL_OF[word])
+        channels.append(CHANNEL_OF[word])
     if len(channels) != _small(count.text):
         raise FormatError(
             f"joint {joint!r}: CHANNELS says {count.text[:20]} but lists {len(channels)}",
@@ -221,7 +207,7 @@ def _shown(token: Token) -> str:
     return shown(token.text)
 
 
-def _skeleton(read: list[_Open], notices: list[Notice]) -> Skeleton:
+def _skeleton(read: list[OpenJoint], notices: list[Notice]) -> Skeleton:
     names = unique_names([joint.name for joint in read])
     repeated = [joint.name for joint, name in zip(read, names, strict=True) if joint.name != name]
     if repeated:

@@ -172,8 +172,10 @@ def _added_to_offset(skeleton: Skeleton, sample: Array) -> list[int]:
     joints = list(dict.fromkeys(joint for joint, _, _ in places))
     if not joints or not len(sample):
         return []
-    rows = {joint: row for row, joint in enumerate(joints)}
     offsets = np.array([numbers(skeleton.joints[joint].offset) for joint in joints])
+    if not offsets.any():
+        return []
+    rows = {joint: row for row, joint in enumerate(joints)}
     mean, target = np.zeros((2, len(joints), 3))
     at = [rows[joint] for joint, _, _ in places], [axis for _, axis, _ in places]
     mean[at] = sample.mean(axis=0)[[place for _, _, place in places]]

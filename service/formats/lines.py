@@ -23,7 +23,7 @@ BLANKS = " \t\v\f\r\n"
 _UTF8_BOM = codecs.BOM_UTF8
 _HANGUL = re.compile("[\uac00-\ud7a3\u3131-\u318e]")
 _BLANK_FREE = re.compile(r"\S+", re.ASCII)
-_LINE_END = re.compile(rb"\r\n|\n|\r")
+LINE_END = re.compile(rb"\r\n|\n|\r")
 
 
 def blocks_of(stream: BinaryIO, start: int = 0, size: int = BLOCK) -> Iterator[bytes]:
@@ -160,9 +160,8 @@ class Lines:
         return self._ahead
 
     def next(self) -> Line | None:
-        line = self._ahead or self.peek()
+        line, self._ahead = self._ahead or next(self._lines, None), None
         if line is not None:
-            self._ahead = None
             self.number = line.number
         return line
 
@@ -181,11 +180,11 @@ def _lines(stream: BinaryIO, start: int, number: int, codec: str) -> Iterator[Li
     rest, offset = b"", start
     for block in blocks_of(stream, start, 1 << 16):
         if b"\0" in block:
-            line = number + len(_LINE_END.findall(block[: block.index(b"\0")]))
+            line = number + len(LINE_END.findall(block[: block.index(b"\0")]))
             raise FormatError("the file holds NUL bytes", at=Place(line=line), remedy="Send the text file itself.")
         rest += block
         position = 0
-        for match in _LINE_END.finditer(rest):
+        for match in LINE_END.finditer(rest):
             last, end = match.span()
             if end == len(rest) and match.group() == b"\r":
                 # A CR at the end of a block may be the half of a CRLF.
@@ -228,24 +227,25 @@ class Tokens:
 
     def peek(self) -> Token | None:
         """The next word, None at the end of the file."""
-        if self._ahead is not None:
-            return self._ahead
+        if self._ahead is None:
+            self._ahead = self._find()
+        return self._ahead
+
+    def _find(self) -> Token | None:
+        line, position = self._line, self._position
         while True:
-            if self._line is not None:
-                match = _WORD.search(self._line.text, self._position)
-                if match:
-                    self._ahead = Token(match.group(), self._line, match.start() + 1)
-                    return self._ahead
-            line = self._lines.next()
+            match = None if line is None else _WORD.search(line.text, position)
+            if match is not None and line is not None:
+                return Token(match.group(), line, match.start() + 1)
+            line, position = self._lines.next(), 0
             if line is None:
                 return None
             self._line, self._position = line, 0
 
     def next(self) -> Token | None:
-        token = self._ahead or self.peek()
+        token, self._ahead = self._ahead or self._find(), None
         if token is not None:
             self._position = token.column - 1 + len(token.text)
-            self._ahead = None
         return token
 
     def rest_words(self) -> list[str]:

@@ -18,6 +18,9 @@ from service.motion.skeleton import Array
 
 SHORTEST = "shortest"
 SAMPLE_TOKENS = 300
+MOST_DECIMALS = 15
+"""With which numbers of motion are still on a grid that a double can tell."""
+
 _FRACTION = re.compile(rb"\.([0-9]*)(?![0-9eE])")
 _EXPONENT = re.compile(rb"[eE][+-]?[0-9]*")
 _STYLE = re.compile(r"(fixed|general):([0-9]{1,2})")
@@ -40,6 +43,10 @@ def detect_style(sample: bytes, bounds: NDArray[np.intp] | None = None) -> str:
         return SHORTEST
     decimals = list(map(len, _FRACTION.findall(text)))
     fixed = [f"fixed:{max(set(decimals), key=decimals.count)}"] if decimals else []
+    # Zeros behind the first decimal are of no other style.
+    has_zeros = b"0 " in text or text.endswith(b"0")
+    if has_zeros and len(decimals) == len(tokens) and min(decimals) > 1 and _written(values, fixed[0]) == tokens:
+        return fixed[0]
     mantissas = _EXPONENT.sub(b"", text).translate(None, b"+-.").split(b" ")
     digits = min(17, max(1, *(len(mantissa.lstrip(b"0")) for mantissa in mantissas)))
     general = f"general:{digits}"
@@ -56,20 +63,30 @@ def detect_style(sample: bytes, bounds: NDArray[np.intp] | None = None) -> str:
     return best
 
 
+def decimals_of(style: str) -> int | None:
+    """How many decimals all numbers of a style have, None where that varies or is more than a double has."""
+    match = _STYLE.fullmatch(style)
+    return int(match[2]) if match and match[1] == "fixed" and int(match[2]) <= MOST_DECIMALS else None
+
+
 def _share(tokens: list[bytes], values: Array, style: str, shortest: list[bytes]) -> float:
     """How many of the tokens are what `number_tokens` gives; without reading again all that was written."""
-    template = _template(style)
-    if template is None:
+    if style == SHORTEST:
         return _equal(tokens, shortest) / len(tokens)
-    plain: list[float] = values.tolist()
-    written = (" ".join([template] * len(plain)) % tuple(plain)).encode().split(b" ")
+    written = _written(values, style)
     if written == tokens:
         return 1.0
-    mended = sum(
+    mended: int = sum(
         token == short != text and float(text) != value
-        for token, short, text, value in zip(tokens, shortest, written, plain, strict=True)
+        for token, short, text, value in zip(tokens, shortest, written, values.tolist(), strict=True)
     )
     return (_equal(tokens, written) + mended) / len(tokens)
+
+
+def _written(values: Array, style: str) -> list[bytes]:
+    """Each value in a style other than the shortest, whether or not that changes it."""
+    plain: list[float] = values.tolist()
+    return (" ".join([f"{_template(style)}"] * len(plain)) % tuple(plain)).encode().split(b" ")
 
 
 def _equal(tokens: list[bytes], others: list[bytes]) -> int:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -116,7 +117,8 @@ class ClipStream:
         return ClipStream(head, self.blocks, self.frames, self.notices)
 
 
-def full_shape(columns: Sequence[tuple[int, int]]) -> Shape:
+@lru_cache(maxsize=64)
+def full_shape(columns: tuple[tuple[int, int], ...]) -> Shape:
     """The shape of a frame that has every column, frame_bones in the order in which the columns name them."""
     bits: dict[int, int] = {}
     for joint, channel in columns:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,6 +134,10 @@ class Skeleton:
 
     def columns(self) -> tuple[tuple[int, int], ...]:
         """(joint, channel) of every motion value of a frame: joints in file order, channels as each lists them."""
+        return self._columns
+
+    @cached_property
+    def _columns(self) -> tuple[tuple[int, int], ...]:
         return tuple(
             (index, CHANNEL_INDEX[channel])
             for index in self.in_declared_order()

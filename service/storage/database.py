@@ -17,7 +17,7 @@ from functools import cached_property
 from typing import Any
 
 from sqlalchemy import ClauseElement, Connection, CursorResult, Table, and_, func, inspect, make_url, select, text
-from sqlalchemy.exc import ArgumentError, DataError, DBAPIError, IntegrityError
+from sqlalchemy.exc import ArgumentError, DBAPIError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.sql import ColumnElement
 
@@ -56,7 +56,7 @@ class Transaction:
         self.at = at
         self._author = author
         self._commit: int | None = None
-        self._gathered: dict[tuple[Table, tuple[str, ...]], list[dict[str, Any]]] | None = None
+        self._gathered: dict[tuple[Table, tuple[str, ...]], list[tuple[Any, ...]]] | None = None
 
     @property
     def commit(self) -> int:
@@ -69,8 +69,8 @@ class Transaction:
             raise StoreError("A read transaction cannot write.")
         self.dialect.order_commits(self.connection)
         newest = self.newest_commit()
-        row = {"number": newest + 1, "time": now(), "author": self._author}
-        self.dialect.insert(self.connection, tables.commit, [row])
+        row = (newest + 1, now(), self._author)
+        self.dialect.insert(self.connection, tables.commit, ("number", "time", "author"), [row])
         self._commit = newest + 1
         return self._commit
 
@@ -95,16 +95,23 @@ class Transaction:
         return self.dialect.insert_one(self.connection, table, values)
 
     def insert_rows(self, table: Table, rows: list[dict[str, Any]]) -> None:
+        """Insert rows that have the same columns."""
+        if rows:
+            names = tuple(rows[0])
+            self.insert_tuples(table, names, [tuple(row[name] for name in names) for row in rows])
+
+    def insert_tuples(self, table: Table, names: tuple[str, ...], rows: list[tuple[Any, ...]]) -> None:
+        """Insert rows that hold the values of these columns."""
         if not rows:
             return
         if self._gathered is None:
-            self.dialect.insert(self.connection, table, rows)
+            self.dialect.insert(self.connection, table, names, rows)
         else:
-            self._gathered.setdefault((table, tuple(rows[0])), []).extend(rows)
+            self._gathered.setdefault((table, names), []).extend(rows)
 
     @contextmanager
     def gathering(self) -> Iterator[None]:
-        """What `insert_rows` is given meanwhile is written at the end, one statement a table.
+        """What many rows are given meanwhile is written at the end, one statement a table.
 
         A statement takes as long as some ten rows. Until then nothing that is read holds these rows; `insert_row`
         inserts at once, so that they may refer to its keys.
@@ -119,8 +126,8 @@ class Transaction:
     def write_gathered(self) -> None:
         """Write what waits, for a read that must see it."""
         waiting, self._gathered = self._gathered or {}, None if self._gathered is None else {}
-        for (table, _), rows in waiting.items():
-            self.dialect.insert(self.connection, table, rows)
+        for (table, names), rows in waiting.items():
+            self.dialect.insert(self.connection, table, names, rows)
 
     @cached_property
     def documents(self) -> Documents:
@@ -205,20 +212,20 @@ class Database:
     def _in_words(self) -> Iterator[None]:
         """What the database refuses, as errors of ours: without its statements, which no user wrote."""
         # Bulk inserts go to the driver itself, whose errors nobody has wrapped.
-        driver = self.dialect.engine.dialect.loaded_dbapi.Error
+        driver = self.dialect.engine.dialect.loaded_dbapi
         try:
             yield
-        except DataError as error:
-            raise DocumentError(
-                "The database cannot hold or compare a value of this request.",
-                remedy="Look for NUL and for long names.",
-            ) from error
-        except IntegrityError as error:
-            raise ConflictError("Another write came in between.", remedy="Repeat the request.") from error
         except PoolTimeout as error:
             raise StoreError("All connections to the store are in use.", remedy="Try again soon.") from error
-        except (DBAPIError, driver) as error:
+        except (DBAPIError, driver.Error) as error:
             cause = error.orig if isinstance(error, DBAPIError) else error
+            if isinstance(cause, driver.DataError):
+                raise DocumentError(
+                    "The database cannot hold or compare a value of this request.",
+                    remedy="Look for NUL and for long names.",
+                ) from error
+            if isinstance(cause, driver.IntegrityError):
+                raise ConflictError("Another write came in between.", remedy="Repeat the request.") from error
             if self.dialect.is_full(cause):
                 raise SpaceError from error
             said = str(cause).strip().split("\n")[0]

@@ -134,13 +134,14 @@ class Documents:
         if self._tx.run(_RENEW, {"key": key, "until": time.time() + LEASE_SECONDS}).rowcount != 1:
             raise _swept()
 
-    def publish(self, key: int, *, next_slot: int, receipt: str, message: str, operation: str = "import") -> None:
-        """Make an imported document visible, as revision 1 of this transaction's commit."""
+    def publish(self, key: int, name: str, project_key: int, *, next_slot: int, receipt: str, message: str) -> None:
+        """Make an imported document visible, as revision 1 of this transaction's commit. name, project_key: its own."""
         number = self._tx.commit
         values = {"key": key, "commit": number, "slot": next_slot, "packed": _packed(receipt)}
         if self._tx.run(_PUBLISH, values).rowcount != 1:
             raise _swept()
-        self._revise(key, 1, None, operation, message)
+        row = (key, 1, number, None, "import", message, stored_form(name), project_key)
+        self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [row])
 
     def write_content(
         self,
@@ -173,13 +174,10 @@ class Documents:
 
     def add_revision(self, stored: StoredDocument, operation: str, message: str = "") -> int:
         """Note that this transaction made a revision; returns its number. The caller checked `stored` is newest."""
-        self._revise(stored.key, stored.revision + 1, stored.revision, operation, message)
-        return stored.revision + 1
-
-    def _revise(self, key: int, number: int, parent: int | None, operation: str, message: str) -> None:
-        values = (key, number, self._tx.commit, parent, operation, message)
-        named = {f"new_{column}": value for column, value in zip(_MADE, values, strict=True)}
-        self._tx.run(_REVISE, named)
+        number = stored.revision + 1
+        values = (stored.key, number, self._tx.commit, stored.revision, operation, message)
+        self._tx.run(_REVISE, {f"new_{column}": value for column, value in zip(_MADE, values, strict=True)})
+        return number
 
     def lock(self, key: int) -> None:
         """Let no other transaction change this document until this one ends."""
@@ -365,7 +363,7 @@ def _swept() -> NotFoundError:
 
 
 def _packed(receipt: str) -> bytes:
-    return zstandard.ZstdCompressor(level=9).compress(receipt.encode())
+    return zstandard.ZstdCompressor(level=3).compress(receipt.encode())
 
 
 def _filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Select[Any]:

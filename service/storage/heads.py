@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import and_, bindparam, delete, func, insert, or_, select, update
 
 from service.mcml.elements import Element
-from service.storage.rows import SkeletonRows, to_elements, to_rows
+from service.storage.rows import ELEMENT_COLUMNS, SkeletonRows, to_elements, to_rows
 from service.storage.tables import CURRENT, bone, content, document, header, property_, skeleton, skeleton_element
 
 if TYPE_CHECKING:
@@ -69,11 +69,9 @@ class Heads:
             current = (header.c.document == document_key, header.c.to_commit == CURRENT)
             self._tx.connection.execute(delete(header).where(*current, header.c.from_commit == from_commit))
             self._tx.connection.execute(update(header).where(*current).values(to_commit=from_commit))
-        rows = to_rows([element], level=1)
-        self._tx.insert_rows(
-            header,
-            [row | {"document": document_key, "from_commit": from_commit, "to_commit": CURRENT} for row in rows],
-        )
+        names = ("document", "from_commit", "to_commit", *ELEMENT_COLUMNS)
+        rows = [(document_key, from_commit, CURRENT, *row) for row in to_rows([element], level=1)]
+        self._tx.insert_tuples(header, names, rows)
         if from_commit:
             self.refresh_properties(document_key, element)
         else:
@@ -105,16 +103,14 @@ class Heads:
         if found is not None:
             return int(found)
         key = self._tx.insert_row(skeleton, project=project_key, hash=made.hash, joints=joints)
-        self._tx.insert_rows(skeleton_element, [row | {"skeleton": key} for row in made.rows])
+        self._tx.insert_tuples(skeleton_element, ("skeleton", *ELEMENT_COLUMNS), [(key, *row) for row in made.rows])
         return key
 
     def write_bones(self, document_key: int, names: list[str], from_commit: int) -> None:
         """Number the bones of a new document in skeleton order, root first."""
-        rows = [
-            {"document": document_key, "bone": number, "from_commit": from_commit, "to_commit": CURRENT, "name": name}
-            for number, name in enumerate(names)
-        ]
-        self._tx.insert_rows(bone, rows)
+        columns = ("document", "bone", "from_commit", "to_commit", "name")
+        rows = [(document_key, number, from_commit, CURRENT, name) for number, name in enumerate(names)]
+        self._tx.insert_tuples(bone, columns, rows)
 
     def rename_bone(self, document_key: int, number: int, name: str) -> None:
         """Give a bone another name from this transaction's commit on."""

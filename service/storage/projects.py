@@ -22,6 +22,7 @@ _BY_NAME = select(project.c.id).where(project.c.name == bindparam("name"))
 class Projects:
     def __init__(self, tx: Transaction) -> None:
         self._tx = tx
+        self._added: dict[str, int] = {}
 
     def names(self) -> list[str]:
         return list(self._tx.connection.execute(select(project.c.name).order_by(project.c.name)).scalars())
@@ -39,6 +40,12 @@ class Projects:
         return found
 
     def get_or_add(self, name: str) -> int:
+        """The project's key, of a new one where there is none. Asked again in one transaction, it looks no more."""
+        if name not in self._added:
+            self._added[name] = self._found_or_added(name)
+        return self._added[name]
+
+    def _found_or_added(self, name: str) -> int:
         found = self.find(name)
         if found is not None:
             return found

@@ -3,40 +3,48 @@
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final, TypeAlias
 
 import orjson
 
 from service.mcml.elements import Element
 
+ELEMENT_COLUMNS: Final = ("pre", "size", "level", "tag", "attributes", "text")
 
-def to_rows(forest: Sequence[Element], level: int) -> list[dict[str, Any]]:
+ElementRow: TypeAlias = tuple[int, int, int, str, str, str]
+"""What stands in ELEMENT_COLUMNS."""
+
+
+def to_rows(forest: Sequence[Element], level: int) -> list[ElementRow]:
     """Pre-order rows of the trees; `size` counts descendants, `pre` starts at 0, roots have the given level."""
-    rows: list[dict[str, Any]] = []
-    stack: list[tuple[Element, int, bool]] = [(tree, level, False) for tree in reversed(forest)]
-    open_rows: list[int] = []
+    found: list[tuple[Element, int]] = []
+    stack = [(tree, level) for tree in reversed(forest)]
     while stack:
-        element, depth, closing = stack.pop()
-        if closing:
-            index = open_rows.pop()
-            rows[index]["size"] = len(rows) - index - 1
-            continue
-        open_rows.append(len(rows))
-        rows.append(
-            {
-                "pre": len(rows),
-                "size": 0,
-                "level": depth,
-                "tag": element.tag,
-                "attributes": orjson.dumps(element.attributes).decode(),
-                "text": element.text,
-            }
+        element, depth = stack.pop()
+        found.append((element, depth))
+        if element.children:
+            stack += [(child, depth + 1) for child in reversed(element.children)]
+    # From the last one back: how many were seen below each level that no parent has claimed yet.
+    sizes: list[int] = []
+    seen: Counter[int] = Counter()
+    for _, depth in reversed(found):
+        size = seen.pop(depth + 1, 0)
+        seen[depth] += size + 1
+        sizes.append(size)
+    return [
+        (
+            pre,
+            sizes[~pre],
+            depth,
+            element.tag,
+            orjson.dumps(element.attributes).decode() if element.attributes else "{}",
+            element.text,
         )
-        stack.append((element, depth, True))
-        stack.extend((child, depth + 1, False) for child in reversed(element.children))
-    return rows
+        for pre, (element, depth) in enumerate(found)
+    ]
 
 
 def to_elements(rows: Iterable[Any]) -> list[Element]:
@@ -58,11 +66,11 @@ class SkeletonRows:
     """A skeleton as the store has it. hash: of its content; equal trees have equal ones."""
 
     hash: str
-    rows: tuple[dict[str, Any], ...]
+    rows: tuple[ElementRow, ...]
 
 
 def skeleton_rows(forest: Sequence[Element]) -> SkeletonRows:
     """The rows of the `root` element, where there is one, and the `skeleton` element."""
     rows = to_rows(forest, level=1)
-    content = [(row["level"], row["tag"], row["attributes"], row["text"]) for row in rows]
+    content = [row[2:] for row in rows]
     return SkeletonRows(hashlib.sha256(orjson.dumps(content)).hexdigest(), tuple(rows))

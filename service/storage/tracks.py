@@ -16,7 +16,17 @@ from service.errors import NotFoundError, StoreError
 from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import Array
 from service.storage.blocks import Stretch, gathered
-from service.storage.encoding import FrameIdRuns, channels_of, decompress, pack_shape, track_row, unpack_shape
+from service.storage.encoding import (
+    DATA_PLACE,
+    TRACK_COLUMNS,
+    FrameIdRuns,
+    TrackRow,
+    channels_of,
+    decompress,
+    pack_shape,
+    track_row,
+    unpack_shape,
+)
 from service.storage.runs import intersection
 from service.storage.tables import CHUNK, CURRENT, frame_run, shape, shape_run, timeline, track
 
@@ -36,6 +46,7 @@ class Piece:
     count: int
 
 
+_TRACK_ROW = ("document", "from_commit", "to_commit", *TRACK_COLUMNS)
 _FIRST, _LAST = bindparam("first", type_=BigInteger), bindparam("last", type_=BigInteger)
 
 
@@ -74,13 +85,11 @@ class Tracks:
 
     # -- writing ---------------------------------------------------------------------------------------------------
 
-    def write_chunks(self, document_key: int, rows: list[dict[str, Any]], from_commit: int) -> None:
-        """Add track rows as `ClipEncoder` makes them."""
-        for row in rows:
-            row["document"] = document_key
-            row["from_commit"] = from_commit
-            row["to_commit"] = CURRENT
-        self._tx.insert_rows(track, rows)
+    def write_chunks(self, document_key: int, rows: list[TrackRow], from_commit: int, behind: int = 0) -> None:
+        """Add track rows as `ClipEncoder` makes them, so many chunks behind those that they name."""
+        if behind:
+            rows = [(chunk + behind, *rest) for chunk, *rest in rows]
+        self._tx.insert_tuples(track, _TRACK_ROW, [(document_key, from_commit, CURRENT, *row) for row in rows])
 
     def write_shapes(self, document_key: int, shapes: dict[Shape, int]) -> None:
         rows = [{"document": document_key, "shape": n, "bones": pack_shape(s)} for s, n in shapes.items()]
@@ -131,7 +140,7 @@ class Tracks:
         if row is None:
             return 0
         self.write_chunks(document_key, [row], self._tx.commit)
-        return len(row["data"])
+        return len(row[DATA_PLACE])
 
     def close_run(self, table: Any, document_key: int, start: Any, position: int) -> dict[str, Any]:
         """End the run that holds a position (or slot) with this commit, and answer its columns by name."""

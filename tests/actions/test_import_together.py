@@ -70,10 +70,10 @@ def test_equal_files_of_one_call_know_each_other_and_are_kept_once(database: Dat
 def test_one_that_cannot_be_stored_takes_none_with_it(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     publish = Documents.publish
 
-    def refused(self: Documents, key: int, *, message: str, **rest: object) -> None:
+    def refused(self: Documents, *about: object, message: str, **rest: object) -> None:
         if message == "clip02.bvh":
             raise ConflictError("Another write came in between.")
-        publish(self, key, message=message, **rest)  # type: ignore[arg-type]
+        publish(self, *about, message=message, **rest)  # type: ignore[arg-type]
 
     monkeypatch.setattr(Documents, "publish", refused)
     result = together(database, FILES)

@@ -8,9 +8,11 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from numpy.typing import NDArray
 
 from service.motion.clip import FrameBlock, full_shape
 from service.storage.encoding import (
+    TRACK_COLUMNS,
     ClipEncoder,
     FrameIdRuns,
     Spans,
@@ -36,8 +38,9 @@ def test_shapes_pack(pairs: list[tuple[int, int]]) -> None:
 
 
 def test_zone_map_covers_present_samples_only() -> None:
-    row = track_row(3, 7, [5, 3], np.array([[1.0, np.nan, -2.0], [4.0, 4.0, 4.0]]))
-    assert row is not None
+    made = track_row(3, 7, [5, 3], np.array([[1.0, np.nan, -2.0], [4.0, 4.0, 4.0]]))
+    assert made is not None
+    row = dict(zip(TRACK_COLUMNS, made, strict=True))
     assert (row["min_Rz"], row["max_Rz"], row["min_Rx"], row["max_Rx"]) == (-2.0, 1.0, 4.0, 4.0)
     assert row["channels"] == 0b101000
     assert row["has_missing"] == 0b100000
@@ -92,9 +95,10 @@ def test_chunks_do_not_depend_on_blocks(frames: int, lengths: list[int], seed: i
         for chunk in encoder.rest():
             rows += chunk
     assert encoder.frames == frames
-    assert [row["chunk"] for row in rows] == sorted(row["chunk"] for row in rows)
-    joined = {}
-    for row in rows:
+    named = [dict(zip(TRACK_COLUMNS, row, strict=True)) for row in rows]
+    assert [row["chunk"] for row in named] == sorted(row["chunk"] for row in named)
+    joined: dict[int, list[NDArray[np.float64]]] = {}
+    for row in named:
         bits = bin(row["channels"]).count("1")
         joined.setdefault(row["bone"], []).append(decompress(row["data"], bits, 1))
     for bone, wanted in ((0, [0, 1]), (1, [4]), (2, [2, 3])):

@@ -49,8 +49,8 @@ class Dialect(ABC):
         """Let no other writer number a commit until this transaction has ended: numbers follow visibility."""
 
     @abstractmethod
-    def insert(self, connection: Connection, table: Table, rows: list[dict[str, Any]]) -> None:
-        """Insert many rows that have the same columns, the fastest way the database has."""
+    def insert(self, connection: Connection, table: Table, names: tuple[str, ...], rows: list[tuple[Any, ...]]) -> None:
+        """Insert many rows, each with the values of these columns, the fastest way the database has."""
 
     @abstractmethod
     def insert_one(self, connection: Connection, table: Table, row: dict[str, Any]) -> int:

@@ -42,13 +42,12 @@ class PostgreSQL(Dialect):
     def order_commits(self, connection: Connection) -> None:
         connection.execute(_ORDER, {"key": COMMIT_LOCK})
 
-    def insert(self, connection: Connection, table: Table, rows: list[dict[str, Any]]) -> None:
-        names = list(rows[0])
+    def insert(self, connection: Connection, table: Table, names: tuple[str, ...], rows: list[tuple[Any, ...]]) -> None:
         columns = ", ".join(f'"{name}"' for name in names)
         driver: Any = connection.connection.driver_connection
         with driver.cursor() as cursor, cursor.copy(f'COPY "{table.name}" ({columns}) FROM STDIN') as copy:
             for row in rows:
-                copy.write_row([row[name] for name in names])
+                copy.write_row(row)
 
     def insert_one(self, connection: Connection, table: Table, row: dict[str, Any]) -> int:
         return int(connection.execute(_insertion(table), row).scalar_one())
