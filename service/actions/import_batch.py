@@ -60,9 +60,12 @@ class Batch:
         if len(self._waiting) >= BATCH_CLIPS or sum(other.size for other in self._waiting) >= BATCH_BYTES:
             self.store()
 
-    def store_early(self) -> None:
-        """Store while there is nothing else to do, unless it is too little for a commit."""
-        if len(self._waiting) >= EARLY_CLIPS:
+    def store_early(self, following: int) -> None:
+        """Store while there is nothing else to do, unless it is too little for a commit.
+
+        following: clips to come. Before the last ones less is enough: what waits then, everyone waits for.
+        """
+        if len(self._waiting) >= min(EARLY_CLIPS, following):
             self.store()
 
     def store(self) -> None:

@@ -58,7 +58,7 @@ def import_files(
             try:
                 for number, clip in enumerate(found.clips):
                     if workers.is_behind(number):
-                        batch.store_early()
+                        batch.store_early(len(found.clips) - number)
                     apart = workers.take(number)
                     batch.take(Importer(database, clip, chosen, settings, author, executor, progress, apart))
             finally:

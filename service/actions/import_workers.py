@@ -81,7 +81,8 @@ class ImportWorkers:
         while number not in self._made and self._pipes:
             for pipe in wait(self._pipes):
                 self._receive(cast(Connection, pipe))
-        self._hand_out(1)
+        if self._pipes:
+            self._hand_out(1)
         return self._made.pop(number, None)
 
     def is_behind(self, number: int) -> bool:
@@ -99,9 +100,8 @@ class ImportWorkers:
             self._made[number] = made
 
     def _hand_out(self, count: int) -> None:
-        if self._pipes:
-            for number in islice(self._numbers, count):
-                os.write(self._to_do, _NUMBER.pack(number))
+        for number in islice(self._numbers, count):
+            os.write(self._to_do, _NUMBER.pack(number))
 
     def _part(self) -> None:
         """Take no more from workers, who end when they notice."""
@@ -115,7 +115,11 @@ class ImportWorkers:
         context = multiprocessing.get_context("fork")
         to_do, self._to_do = os.pipe()
         running = []
+        # What there is already need not be searched for cycles while many rows come and go.
+        gc.freeze()
         try:
+            # The first worker begins while the others are started.
+            self._hand_out(AHEAD * processes)
             for _ in range(processes):
                 here, there = context.Pipe(duplex=False)
                 self._pipes.append(here)
@@ -127,9 +131,9 @@ class ImportWorkers:
                     with suppress(OSError):
                         worker.start()
                         running.append(worker)
-            self._hand_out(AHEAD * processes)
             yield
         finally:
+            gc.unfreeze()
             self._part()
             for end in (to_do, self._to_do):
                 os.close(end)
