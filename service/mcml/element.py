@@ -37,6 +37,15 @@ def leaf(tag: str, text: str, **attributes: str) -> Element:
     return Element(tag, attributes, text)
 
 
+def elements(element: Element) -> Iterator[Element]:
+    """The element and all below it, in document order."""
+    stack = [element]
+    while stack:
+        current = stack.pop()
+        yield current
+        stack += reversed(current.children)
+
+
 def addresses(element: Element, address: str = "") -> Iterator[tuple[str, Element]]:
     """Every element of the tree in document order with its canonical address, such as `/mcml/skeleton/bone[2]/name`.
 
@@ -47,6 +56,8 @@ def addresses(element: Element, address: str = "") -> Iterator[tuple[str, Elemen
     while stack:
         here, current = stack.pop()
         yield here, current
+        if not current.children:
+            continue
         total = Counter(child.tag for child in current.children)
         seen: Counter[str] = Counter()
         steps = []

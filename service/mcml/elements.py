@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 
 from service.errors import DocumentError, Place
 from service.mcml.bones import read_skeleton, write_skeleton
-from service.mcml.element import Element, addresses, leaf
+from service.mcml.element import Element, addresses, elements, leaf
 from service.mcml.lexical import WHITE_SPACE, escape, is_decimal, join_list, split_list, unescape
 from service.mcml.vocabulary import (
     COMMENT,
@@ -129,7 +129,7 @@ def refresh_counts(document: Element, frames: int) -> Element:
 
 
 def _counts(document: Element, frames: int) -> Sequence[tuple[str, int, str]]:
-    joints = sum(1 for _, element in addresses(document) if element.tag in ("root", "bone"))
+    joints = sum(element.tag in ("root", "bone") for element in elements(document))
     return ((NUM_SEGMENTS, joints, "joints (the root counts)"), (NUM_FRAMES, frames, "frames"))
 
 

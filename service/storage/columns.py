@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import orjson
 from sqlalchemy import BigInteger, BindParameter, ColumnElement, Select, and_, bindparam, func, select
 
 from service.motion.skeleton import CHANNELS
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from service.motion.clip import Shape
     from service.storage.database import Transaction
 
+TRACKS_AT_A_TIME = 2000
 KEYS_AT_A_TIME = 10_000
 """In one statement; SQLite takes 32,766 parameters, PostgreSQL 65,535."""
 
@@ -96,9 +98,6 @@ _TRACK_KEY = (track.c.document, track.c.chunk, track.c.bone, track.c.from_commit
 _IN_CHUNKS = and_(track.c.chunk >= bindparam("low"), track.c.chunk <= bindparam("high"))
 _OF_BONES = track.c.bone.in_(bindparam("bones", expanding=True))
 _TRACKS = select(*_TRACK_KEY, track.c.channels).where(track.c.document.in_(_KEYS), _valid(track), _IN_CHUNKS)
-_TRACK_DATA = select(*_TRACK_KEY, track.c.codec, track.c.data).where(
-    track.c.document.in_(_KEYS), _valid(track), _IN_CHUNKS, _OF_BONES
-)
 _ZONES = select(
     *_TRACK_KEY,
     track.c.channels,
@@ -206,9 +205,12 @@ class Columns:
             return list(self._rows(_ZONES, keys))
         return list(self._rows(_ZONES.where(_OF_BONES), keys, bones=bones))
 
-    def track_data(self, keys: Sequence[int], bones: Sequence[int], chunks: tuple[int, int]) -> Iterator[Any]:
-        """Rows (document, chunk, bone, from_commit, codec, data)."""
-        return self._rows(_TRACK_DATA, keys, bones=bones, low=chunks[0], high=chunks[1])
+    def track_data(self, keys: Sequence[tuple[int, int, int, int]]) -> Iterator[Any]:
+        """Rows (document, chunk, bone, from_commit, codec, data) of the tracks that are named by their first four."""
+        statement = self._tx.dialect.tracks_by_key
+        for start in range(0, len(keys), TRACKS_AT_A_TIME):
+            given = {"keys": orjson.dumps(keys[start : start + TRACKS_AT_A_TIME]).decode()}
+            yield from self._tx.connection.execute(statement, given)
 
     def _rows(self, query: Select[Any], keys: Sequence[int], **given: Any) -> Iterator[Any]:
         given["at"] = self._tx.at

@@ -71,14 +71,18 @@ class Forest:
             self._columns.timeline = Timeline(self.shapes)
         return self._columns.timeline
 
-    @property
-    def has_tracks(self) -> bool:
-        """Whether all tracks with their zone maps are at hand, or read in no time: else, as after an edit of a long
-        document, a few tracks are found sooner by a query of their own."""
+    def has_tracks(self, asked: int = 1) -> bool:
+        """Whether all tracks with their zone maps are at hand, or well worth reading: else, as after an edit of a long
+        document, a few tracks are found sooner by a query of their own.
+
+        asked: of how many documents tracks are wanted. Where that is most of several, the next question will be, too.
+        """
         if self._columns.tracks is not None:
             return True
-        few = int(self.frames.sum()) <= FEW_FRAMES
-        return int(self.frames.max()) <= MANY_FRAMES and (few or self.shared.zones.holds(self.documents))
+        frames = int(self.frames.sum())
+        if frames <= FEW_FRAMES or (frames <= MANY_FRAMES and 1 < len(self) < 2 * asked):
+            return True
+        return int(self.frames.max()) <= MANY_FRAMES and self.shared.zones.holds(self.documents)
 
     @property
     def tracks(self) -> Table:

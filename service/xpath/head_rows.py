@@ -10,6 +10,7 @@ import numpy as np
 from service.xpath.heads import Head
 from service.xpath.numbering import DOCUMENT_SHIFT, IS_ELEMENT, IS_TEXT, MOTION, Ints, documents_of, slots_of
 from service.xpath.pairs import expand
+from service.xpath.texts import Strings, of_texts
 
 
 class HeadRows:
@@ -41,14 +42,10 @@ class HeadRows:
         base = np.where(slots < MOTION, self.starts[documents], self.motions[documents] - MOTION)
         return np.asarray(base + slots, np.int64)
 
-    def texts(self, rows: Ints) -> list[str]:
-        """The strings of attributes, texts and namespace nodes."""
-        texts = self._texts
-        return [texts[row] for row in rows.tolist()]
-
     @cached_property
-    def _texts(self) -> list[str]:
-        return [text for part in self._parts for text in part.texts]
+    def texts(self) -> Strings:
+        """The strings of all attributes, texts and namespace nodes, "" for other rows."""
+        return of_texts([text for part in self._parts for text in part.texts])
 
     @cached_property
     def text_rows(self) -> Ints:

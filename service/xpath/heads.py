@@ -60,12 +60,13 @@ class Head:
 
         An element that has siblings of its name is numbered among them.
         """
+        known = self._addresses.get(row)
+        if known is not None:
+            return known
         part = self.part
         kind = int(part.kinds[row])
         if kind in (IS_DOCUMENT, IS_NAMESPACE):
             return "/" if kind == IS_DOCUMENT else ""
-        if row in self._addresses:
-            return self._addresses[row]
         parent = int(part.parents[row])
         above = self.address(parent).rstrip("/")
         name = code_names()[part.names[row]]
@@ -84,6 +85,9 @@ class Head:
     def xml(self, row: int) -> str:
         """An element outside of the motion, with all it holds."""
         kinds, names, ends = self._lists()
+        if ends[row] == row + 2 and kinds[row + 2] == IS_TEXT:
+            # Nothing but a text behind the namespace node, as most elements of a head.
+            return f"<{names[row]}>{text_bytes(self.part.texts[row + 2]).decode()}</{names[row]}>"
         parts: list[str] = []
         open_: list[tuple[int, str]] = []
         in_tag = False

@@ -148,7 +148,7 @@ def _tracks(forest: Forest, documents: Ints, chunks: Ints) -> dict[int, dict[int
 
 def _rows(forest: Forest, wanted: Ints) -> list[Row]:
     """What all tracks over some frames (place << 32 | chunk) are read by, those of a chunk by bone."""
-    if forest.has_tracks:
+    if forest.has_tracks(len(np.unique(wanted >> 32))):
         return rows_of(forest.tracks.over(wanted).about)
     place = {forest.keys[number]: number for number in np.unique(wanted >> 32).tolist()}
     chunks = wanted & 0xFFFFFFFF

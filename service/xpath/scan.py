@@ -278,7 +278,7 @@ class Scan:
             return part.tracks.moved(places.start)
         stored = unescape(name)
         numbers = [layout.numbers.get(stored, -1) for layout in part.layouts]
-        if len(documents) == 1 and not part.has_tracks:
+        if len(documents) == 1 and not part.has_tracks():
             return joined([read_zones(self.tx, documents, numbers)[documents[0].key]]).moved(places.start)
         return part.tracks.of_bones(numbers).moved(places.start)
 

@@ -19,8 +19,6 @@ Row: TypeAlias = tuple[int, int, int, int, int]
 Packed: TypeAlias = tuple[int, bytes]
 """Codec and bytes, as the store has them."""
 
-MOST_UNASKED = 4
-"""How many times as many tracks as are asked for one statement may reach."""
 OVERHEAD = 200
 """About how many bytes a kept track takes beside its own."""
 
@@ -50,22 +48,5 @@ class Tracks:
 
 
 def _fetch(tx: Transaction, keys: Sequence[Key]) -> Iterator[tuple[Key, Packed]]:
-    """Tracks by their keys. One statement reads all tracks of some documents, bones and a range of chunks; where too
-    many of those are not asked for, some documents or bones at a time."""
-    asked = set(keys)
-    documents, bones = ({key[place]: None for key in keys} for place in (0, 2))
-    low, high = min(key[1] for key in keys), max(key[1] for key in keys)
-    everything = len(documents) * len(bones) * (high - low + 1)
-    if len(documents) == 1 or len(bones) == 1 or everything <= MOST_UNASKED * len(keys):
-        for document, chunk, bone, commit, codec, data in tx.columns.track_data(
-            list(documents), list(bones), (low, high)
-        ):
-            if (document, chunk, bone, commit) in asked:
-                yield (document, chunk, bone, commit), (codec, data)
-        return
-    place = 0 if len(documents) < len(bones) else 2
-    parts: dict[int, list[Key]] = {}
-    for key in keys:
-        parts.setdefault(key[place], []).append(key)
-    for part in parts.values():
-        yield from _fetch(tx, part)
+    for document, chunk, bone, commit, codec, data in tx.columns.track_data(keys):
+        yield (document, chunk, bone, commit), (codec, data)

@@ -125,7 +125,7 @@ def samples(forest: Forest, nodes: Ints) -> Floats:
 
 def _rows(forest: Forest, tracks: Ints) -> list[Row]:
     """What tracks (place << 48 | bone << 32 | chunk, ascending) are read by."""
-    if forest.has_tracks:
+    if forest.has_tracks(len(np.unique(tracks >> 48))):
         return rows_of(forest.tracks.named(tracks).about)
     place = {key: number for number, key in enumerate(forest.keys)}
     found: dict[int, Row] = {}
@@ -193,24 +193,28 @@ def _of_head(forest: Forest, nodes: Ints) -> Strings:
     rows = head.rows(nodes)
     kinds = head.kinds[rows]
     plain = (kinds == IS_ATTRIBUTE) | (kinds == IS_TEXT) | (kinds == IS_NAMESPACE)
-    texts: list[str] = [""] * len(rows)
-    index = np.flatnonzero(plain)
-    for place, text in zip(index.tolist(), head.texts(rows[index]), strict=True):
-        texts[place] = text
+    held = head.texts
+    codes = held.codes[rows]
     holders = np.flatnonzero(~plain)
     # The texts inside an element follow one another among all texts; nearly always there is one, or none.
     first = np.searchsorted(head.text_rows, rows[holders])
     counts = np.searchsorted(head.text_rows, head.ends[rows[holders]], side="right") - first
     single = np.flatnonzero(counts == 1)
-    for place, text in zip(holders[single].tolist(), head.texts(head.text_rows[first[single]]), strict=True):
-        texts[place] = text
+    codes[holders[single]] = held.codes[head.text_rows[first[single]]]
+    unique, codes = np.unique(codes, return_inverse=True)
+    found = Strings(codes.reshape(-1).astype(np.int64), [held.values[code] for code in unique.tolist()])
     several = np.flatnonzero(counts > 1)
+    motion = head.motions[documents_of(nodes)]
+    moving = np.flatnonzero(~plain & (rows <= motion) & (motion <= head.ends[rows]))
+    if not len(several) and not len(moving):
+        return found
+    texts = found.list()
     for place, begin, count in zip(
         holders[several].tolist(), first[several].tolist(), counts[several].tolist(), strict=True
     ):
-        texts[place] = "".join(head.texts(head.text_rows[begin : begin + count]))
-    motion = head.motions[documents_of(nodes)]
-    for place in np.flatnonzero(~plain & (rows <= motion) & (motion <= head.ends[rows])).tolist():
+        inside = held.codes[head.text_rows[begin : begin + count]].tolist()
+        texts[place] = "".join([held.values[code] for code in inside])
+    for place in moving.tolist():
         texts[place] += _motion_text(forest, int(documents_of(nodes[place])))
     return of_texts(texts)
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from contextlib import AbstractContextManager
-from typing import Any, cast
+from typing import Any, ClassVar, cast
 
-from sqlalchemy import ClauseElement, Connection, CursorResult, Engine, Table
+from sqlalchemy import ClauseElement, Connection, CursorResult, Engine, Table, TextClause
 from sqlalchemy.sql.compiler import SQLCompiler
 
 
@@ -17,6 +17,10 @@ class Dialect(ABC):
     @abstractmethod
     def create_engine(cls, url: str) -> Engine:
         """An engine whose read transactions see one snapshot and whose commits survive a power cut."""
+
+    tracks_by_key: ClassVar[TextClause]
+    """Reads the tracks whose keys are in a JSON array `keys` of [document, chunk, bone, from_commit]: one by one from
+    the index, however many documents they lie in."""
 
     def __init__(self, engine: Engine) -> None:
         self.engine = engine

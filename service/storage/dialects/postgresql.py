@@ -24,6 +24,13 @@ _ORDER = text("SELECT pg_advisory_xact_lock(:key)")
 class PostgreSQL(Dialect):
     """A server, through psycopg 3. Reads are repeatable, writes read committed rows and lock what they change."""
 
+    tracks_by_key = text(
+        "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data "
+        "FROM jsonb_array_elements(CAST(:keys AS jsonb)) AS k JOIN track AS t "
+        "ON t.document = CAST(k ->> 0 AS bigint) AND t.chunk = CAST(k ->> 1 AS bigint) "
+        "AND t.bone = CAST(k ->> 2 AS bigint) AND t.from_commit = CAST(k ->> 3 AS bigint)"
+    )
+
     @classmethod
     def create_engine(cls, url: str) -> Engine:
         return create_engine(url, pool_size=16, max_overflow=32, pool_pre_ping=True)

@@ -20,6 +20,14 @@ BUSY_SECONDS = 60
 class SQLite(Dialect):
     """One file. Writers of one process queue on a lock, writers of several on SQLite's own."""
 
+    # Of a cross join SQLite keeps the order: for each key, look for its track.
+    tracks_by_key = text(
+        "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data "
+        "FROM json_each(:keys) AS k CROSS JOIN track AS t "
+        "WHERE t.document = json_extract(k.value, '$[0]') AND t.chunk = json_extract(k.value, '$[1]') "
+        "AND t.bone = json_extract(k.value, '$[2]') AND t.from_commit = json_extract(k.value, '$[3]')"
+    )
+
     def __init__(self, engine: Engine) -> None:
         super().__init__(engine)
         self._writer = threading.Lock()
