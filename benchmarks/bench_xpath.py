@@ -73,11 +73,14 @@ def run() -> dict[str, object]:
         measured = Run(build(folder))
         print(f"   library: {measured.library.what}; {', '.join(map(str, SIZES))} documents", flush=True)
         ours: dict[tuple[str, int], Answer] = {}
+        asked = "not at all"
         with ExitStack() as stack:
             client = None
             if basex.available():
                 (folder / "basex").mkdir()
                 client = stack.enter_context(basex_client.serving(folder / "basex"))
+                asked = client.asked
+                print(f"   BaseX is asked {asked}", flush=True)
             else:
                 print("   BaseX is not installed (Debian package basex): it is left out")
             for number, size in measured.library.sizes.items():
@@ -92,7 +95,7 @@ def run() -> dict[str, object]:
     figures = print_table(list(measured.rows.values()), measured.idle)
     if measured.differences:
         raise RuntimeError("The engines disagree: " + "; ".join(measured.differences))
-    return {"library": measured.library.what, **figures}
+    return {"library": measured.library.what, "basex": asked, **figures}
 
 
 def _ask_servers(
