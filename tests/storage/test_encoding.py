@@ -26,9 +26,19 @@ from service.storage.encoding import (
 FINITE = st.floats(allow_nan=False, allow_infinity=False, width=64)
 
 
-@given(arrays.arrays(np.float64, st.tuples(st.integers(1, 6), st.integers(1, 40)), elements=FINITE | st.just(-0.0)))
-def test_compression_keeps_every_bit(columns: np.ndarray) -> None:
-    back = decompress(compress(columns), len(columns), 1)
+ON_GRID = st.integers(-(10**9), 10**9).flatmap(lambda number: st.sampled_from([number / 100, number / 10**6, -0.0]))
+
+
+@given(
+    arrays.arrays(
+        np.float64,
+        st.tuples(st.integers(1, 6), st.integers(1, 40)),
+        elements=st.one_of(FINITE, ON_GRID, st.sampled_from([-0.0, np.nan])),
+    ),
+    st.sampled_from([None, 0, 2, 6, 15]),
+)
+def test_compression_keeps_every_bit(columns: np.ndarray, decimals: int | None) -> None:
+    back = decompress(compress(columns, decimals), len(columns), 1)
     assert back.tobytes() == columns.tobytes()
 
 
