@@ -52,7 +52,8 @@ class McmlError(Exception):
 
     def __str__(self) -> str:
         where = f"{self.at}: " if self.at and str(self.at) else ""
-        return f"{where}{self.what}" + (f" {self.remedy}" if self.remedy else "")
+        end = "" if self.what.endswith((".", "?", "!")) else "."
+        return f"{where}{self.what}" + (f"{end} {self.remedy}" if self.remedy else "")
 
 
 class FormatError(McmlError):

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 from pydantic import BaseModel
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.text import Text
 
 from schemas.jobs import Job, PartSummary, Result, Selection
 from service.actions.check_names import file_name
@@ -95,7 +96,7 @@ def _run(analysis: Analysis) -> Callable[..., None]:
         selection = Selection(
             documents=document or [], project=project, motion_name=motion_name, property=property or [], xpath=xpath
         )
-        columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+        columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
         hidden = as_json or not sys.stderr.isatty()
         with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
             task = bar.add_task("starting", total=1.0)
@@ -136,12 +137,15 @@ def info(
         print_json(found)
         return
     console.print(
-        f"[bold]{found.name}[/bold]  {found.id}\n{found.analysis} of {len(found.inputs)} clips, {found.created}"
+        Text.assemble(
+            (found.name, "bold"),
+            f"  {found.id}\n{found.analysis} of {len(found.inputs)} clips, {found.created}",
+        )
     )
     _show_result(found)
     for part in found.parts.values():
         for line in _facts(part.data.get("summary"), "  "):
-            console.print(line, markup=False, highlight=False)
+            console.print(line)
 
 
 def _show_result(found: Result) -> None:

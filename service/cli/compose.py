@@ -85,7 +85,7 @@ def split(
         print_json(made)
         return
     for part in made.items:
-        console.print(f"made  {part.name}  {part.document}", markup=False)
+        console.print(f"made  {part.name}  {part.document}")
 
 
 def _segment(text: str) -> dict[str, Any]:

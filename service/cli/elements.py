@@ -174,4 +174,4 @@ def _told(answer: httpx.Response, as_json: bool) -> None:
     if as_json:
         print_json(done)
     else:
-        console.print(f"revision {done.revision}, {done.elements:,} edited", markup=False)
+        console.print(f"revision {done.revision}, {done.elements:,} edited")

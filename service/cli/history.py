@@ -44,7 +44,7 @@ def history(
     rows = table("revision#", "time", "author", "what", "why")
     for item in page.items:
         rows.add_row(f"{item.number}", item.time, item.author, item.operation, item.message)
-    console.print(rows, markup=False)
+    console.print(rows)
 
 
 def diff(
@@ -64,7 +64,7 @@ def diff(
     for element in found.elements:
         for sign, text in (("-", element.before), ("+", element.after)):
             if text is not None:
-                console.print(f"{sign} {element.address}  {text}", markup=False)
+                console.print(f"{sign} {element.address}  {text}")
     if found.frames_before != found.frames_after or found.frames_moved:
         console.print(f"frames {found.frames_before:,} -> {found.frames_after:,}")
     for sign, ranges in (("-", found.frames_removed), ("+", found.frames_added)):
@@ -72,13 +72,11 @@ def diff(
             console.print(f"{sign} frames {_range(item)}")
     for sign, labels in (("-", found.labels_removed), ("+", found.labels_added)):
         for label in labels:
-            console.print(f"{sign} {label.first}-{label.last}  {label.name}", markup=False)
+            console.print(f"{sign} {label.first}-{label.last}  {label.name}")
     for bone in found.bones:
         channels = ", ".join(f"{name} by {value:.6g}" for name, value in bone.channels.items())
         angle = "" if bone.angle is None else f"; {bone.angle:.6g} degrees"
-        console.print(
-            f"~ {bone.bone}  {bone.first}-{bone.last}, {bone.frames:,} frames: {channels}{angle}", markup=False
-        )
+        console.print(f"~ {bone.bone}  {bone.first}-{bone.last}, {bone.frames:,} frames: {channels}{angle}")
 
 
 def undo(

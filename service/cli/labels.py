@@ -171,7 +171,7 @@ def _shown(page: LabelPage, as_json: bool) -> None:
     rows = table("id#", "first#", "last#", "name")
     for item in page.items:
         rows.add_row(f"{item.id}", f"{item.first}", f"{item.last}", item.name)
-    console.print(rows, markup=False)
+    console.print(rows)
 
 
 def _told(changed: ChangedDocuments) -> None:

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.text import Text
 
 from schemas.documents import ChangedDocuments, DocumentDetail, ImportedDocument, LabelPage
 from service.actions.export_motion import ExportOptions
@@ -99,10 +100,10 @@ def import_(
             for problem in answer.problems:
                 failed += 1
                 if not as_json:
-                    remedy = f" {problem.problem.remedy}" if problem.problem.remedy else ""
+                    remedy = f"\n         {problem.problem.remedy}" if problem.problem.remedy else ""
                     line = problem.problem.where.line if problem.problem.where else None
                     place = f"{problem.file}:{line}" if line else problem.file
-                    console.print(f"[red]failed[/red]   {place}: {problem.problem.detail}{remedy}")
+                    console.print(Text.assemble(("failed", "red"), f"   {place}: {problem.problem.detail}{remedy}"))
     if as_json:
         documents = [item.model_dump() for answer in answers for item in answer.documents]
         problems = [item.model_dump(exclude_none=True) for answer in answers for item in answer.problems]
@@ -133,7 +134,7 @@ class _Bar:
     """How many files are done. It is drawn by whoever tells it: beside a thread that drew it, no import could fork."""
 
     def __init__(self, files: int, *, disable: bool) -> None:
-        columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
         self._bar = Progress(*columns, console=console, transient=True, disable=disable, auto_refresh=False)
         self._task = self._bar.add_task("importing", total=files)
         self._before = 0
@@ -243,7 +244,7 @@ def show(
         print_json(found)
         return
     rate = f"{1 / found.seconds_per_frame:.6g} Hz" if found.seconds_per_frame else "rate unknown"
-    console.print(f"[bold]{found.name}[/bold]  {found.id}  revision {found.revision}")
+    console.print(Text.assemble((found.name, "bold"), f"  {found.id}  revision {found.revision}"))
     console.print(
         f"{found.format}, {found.frames:,} frames, {rate}, unit {found.unit or 'unknown'}, up {found.up or 'unknown'}"
     )

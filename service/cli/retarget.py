@@ -67,7 +67,7 @@ def retarget(
         return
     console.print(f"{'would make' if preview else 'made'}  {made.document or ''}  {made.frames:,} frames")
     for match in made.matches:
-        console.print(f"  {match.source} -> {match.target}  {match.confidence:.2f}  {match.reason}", markup=False)
+        console.print(f"  {match.source} -> {match.target}  {match.confidence:.2f}  {match.reason}")
     for bone in made.bones:
         if bone.leads and bone.mean > 0.5:
             console.print(f"  {bone.bone} to {bone.end}: {bone.mean:.1f} degrees off, {bone.largest:.1f} at most")
@@ -90,11 +90,9 @@ def _retarget_many(request: RetargetMany, database: str | None, server: str | No
             elif item.made is not None:
                 worst = max((bone.mean for bone in item.made.bones if bone.leads), default=0.0)
                 what = "would make" if request.preview else f"made {item.made.document}"
-                console.print(
-                    f"{what}  {item.name}  {item.made.frames:,} frames, {worst:.1f} degrees off", markup=False
-                )
+                console.print(f"{what}  {item.name}  {item.made.frames:,} frames, {worst:.1f} degrees off")
             elif item.problem is not None:
-                console.print(f"failed  {item.name}  {item.source}: {item.problem.detail}", markup=False)
+                console.print(f"failed  {item.name}  {item.source}: {item.problem.detail}")
     if not as_json:
         console.print(f"{made} made, {failed} failed")
     if failed:
@@ -119,7 +117,7 @@ def list_(
     rows = table("project", "name", "joints#", "version#", "author", "changed")
     for item in found.items:
         rows.add_row(item.project, item.name, f"{len(item.pairs)}", f"{item.version}", item.author, item.changed)
-    console.print(rows, markup=False)
+    console.print(rows)
 
 
 def show(
@@ -182,9 +180,9 @@ def _told(mapping: Mapping, as_json: bool) -> None:
     if as_json:
         print_json(mapping)
         return
-    console.print(f"{mapping.name}  version {mapping.version}  {len(mapping.pairs)} joints", markup=False)
+    console.print(f"{mapping.name}  version {mapping.version}  {len(mapping.pairs)} joints")
     for pair in mapping.pairs:
-        console.print(f"  {pair.source} -> {pair.target}", markup=False)
+        console.print(f"  {pair.source} -> {pair.target}")
 
 
 def _pairs(joints: list[str] | None) -> list[dict[str, str]]:

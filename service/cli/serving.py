@@ -11,6 +11,7 @@ import sys
 from typing import Annotated
 
 import typer
+from rich.text import Text
 
 from service.cli.shared import DatabaseOption, chosen_settings, console, open_database
 from service.errors import AccessError
@@ -50,7 +51,7 @@ def serve(
             _load_demo(database)
     store.close()
     name = f"[{settings.host}]" if ":" in settings.host else settings.host
-    console.print(f"MCML Repository on [bold]http://{name}:{settings.port}/[/bold]  (Ctrl+C stops)")
+    console.print(Text.assemble("MCML Repository on ", (f"http://{name}:{settings.port}/", "bold"), "  (Ctrl+C stops)"))
     os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
     os.environ["MCML_DATABASE"] = settings.database_url
     uvicorn.run(
@@ -69,9 +70,7 @@ def demo(
 ) -> None:
     """Add a small library of generated clips: walks, reaches, dances, faces, with their motion names and properties."""
     count = _load_demo(database, seed)
-    console.print(
-        f"Added {count} generated clips to the projects [bold]demo[/bold], demo-reach, demo-dance and demo-face."
-    )
+    console.print(f"Added {count} generated clips to the projects demo, demo-reach, demo-dance and demo-face.")
 
 
 def _load_demo(database: str | None, seed: int = 1) -> int:

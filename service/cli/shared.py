@@ -24,7 +24,8 @@ RevisionOption = Annotated[
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts")]
 
-console = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 1000)
+# Names of files and documents may hold brackets: nothing that is printed is markup.
+console = Console(highlight=False, markup=False, soft_wrap=True, width=None if sys.stdout.isatty() else 1000)
 
 
 def chosen_settings(database: str | None = None, **changes: Any) -> Settings:

@@ -45,6 +45,16 @@ def test_an_export_into_no_folder(mcml) -> None:  # noqa: F811
     assert (code, "walk.bvh" in errors) == (1, True)
 
 
+def test_names_with_brackets_are_shown_whole(mcml, tmp_path: Path) -> None:  # noqa: F811
+    (tmp_path / "a[red]b[Hips].bvh").write_bytes(bvh(3, seed=77))
+    (tmp_path / "c[bold]d.bvh").write_bytes(b"HIERARCHY\nROOT [bold]\n{\n OFFSET 0 0\n}\n")
+    code, output, errors = mcml("import", "a[red]b[Hips].bvh", "c[bold]d.bvh")
+    assert code == 3, errors
+    assert "a[red]b[Hips]" in output
+    assert "c[bold]d.bvh:5: OFFSET of joint '[bold]' needs 3 numbers" in output
+    assert "a[red]b[Hips]" in mcml("ls")[1]
+
+
 def test_names_of_any_bytes(mcml, tmp_path: Path) -> None:  # noqa: F811
     for name, encoding in (("걸음", "cp949"), ("für", "latin-1"), ("달리기", "utf-8")):
         Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name.encode(encoding) + b".bvh")).write_bytes(

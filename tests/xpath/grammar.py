@@ -74,7 +74,7 @@ class Grammar:
         kind = self.random.choices(["nodes", "number", "string", "boolean"], [64, 13, 13, 10])[0]
         if kind != "nodes":
             return str(getattr(self, kind)(document))
-        text, node = self.absolute(document)
+        text, _ = self.absolute(document)
         if self.chance(0.08):
             text = f"{text} | {self.absolute(document)[0]}"
         # As in `step`: where namespace nodes stand among others, libxml2 does not know.
