@@ -90,13 +90,21 @@ class BaseXHttpClient(BaseXClient):
         if self._opened != database:
             self.execute("CLOSE")
             self._opened = database
-        asked = urlencode({"query": expression, "indent": "no"})
-        self._http.request("GET", f"/rest/{database}?{asked}", headers=self._account)
-        answer = self._http.getresponse()
-        content = answer.read()
-        if answer.status != 200:
+        asked = f"/rest/{database}?{urlencode({'query': expression, 'indent': 'no'})}"
+        try:
+            status, content = self._get(asked)
+        except (http.client.RemoteDisconnected, ConnectionError):
+            # The server closes connections at rest, here while another engine was asked: never a timed one.
+            self._http.close()
+            status, content = self._get(asked)
+        if status != 200:
             raise RuntimeError(f"BaseX: {content[:500].decode()} at {expression[:200]}")
         return content
+
+    def _get(self, address: str) -> tuple[int, bytes]:
+        self._http.request("GET", address, headers=self._account)
+        answer = self._http.getresponse()
+        return answer.status, answer.read()
 
 
 @contextmanager
