@@ -134,7 +134,8 @@ class _Bar:
     """How many files are done. It is drawn by whoever tells it: beside a thread that drew it, no import could fork."""
 
     def __init__(self, files: int, *, disable: bool) -> None:
-        columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        what = TextColumn("{task.description}", markup=False)
+        columns = (what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
         self._bar = Progress(*columns, console=console, transient=True, disable=disable, auto_refresh=False)
         self._task = self._bar.add_task("importing", total=files)
         self._before = 0
