@@ -8,6 +8,8 @@ RUN useradd --create-home --uid 10001 mcml
 COPY --from=build /wheels /wheels
 RUN pip install --no-cache-dir --no-index --find-links /wheels mcml-repository && rm -rf /wheels
 USER mcml
+# Made by its owner, or Docker would make the volume's folder as root.
+RUN mkdir /home/mcml/data
 ENV MCML_HOST=0.0.0.0 MCML_PORT=8000 XDG_DATA_HOME=/home/mcml/data
 VOLUME /home/mcml/data
 EXPOSE 8000
