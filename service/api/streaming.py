@@ -14,8 +14,9 @@ from fastapi.responses import StreamingResponse
 from service.errors import LimitError
 from service.storage.database import Database, Transaction
 
-SHORT = 1 << 16
-"""Bytes of an answer that is sent whole."""
+PIECE = 1 << 18
+"""Bytes that are sent together: each piece is handed from a thread to the event loop, which takes longer than to make
+a small one. A shorter answer is sent whole."""
 
 
 Bytes: TypeAlias = bytes | memoryview
@@ -39,19 +40,32 @@ def streamed(
 
     def blocks() -> Iterator[Bytes]:
         with held:
-            yield from chain((first,), content)
+            yield from pieces(chain((first,), content))
 
     return StreamingResponse(blocks(), media_type=media_type, headers=headers)
 
 
 def begun(content: Iterator[bytes], media_type: str, headers: dict[str, str]) -> Response:
     """A response whose beginning is made here: a short answer whole, and of a long one enough for an error to show."""
-    pieces: list[bytes] = []
-    for piece in content:
-        pieces.append(piece)
-        if sum(map(len, pieces)) >= SHORT:
-            return StreamingResponse(chain((b"".join(pieces),), content), media_type=media_type, headers=headers)
-    return Response(b"".join(pieces), media_type=media_type, headers=headers)
+    joined = pieces(content)
+    first = next(joined, b"")
+    if len(first) < PIECE:
+        return Response(first, media_type=media_type, headers=headers)
+    return StreamingResponse(chain((first,), joined), media_type=media_type, headers=headers)
+
+
+def pieces(content: Iterator[Bytes]) -> Iterator[Bytes]:
+    """The same bytes in pieces that are worth being sent."""
+    waiting: list[Bytes] = []
+    size = 0
+    for block in content:
+        waiting.append(block)
+        size += len(block)
+        if size >= PIECE:
+            yield b"".join(waiting)
+            waiting, size = [], 0
+    if waiting:
+        yield b"".join(waiting)
 
 
 async def read_body(request: Request, most: int) -> bytes:

@@ -21,10 +21,12 @@ Some: TypeAlias = slice | NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """Some frames of one chunk. tracks: (bone, channels as bits, samples (channels, n)) of each bone, by their numbers.
-    offsets: which frames of the chunk. places: where they stand in the block."""
+    """Some frames of one chunk. columns: what the rows of the parts hold, one after the other. parts: samples (channels,
+    n), where one ends before the frames do NaN. offsets: which frames of the chunk. places: where they stand in the
+    block."""
 
-    tracks: Sequence[tuple[int, int, Array]]
+    columns: tuple[Column, ...]
+    parts: Sequence[Array]
     offsets: Some
     places: Some
 
@@ -36,7 +38,7 @@ def gathered(
 
     columns: those that there are in any case, in this order; others that occur follow.
     """
-    layouts = [_columns(tuple((bone, bits) for bone, bits, _ in stretch.tracks)) for stretch in stretches]
+    layouts = [stretch.columns for stretch in stretches]
     different = [layout for layout in dict.fromkeys((tuple(columns), *layouts)) if layout]
     # Nearly always all are alike.
     whole = different[0] if len(different) == 1 else tuple(dict.fromkeys(chain.from_iterable(different)))
@@ -45,7 +47,8 @@ def gathered(
     for stretch, layout in zip(stretches, layouts, strict=True):
         if not layout:
             continue
-        some = np.concatenate(_chosen(stretch))
+        chosen = _chosen(stretch)
+        some = chosen[0] if len(chosen) == 1 else np.concatenate(chosen)
         order = _order(layout, whole)
         if len(layout) == len(whole):
             values[stretch.places] = (some if layout == whole else some[order]).T
@@ -58,20 +61,22 @@ def gathered(
 def evenly(numbers: NDArray[np.int64]) -> Some:
     """The same as a slice where they ascend by equal distances, which arrays read and write several times faster."""
     first, last, count = int(numbers[0]), int(numbers[-1]), len(numbers)
+    if count == 1:
+        return slice(first, first + 1)
     step = (last - first) // max(1, count - 1) or 1
     regular = slice(first, last + 1, step)
     return regular if np.array_equal(np.arange(first, last + 1, step), numbers) else numbers
 
 
 def _chosen(stretch: Stretch) -> list[Array]:
-    """The samples of each track; where one ends before the frames do, NaN."""
+    """The samples of each part at the frames."""
     offsets = stretch.offsets
     length = offsets.stop if isinstance(offsets, slice) else int(offsets.max()) + 1
     return [
         samples[:, offsets]
         if samples.shape[1] >= length
         else np.pad(samples, ((0, 0), (0, length - samples.shape[1])), constant_values=np.nan)[:, offsets]
-        for _, _, samples in stretch.tracks
+        for samples in stretch.parts
     ]
 
 
@@ -84,5 +89,6 @@ def _order(layout: tuple[Column, ...], whole: tuple[Column, ...]) -> NDArray[np.
 
 
 @lru_cache(maxsize=256)
-def _columns(tracks: tuple[tuple[int, int], ...]) -> tuple[Column, ...]:
+def columns_of(tracks: tuple[tuple[int, int], ...]) -> tuple[Column, ...]:
+    """The columns of tracks side by side. tracks: number of the bone and channels as bits of each."""
     return tuple((bone, channel) for bone, bits in tracks for channel in channels_of(bits))

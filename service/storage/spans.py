@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -28,13 +29,17 @@ class StoredSpan:
 
 
 _AT = bindparam("at", type_=BigInteger)
-_NAMED = (
+_VISIBLE = (
     select(span.c.document, span.c.first, span.c.last)
     .join(document, document.c.id == span.c.document)
-    .where(span.c.name.in_(bindparam("names", expanding=True)), span.c.from_commit <= _AT, span.c.to_commit > _AT)
+    .where(span.c.from_commit <= _AT, span.c.to_commit > _AT)
     .where(document.c.state == "ready", document.c.created_commit <= _AT, document.c.deleted_commit > _AT)
     .order_by(span.c.document, span.c.first)
 )
+_NAMED = _VISIBLE.where(span.c.name.in_(bindparam("names", expanding=True)))
+_NAMED_IN = _NAMED.where(span.c.document.in_(bindparam("documents", expanding=True)))
+_OF_ONE_NAME = _VISIBLE.where(span.c.name == bindparam("name"))
+_OF_ONE_NAME_IN_ONE = _OF_ONE_NAME.where(span.c.document == bindparam("document", type_=BigInteger))
 _TOUCHING = (
     select(span.c.first, span.c.last, span.c.rank, span.c.name, span.c.id)
     .where(
@@ -55,27 +60,30 @@ class Spans:
         given = {"document": document_key, "at": self._tx.at, "first": first, "last": CURRENT if last is None else last}
         return [StoredSpan(*row) for row in self._tx.connection.execute(_TOUCHING, given)]
 
-    def named(
-        self, names: list[str], documents: list[int] | None = None, project_key: int | None = None
-    ) -> dict[int, list[tuple[int, int]]]:
+    def named(self, names: list[str], documents: list[int] | None = None) -> dict[int, list[tuple[int, int]]]:
         """Ranges (first, last) of frames that carry one of the names, by document key.
 
-        Ranges are ascending and neither overlap nor touch. documents, project_key: narrow the search.
+        Ranges are ascending and neither overlap nor touch. documents: keys of those that are asked, None for all.
         """
-        query = _NAMED
-        given: dict[str, Any] = {"names": names, "at": self._tx.at}
-        if documents is not None:
-            query = query.where(span.c.document.in_(documents))
-        if project_key is not None:
-            query = query.where(document.c.project == project_key)
         ranges: dict[int, list[tuple[int, int]]] = {}
-        for key, first, last in self._tx.connection.execute(query, given):
+        for key, first, last in self._named(names, documents):
             found = ranges.setdefault(key, [])
             if found and first <= found[-1][1] + 1:
                 found[-1] = (found[-1][0], max(found[-1][1], last))
             else:
                 found.append((first, last))
         return ranges
+
+    def _named(self, names: list[str], documents: list[int] | None) -> Iterable[Any]:
+        # One name, in all documents or one, is what is asked most.
+        if len(names) == 1 and documents is None:
+            return self._tx.run(_OF_ONE_NAME, {"name": names[0], "at": self._tx.at})
+        if len(names) == 1 and documents is not None and len(documents) == 1:
+            given = {"name": names[0], "document": documents[0], "at": self._tx.at}
+            return self._tx.run(_OF_ONE_NAME_IN_ONE, given)
+        query = _NAMED if documents is None else _NAMED_IN
+        narrowed = {} if documents is None else {"documents": documents}
+        return self._tx.connection.execute(query, {"names": names, "at": self._tx.at, **narrowed})
 
     def write(self, document_key: int, rows: list[dict[str, Any]], from_commit: int) -> None:
         """Add spans ({name, first, last, rank}) that hold from a commit on."""

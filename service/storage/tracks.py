@@ -15,7 +15,7 @@ from sqlalchemy import BigInteger, ColumnElement, Select, and_, bindparam, delet
 from service.errors import NotFoundError, StoreError
 from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import Array
-from service.storage.blocks import Stretch, gathered
+from service.storage.blocks import Stretch, columns_of, gathered
 from service.storage.encoding import (
     DATA_PLACE,
     TRACK_COLUMNS,
@@ -272,11 +272,13 @@ class Tracks:
         for chunk, found in tracks.items():
             begin, stop = max(start, chunk * CHUNK), min(end, (chunk + 1) * CHUNK)
             offsets = slice(begin - chunk * CHUNK, stop - chunk * CHUNK)
-            stretches.append(Stretch(found, offsets, slice(begin - start, stop - start)))
-        values, held = gathered(stretches, end - start, columns)
+            held = columns_of(tuple([(bone, bits) for bone, bits, _ in found]))
+            parts = [samples for _, _, samples in found]
+            stretches.append(Stretch(held, parts, offsets, slice(begin - start, stop - start)))
+        values, whole = gathered(stretches, end - start, columns)
         shapes, shape_of = self._shapes(document_key, start, end, bones)
         ids = self.frame_ids(document_key, position, position + end - start - 1)
-        return FrameBlock(values, held, shapes, ids, shape_of)
+        return FrameBlock(values, whole, shapes, ids, shape_of)
 
     def _shapes(
         self, document_key: int, start: int, end: int, bones: Sequence[int] | None

@@ -38,7 +38,7 @@ def from_document(expression: Expression) -> Expression:
     if isinstance(expression, Path):
         if expression.start is not None:
             return replace(expression, start=from_document(expression.start))
-        return replace(expression, absolute=True)
+        return Path(expression.steps, True, None, expression.span)
     if isinstance(expression, Filter):
         return replace(expression, operand=from_document(expression.operand))
     if isinstance(expression, Call) and not expression.arguments and expression.function in CONTEXT_FUNCTIONS:
@@ -61,10 +61,10 @@ def with_stored_names(expression: Expression, warnings: list[str], *, in_name: b
     for step in expression.steps:
         is_name = step.name == MOTION_NAME
         predicates = tuple(with_stored_names(each, warnings, in_name=is_name) for each in step.predicates)
-        steps.append(replace(step, predicates=predicates))
+        steps.append(step.where(predicates))
     if start is not None:
         start = with_stored_names(start, warnings, in_name=in_name)
-    return replace(expression, start=start, steps=tuple(steps))
+    return Path(tuple(steps), expression.absolute, start, expression.span)
 
 
 def _stored_name(expression: Expression, warnings: list[str]) -> Expression:

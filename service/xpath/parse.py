@@ -104,7 +104,7 @@ def _parse_tree(text: str, variables: Mapping[str, str | float | bool]) -> Expre
         tree = expression(Parser.parse(XPath1Parser(), text))
     except (ElementPathError, QueryError) as error:
         return _parse_more(text, error, variables)
-    tree = bind(tree, variables)
+    tree = bind(tree, variables) if "$" in text else tree
     _check_types(tree)
     return _parse_later(text, variables) if _writes_numbers(tree) else tree
 

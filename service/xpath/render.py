@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from service.errors import LimitError
 from service.mcml.vocabulary import FRAME_BONE, MOTION, MOTION_NAME
 from service.mcml.writer import Layout, attribute_bytes, text_bytes, write_document, write_frames
-from service.motion.clip import FrameBlock
+from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import CHANNELS, Array
 from service.storage.blocks import Stretch, evenly, gathered
 from service.storage.columns import Listed
@@ -34,7 +35,7 @@ from service.xpath.numbering import (
     in_frames,
     slots_of,
 )
-from service.xpath.tracks import Row
+from service.xpath.tracks import Block, BlockKey, Row, side_by_side
 from service.xpath.zones import rows_of
 
 BLOCK_FRAMES = 1024
@@ -67,8 +68,8 @@ def _frames(forest: Forest, nodes: Ints) -> list[str]:
     result: list[str] = []
     for start in range(0, len(nodes), BLOCK_FRAMES):
         some = nodes[start : start + BLOCK_FRAMES]
-        for document, _, block in read_frames(forest, some):
-            for text in b"".join(write_frames(block, forest.layouts[document].names)).split(b"</frame>\n")[:-1]:
+        for names, _, block in read_frames(forest, some):
+            for text in b"".join(write_frames(block, names)).split(b"</frame>\n")[:-1]:
                 result.append((text[:-1] + b"/>" if text.endswith(b'">') else text + b"</frame>").decode())
     return result
 
@@ -91,20 +92,23 @@ def frames_with_content(forest: Forest, nodes: Ints) -> bool:
     return bool((forest.shapes.sizes(nodes) + forest.labels.sizes(nodes) > 0).all())
 
 
-def read_frames(forest: Forest, nodes: Ints) -> Iterator[tuple[int, Ints, FrameBlock]]:
-    """The frames that ascending nodes are, which need not follow each other, as a block for each document.
+def read_frames(forest: Forest, nodes: Ints) -> Iterator[tuple[Sequence[str], Ints, FrameBlock]]:
+    """The frames that ascending nodes are, which need not follow each other, as blocks.
 
-    Yields (document, its nodes, block).
+    Yields (names of bones by their numbers, nodes, block). Documents that follow each other and have the same bones are
+    in one block: nothing is done for each that can be done for all.
     """
     slots = forest.shapes.slot_of(nodes)
     shapes = forest.shapes.shape_of(nodes)
     ids, others = forest.ids.numbers(nodes)
     labels = forest.labels.of_frames(nodes)
-    documents, edges = np.unique(documents_of(nodes), return_index=True)
-    tracks = _tracks(forest, documents_of(nodes), slots // CHUNK)
-    for document, start, stop in zip(documents.tolist(), *_ends(edges, len(nodes)), strict=True):
-        values, columns = gathered(list(_stretches(slots[start:stop], tracks[document])), stop - start)
-        numbers, shape_of = _distinct(shapes[start:stop])
+    documents = documents_of(nodes)
+    units, unit_of = np.unique((documents << 32) | (slots // CHUNK), return_inverse=True)
+    blocks = _blocks(forest, units)
+    for start, stop in _alike(forest, documents):
+        stretches = list(_stretches(blocks, unit_of[start:stop], slots[start:stop] % CHUNK))
+        values, columns = gathered(stretches, stop - start)
+        held, shape_of = _distinct(forest, shapes[start:stop])
         own_ids = ids[start:stop]
         texts = None
         if others:
@@ -112,38 +116,49 @@ def read_frames(forest: Forest, nodes: Ints) -> Iterator[tuple[int, Ints, FrameB
         block = FrameBlock(
             values,
             columns,
-            tuple(forest.shapes.of_shape(number) for number in numbers),
+            held,
             own_ids if texts is None else texts,
             shape_of,
             None if labels is None else labels[start:stop],
         )
-        yield document, nodes[start:stop], block
+        yield forest.layouts[int(documents[start])].names, nodes[start:stop], block
 
 
-def _ends(edges: Ints, count: int) -> tuple[list[int], list[int]]:
-    """Where each part begins and ends, of so many."""
-    starts = edges.tolist()
-    return starts, [*starts[1:], count]
+def _alike(forest: Forest, documents: Ints) -> Iterator[tuple[int, int]]:
+    """Where the frames of documents with the same bones begin and end. documents: of each frame, ascending."""
+    edges = [0, *(np.flatnonzero(np.diff(documents)) + 1).tolist(), len(documents)]
+    start = 0
+    for edge in edges[1:-1]:
+        if forest.layouts[int(documents[edge])].names != forest.layouts[int(documents[start])].names:
+            yield start, edge
+            start = edge
+    yield start, len(documents)
 
 
-def _distinct(shapes: Ints) -> tuple[list[int], NDArray[np.intp] | None]:
-    """The different ones, and which of them each is; None where all are one."""
-    if (shapes == shapes[0]).all():
-        return [int(shapes[0])], None
-    numbers, shape_of = np.unique(shapes, return_inverse=True)
-    return numbers.tolist(), shape_of.reshape(-1).astype(np.intp)
+def _distinct(forest: Forest, shapes: Ints) -> tuple[tuple[Shape, ...], NDArray[np.intp] | None]:
+    """The different shapes of frames, and which of them each has; None where all have one."""
+    numbers, place = np.unique(shapes, return_inverse=True)
+    held: dict[Shape, int] = {}
+    # Those of different documents may be equal.
+    renumbered = [held.setdefault(forest.shapes.of_shape(number), len(held)) for number in numbers.tolist()]
+    return tuple(held), None if len(held) == 1 else np.array(renumbered, np.intp)[place.reshape(-1)]
 
 
-def _tracks(forest: Forest, documents: Ints, chunks: Ints) -> dict[int, dict[int, list[tuple[int, int, Array]]]]:
-    """All tracks of documents in the chunks that frames lie in: by document and chunk (bone, channels, samples)."""
-    wanted = np.unique((documents << 32) | chunks)
-    rows = _rows(forest, wanted)
-    samples = forest.shared.tracks.read(forest.tx, rows)
-    place = {key: number for number, key in enumerate(forest.keys)}
-    result: dict[int, dict[int, list[tuple[int, int, Array]]]] = {each: {} for each in np.unique(documents).tolist()}
-    for (key, chunk, bone, _, bits), track in zip(rows, samples, strict=True):
-        result[place[key]].setdefault(chunk, []).append((bone, bits, track))
-    return result
+def _blocks(forest: Forest, units: Ints) -> list[Block]:
+    """All tracks over each chunk (place << 32 | chunk, ascending), side by side."""
+    keys = []
+    for place, chunk in zip((units >> 32).tolist(), (units & 0xFFFFFFFF).tolist(), strict=True):
+        keys.append((forest.documents[place].key, forest.documents[place].revision, chunk))
+    unit_of = dict(zip(keys, units.tolist(), strict=True))
+
+    def missing(some: list[BlockKey]) -> dict[BlockKey, Block]:
+        rows = _rows(forest, np.array([unit_of[key] for key in some], np.int64))
+        tracks: dict[tuple[int, int], list[tuple[Row, Array]]] = {(key, chunk): [] for key, _, chunk in some}
+        for row, samples in zip(rows, forest.shared.tracks.unpacked(forest.tx, rows), strict=True):
+            tracks[row[0], row[1]].append((row, samples))
+        return {key: side_by_side(tracks[key[0], key[2]]) for key in some}
+
+    return forest.shared.blocks.get(keys, missing)
 
 
 def _rows(forest: Forest, wanted: Ints) -> list[Row]:
@@ -157,14 +172,14 @@ def _rows(forest: Forest, wanted: Ints) -> list[Row]:
     return sorted(tuple(row) for row in found if place[row[0]] << 32 | row[1] in asked)
 
 
-def _stretches(slots: Ints, tracks: Mapping[int, Sequence[tuple[int, int, Array]]]) -> Iterator[Stretch]:
-    """The frames in some slots of a document, those of each chunk together."""
-    chunks = slots // CHUNK
-    order = np.argsort(chunks, kind="stable")
-    edges = np.flatnonzero(np.diff(chunks[order])) + 1
-    for places in np.split(order, edges):
-        offsets = slots[places] % CHUNK
-        yield Stretch(tracks.get(int(chunks[places[0]]), ()), evenly(offsets), evenly(places))
+def _stretches(blocks: Sequence[Block], unit_of: Ints, offsets: Ints) -> Iterator[Stretch]:
+    """Frames by the chunk they lie in. unit_of: which of the blocks that is; offsets: where in it."""
+    order = np.argsort(unit_of, kind="stable")
+    edges = [0, *(np.flatnonzero(np.diff(unit_of[order])) + 1).tolist(), len(order)]
+    for start, stop in pairwise(edges):
+        places = order[start:stop]
+        block = blocks[unit_of[places[0]]]
+        yield Stretch(block.columns, [block.values], evenly(offsets[places]), evenly(places))
 
 
 def bone_names(tx: Transaction, stored: Listed) -> list[str]:

@@ -18,7 +18,6 @@ can reach (`projection.reach`). Rules, in the order in which they are tried:
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cache
 
 from service.mcml.content import declarations
@@ -40,13 +39,13 @@ def normal(expression: Expression, context: Types = frozenset({DOCUMENT})) -> Ex
         types = frozenset({DOCUMENT}) if expression.absolute else context
         if expression.start is not None:
             types = types_of(expression.start, context)
-        return replace(expression, start=start, steps=_steps(expression.steps, types))
+        return Path(_steps(expression.steps, types), expression.absolute, start, expression.span)
     if isinstance(expression, Filter):
         types = types_of(expression.operand, context)
         predicates = tuple(normal(predicate, types) for predicate in expression.predicates)
         return Filter(normal(expression.operand, context), predicates, expression.span)
     if isinstance(expression, Call):
-        return replace(expression, arguments=tuple(normal(each, context) for each in expression.arguments))
+        return Call(expression.function, tuple([normal(each, context) for each in expression.arguments]), expression.span)
     if isinstance(expression, Operation):
         return _operation(expression, context)
     return expression
@@ -57,7 +56,7 @@ def _operation(operation: Operation, context: Types) -> Expression:
     operands = tuple(normal(each, context) for each in operation.operands)
     if operation.operator == "|":
         operands = tuple(dict.fromkeys(operands))
-        return operands[0] if len(operands) == 1 else replace(operation, operands=operands)
+        return operands[0] if len(operands) == 1 else Operation("|", operands, operation.span)
     if operation.operator in COMPARISONS and len(operands) == 2:
         for place, path in enumerate(operands):
             other = operands[1 - place]
@@ -68,9 +67,9 @@ def _operation(operation: Operation, context: Types) -> Expression:
                 continue
             inner = Path(rest or (Step("self", "node()"),))
             sides = (inner, other) if place == 0 else (other, inner)
-            held = replace(first, predicates=(*first.predicates, Operation(operation.operator, sides)))
+            held = first.where((*first.predicates, Operation(operation.operator, sides)))
             return Call("boolean", (Path((held,)),), operation.span)
-    return replace(operation, operands=operands)
+    return Operation(operation.operator, operands, operation.span)
 
 
 def counts(step: Step) -> bool:
@@ -100,7 +99,7 @@ def _steps(steps: Sequence[Step], types: Types) -> tuple[Step, ...]:
             continue
         reached = after(types, step)
         predicates = tuple(normal(each, reached) for predicate in step.predicates for each in _parts(predicate))
-        result.append(replace(step, predicates=predicates))
+        result.append(step.where(predicates))
         types = reached
     return tuple(result)
 
@@ -119,7 +118,7 @@ def _any_depth(step: Step, following: Step | None) -> list[Step] | None:
     if following is None or (step.axis, step.name) != ANY or step.predicates:
         return None
     if following.axis in ("child", "descendant") and not counts(following):
-        return [replace(following, axis="descendant")]
+        return [following.along("descendant")]
     if following.axis == "child":
         above = frozenset(holder for source in _types_named(following) for holder in parent_types(source))
         holder = next(iter(above)) if len(above) == 1 else ""
@@ -135,11 +134,11 @@ def _to_frames(step: Step, types: Types) -> list[Step] | None:
     if step.axis not in ("descendant", "descendant-or-self"):
         return None
     if step.name in (FRAME_BONE, MOTION_NAME) and not counts(step) and step.name not in types:
-        return [Step("descendant-or-self", FRAME), replace(step, axis="child")]
+        return [Step("descendant-or-self", FRAME), step.along("child")]
     holder = next(iter(types)) if len(types) == 1 else ""
     if holder in _WAY and step.name in _WAY[holder]:
         between = _WAY[holder][: _WAY[holder].index(step.name)]
-        return [*(Step("child", name) for name in between), replace(step, axis="child")]
+        return [*(Step("child", name) for name in between), step.along("child")]
     return None
 
 

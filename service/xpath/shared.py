@@ -14,7 +14,7 @@ from service.xpath.heads import Heads
 from service.xpath.kept import Kept
 from service.xpath.layouts import Layout, read_layouts
 from service.xpath.listing import Listing
-from service.xpath.tracks import Tracks
+from service.xpath.tracks import Block, BlockKey, Tracks
 from service.xpath.zones import Zones, read_zones
 
 
@@ -61,7 +61,8 @@ BatchKey: TypeAlias = tuple[bool, tuple[tuple[int, int], ...]]
 
 @dataclass(frozen=True)
 class Shared:
-    """listing: which documents there are. heads, layouts, labels, ids, zones: of documents. tracks: decoded."""
+    """listing: which documents there are. heads, layouts, labels, ids, zones: of documents. tracks: decoded. blocks:
+    all tracks over a chunk."""
 
     listing: Listing = field(default_factory=Listing)
     heads: Heads = field(default_factory=Heads)
@@ -71,6 +72,7 @@ class Shared:
     zones: OfDocuments[Zones] = field(default_factory=lambda: OfDocuments(read_zones, 24 << 20))
     _batches: Kept[BatchKey, Batch] = field(default_factory=lambda: Kept(24 << 20, lambda batch: batch.nbytes))
     tracks: Tracks = field(default_factory=Tracks)
+    blocks: Kept[BlockKey, Block] = field(default_factory=lambda: Kept(24 << 20, lambda block: block.nbytes))
 
     def batch(self, documents: Sequence[Listed], *, whole_heads: bool) -> Batch:
         """What was made so far of the columns of some documents, by all queries that asked these."""

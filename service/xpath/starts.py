@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -57,7 +57,7 @@ def start_of(tree: Expression) -> Start | None:
     rest: list[Expression] = []
     wanted: str | float | None = None
     for number, predicate in enumerate(predicates):
-        if counts(replace(tree.steps[2], predicates=(predicate,))):
+        if counts(tree.steps[2].where((predicate,))):
             # Positions count what the predicates before leave over: from here on, order matters.
             rest += predicates[number:]
             break

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
+import numpy as np
+
 from service.motion.skeleton import Array
+from service.storage.blocks import Column, columns_of
 from service.storage.encoding import channels_of, decompress
 from service.xpath.kept import Kept
 
@@ -16,6 +20,8 @@ Key: TypeAlias = tuple[int, int, int, int]
 """(document, chunk, bone, from_commit): under a key a track never changes."""
 Row: TypeAlias = tuple[int, int, int, int, int]
 """A key, and the channels that the track has."""
+BlockKey: TypeAlias = tuple[int, int, int]
+"""(document, revision, chunk)."""
 Packed: TypeAlias = tuple[int, bytes]
 """Codec and bytes, as the store has them."""
 
@@ -30,21 +36,51 @@ class Tracks:
     of the memory; to fetch a track takes twice as long as to decode it.
     """
 
-    def __init__(self, packed: int = 32 << 20, decoded: int = 32 << 20) -> None:
+    def __init__(self, packed: int = 32 << 20, decoded: int = 24 << 20) -> None:
         self._packed = Kept[Key, Packed](packed, lambda track: len(track[1]) + OVERHEAD)
         self._decoded = Kept[Key, Array](decoded, lambda values: values.nbytes + OVERHEAD)
 
     def read(self, tx: Transaction, rows: Sequence[Row]) -> list[Array]:
         """The (channels, frames) array of each track."""
-        channels = {row[:4]: len(channels_of(row[4])) for row in rows}
+        of_keys = {row[:4]: row for row in rows}
 
-        def decoded(keys: list[Key]) -> dict[Key, Array]:
-            packed = self._packed.get(keys, lambda missing: dict(_fetch(tx, missing)))
-            return {
-                key: decompress(data, channels[key], codec) for key, (codec, data) in zip(keys, packed, strict=True)
-            }
+        def missing(keys: list[Key]) -> dict[Key, Array]:
+            return dict(zip(keys, self.unpacked(tx, [of_keys[key] for key in keys]), strict=True))
 
-        return self._decoded.get([row[:4] for row in rows], decoded)
+        return self._decoded.get([row[:4] for row in rows], missing)
+
+    def unpacked(self, tx: Transaction, rows: Sequence[Row]) -> list[Array]:
+        """The same, for those who keep the arrays themselves."""
+        packed = self._packed.get([row[:4] for row in rows], lambda keys: dict(_fetch(tx, keys)))
+        return [
+            decompress(data, len(channels_of(row[4])), codec) for row, (codec, data) in zip(rows, packed, strict=True)
+        ]
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """All tracks over one chunk of a document. columns: (bone, channel) of each row of the values; values: (columns,
+    frames), NaN where a track ends before others do."""
+
+    columns: tuple[Column, ...]
+    values: Array
+
+    @property
+    def nbytes(self) -> int:
+        """About how much memory it takes."""
+        return self.values.nbytes + OVERHEAD
+
+
+def side_by_side(tracks: Sequence[tuple[Row, Array]]) -> Block:
+    """The block of some tracks, which are over the same chunk."""
+    columns = columns_of(tuple([(row[2], row[4]) for row, _ in tracks]))
+    frames = max((samples.shape[1] for _, samples in tracks), default=0)
+    values = np.full((len(columns), frames), np.nan)
+    first = 0
+    for _, samples in tracks:
+        values[first : first + len(samples), : samples.shape[1]] = samples
+        first += len(samples)
+    return Block(columns, values)
 
 
 def _fetch(tx: Transaction, keys: Sequence[Key]) -> Iterator[tuple[Key, Packed]]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
 
+import numpy as np
 import orjson
 
 from schemas.queries import NodeItem
@@ -59,12 +61,21 @@ def _items(nodes: Iterable[Node]) -> bytes:
 
 def _frames(forest: Forest, nodes: Ints) -> Iterator[bytes]:
     """Frames, written with their `result` at once."""
-    for document, some, block in read_frames(forest, nodes):
-        stored = forest.documents[document]
-        opening = _tag(stored.uuid, stored.revision, "/mcml/motion/frame[%d]").encode()
-        before = [opening % position for position in frames_of(some).tolist()]
-        names = forest.layouts[document].names
+    for names, some, block in read_frames(forest, nodes):
+        before: list[bytes] = []
+        for document, positions in _by_document(some):
+            stored = forest.documents[document]
+            opening = _tag(stored.uuid, stored.revision, "/mcml/motion/frame[%d]").encode()
+            before += [opening % position for position in positions]
         yield from write_frames(block, names, layout=Layout.COMPACT, before=before, after=b"</result>\n")
+
+
+def _by_document(frames: Ints) -> Iterator[tuple[int, list[int]]]:
+    """The positions of frames, which ascend, by the place of their document."""
+    documents, starts = np.unique(documents_of(frames), return_index=True)
+    positions = frames_of(frames).tolist()
+    for document, (start, stop) in zip(documents.tolist(), pairwise([*starts.tolist(), len(frames)]), strict=True):
+        yield document, positions[start:stop]
 
 
 def _document(forest: Forest, nodes: Ints, max_elements: int) -> Iterator[bytes]:
