@@ -150,6 +150,13 @@ def write_frames(
         start = max(stop, start + 1)
 
 
+def frame_texts(block: FrameBlock, names: Sequence[str], before: Sequence[bytes] = (), after: bytes = b"") -> list[bytes]:
+    """Each frame of a block by itself, COMPACT. before, after: what stands before each, and after all of them."""
+    # Numbers become text many times faster together; no XML holds this mark.
+    marked = [b"\0" + opening for opening in before] if before else [b"\0"] * len(block)
+    return b"".join(write_frames(block, names, layout=Layout.COMPACT, before=marked, after=after)).split(b"\0")[1:]
+
+
 def write_frame_bone(name: str, channels: int, values: Sequence[float] | Array) -> bytes:
     """One `frame_bone`. channels: bits as in `Shape`; values: one a bit, lowest bit first."""
     if channels.bit_count() != len(values):

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import orjson
-from sqlalchemy import BigInteger, BindParameter, ColumnElement, Select, and_, bindparam, func, select
+from sqlalchemy import BigInteger, ColumnElement, Select, and_, bindparam, func, select
 
 from service.motion.skeleton import CHANNELS
 from service.storage.encoding import unpack_shape
+from service.storage.lists import OneOf
 from service.storage.rows import to_elements
 from service.storage.tables import (
     CURRENT,
@@ -34,8 +36,9 @@ if TYPE_CHECKING:
     from service.storage.database import Transaction
 
 TRACKS_AT_A_TIME = 2000
+CHUNKS_AT_A_TIME = 50
 KEYS_AT_A_TIME = 10_000
-"""In one statement; SQLite takes 32,766 parameters, PostgreSQL 65,535."""
+"""In one statement."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +60,6 @@ ROWS_AT_A_TIME = 4096
 
 
 _AT = bindparam("at", type_=BigInteger)
-_KEYS: BindParameter[Any] = bindparam("keys", expanding=True)
 
 
 def _valid(table: Any) -> ColumnElement[bool]:
@@ -67,19 +69,19 @@ def _valid(table: Any) -> ColumnElement[bool]:
 # Made once: to make a statement takes longer than to run a short one.
 _TIMELINES = (
     select(timeline.c.document, timeline.c.first, timeline.c.slot, timeline.c.count)
-    .where(timeline.c.document.in_(_KEYS), _valid(timeline))
+    .where(OneOf(timeline.c.document, "keys"), _valid(timeline))
     .order_by(timeline.c.document, timeline.c.first)
 )
 _SHAPE_RUNS = (
     select(shape_run.c.document, shape_run.c.slot, shape_run.c.count, shape_run.c.shape)
-    .where(shape_run.c.document.in_(_KEYS), _valid(shape_run))
+    .where(OneOf(shape_run.c.document, "keys"), _valid(shape_run))
     .order_by(shape_run.c.document, shape_run.c.slot)
 )
-_SHAPES = select(shape.c.document, shape.c.shape, shape.c.bones).where(shape.c.document.in_(_KEYS))
-_BONE_NAMES = select(bone.c.document, bone.c.bone, bone.c.name).where(bone.c.document.in_(_KEYS), _valid(bone))
+_SHAPES = select(shape.c.document, shape.c.shape, shape.c.bones).where(OneOf(shape.c.document, "keys"))
+_BONE_NAMES = select(bone.c.document, bone.c.bone, bone.c.name).where(OneOf(bone.c.document, "keys"), _valid(bone))
 _SPANS = (
     select(span.c.document, span.c.first, span.c.last, span.c.name)
-    .where(span.c.document.in_(_KEYS), _valid(span))
+    .where(OneOf(span.c.document, "keys"), _valid(span))
     .order_by(span.c.document, span.c.rank, span.c.id)
 )
 _FRAME_RUNS = (
@@ -91,20 +93,62 @@ _FRAME_RUNS = (
         frame_run.c.step,
         frame_run.c.texts,
     )
-    .where(frame_run.c.document.in_(_KEYS), _valid(frame_run))
+    .where(OneOf(frame_run.c.document, "keys"), _valid(frame_run))
     .order_by(frame_run.c.document, frame_run.c.first)
 )
 _TRACK_KEY = (track.c.document, track.c.chunk, track.c.bone, track.c.from_commit)
 _IN_CHUNKS = and_(track.c.chunk >= bindparam("low"), track.c.chunk <= bindparam("high"))
-_OF_BONES = track.c.bone.in_(bindparam("bones", expanding=True))
-_TRACKS = select(*_TRACK_KEY, track.c.channels).where(track.c.document.in_(_KEYS), _valid(track), _IN_CHUNKS)
+_OF_BONES = OneOf(track.c.bone, "bones")
+_TRACKS = select(*_TRACK_KEY, track.c.channels).where(OneOf(track.c.document, "keys"), _valid(track), _IN_CHUNKS)
+_TRACKS_OF_BONES = _TRACKS.where(_OF_BONES)
 _ZONES = select(
     *_TRACK_KEY,
     track.c.channels,
     track.c.has_missing,
     track.c.count,
     *(track.c[f"{end}_{channel}"] for channel in CHANNELS for end in ("min", "max")),
-).where(track.c.document.in_(_KEYS), _valid(track))
+).where(OneOf(track.c.document, "keys"), _valid(track))
+_ZONES_OF_BONES = _ZONES.where(_OF_BONES)
+_HEADERS = (
+    select(header.c.document, header.c.level, header.c.tag, header.c.attributes, header.c.text)
+    .where(OneOf(header.c.document, "keys"), _valid(header))
+    .order_by(header.c.document, header.c.pre)
+)
+_SKELETONS = (
+    select(
+        skeleton_element.c.skeleton,
+        skeleton_element.c.level,
+        skeleton_element.c.tag,
+        skeleton_element.c.attributes,
+        skeleton_element.c.text,
+    )
+    .where(OneOf(skeleton_element.c.skeleton, "keys"))
+    .order_by(skeleton_element.c.skeleton, skeleton_element.c.pre)
+)
+
+
+def _documents(*, past: bool) -> Select[Any]:
+    newest = (
+        select(func.max(revision.c.number))
+        .where(revision.c.document == document.c.id, revision.c.commit <= _AT)
+        .scalar_subquery()
+    )
+    # Of the past only the revision of that time knows name and project.
+    held: Any = revision.alias() if past else document
+    source: Any = document
+    if past:
+        source = document.join(held, and_(held.c.document == document.c.id, held.c.number == newest))
+    about = (document.c.id, document.c.uuid, held.c.name, content.c.version, content.c.skeleton)
+    return (
+        select(*about, content.c.frames, content.c.frame_time, newest, held.c.project)
+        .select_from(source)
+        .join(content, and_(content.c.document == document.c.id, _valid(content)))
+        .where(document.c.state == "ready", document.c.created_commit <= _AT, document.c.deleted_commit > _AT)
+    )
+
+
+_DOCUMENTS = {past: _documents(past=past) for past in (False, True)}
+_DOCUMENTS_OF_KEYS = {past: query.where(OneOf(document.c.id, "keys")) for past, query in _DOCUMENTS.items()}
 
 
 class Columns:
@@ -115,28 +159,11 @@ class Columns:
 
     def documents(self, keys: Sequence[int] | None = None) -> list[Listed]:
         """The documents (all, if no keys are given) by name, then key."""
-        at = self._tx.at
-        newest = (
-            select(func.max(revision.c.number))
-            .where(revision.c.document == document.c.id, revision.c.commit <= at)
-            .scalar_subquery()
-        )
-        source: Any = document
-        held: Any = document
-        if at < CURRENT - 1:
-            # The past, which only the revision of that time knows.
-            held = revision.alias()
-            source = document.join(held, and_(held.c.document == document.c.id, held.c.number == newest))
-        about = (document.c.id, document.c.uuid, held.c.name, content.c.version, content.c.skeleton)
-        query = (
-            select(*about, content.c.frames, content.c.frame_time, newest, held.c.project)
-            .select_from(source)
-            .join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
-            .where(self._tx.documents.visible(), document.c.deleted_commit > at)
-        )
-        if keys is not None:
-            query = query.where(document.c.id.in_(_KEYS))
-        found = self._tx.connection.execute(query).all() if keys is None else self._rows(query, keys)
+        past = self._tx.at < CURRENT - 1
+        if keys is None:
+            found = self._tx.run(_DOCUMENTS[past], {"at": self._tx.at}).all()
+        else:
+            found = list(self._rows(_DOCUMENTS_OF_KEYS[past], keys))
         listed = [Listed(*row) for row in found]
         return sorted(listed, key=lambda one: (one.name, one.key))
 
@@ -174,28 +201,23 @@ class Columns:
 
     def headers(self, keys: Sequence[int]) -> dict[int, Element]:
         """The `header` element of each document."""
-        query = select(header.c.document, header.c.level, header.c.tag, header.c.attributes, header.c.text)
-        query = query.where(header.c.document.in_(_KEYS), _valid(header)).order_by(header.c.document, header.c.pre)
         rows: dict[int, list[Any]] = {}
-        for row in self._rows(query, keys):
+        for row in self._rows(_HEADERS, keys):
             rows.setdefault(row.document, []).append(row)
         return {key: to_elements(found)[0] for key, found in rows.items()}
 
     def skeletons(self, keys: Sequence[int]) -> dict[int, list[Element]]:
         """The `root` element, where there is one, and the `skeleton` element of each skeleton."""
-        element = skeleton_element.c
-        query = select(element.skeleton, element.level, element.tag, element.attributes, element.text)
-        query = query.where(element.skeleton.in_(_KEYS)).order_by(element.skeleton, element.pre)
         rows: dict[int, list[Any]] = {}
-        for row in self._rows(query, keys):
+        for row in self._rows(_SKELETONS, keys):
             rows.setdefault(row.skeleton, []).append(row)
         return {key: to_elements(found) for key, found in rows.items()}
 
     def tracks(self, keys: Sequence[int], chunks: tuple[int, int], bones: Sequence[int] | None = None) -> Iterator[Any]:
         """Rows (document, chunk, bone, from_commit, channels) of the tracks of some bones or all, of chunks first to
         last."""
-        query = _TRACKS if bones is None else _TRACKS.where(_OF_BONES)
-        given = {} if bones is None else {"bones": bones}
+        query = _TRACKS if bones is None else _TRACKS_OF_BONES
+        given = {} if bones is None else {"bones": list(bones)}
         return self._rows(query, keys, low=chunks[0], high=chunks[1], **given)
 
     def zones(self, keys: Sequence[int], bones: Sequence[int] | None = None) -> list[Any]:
@@ -203,18 +225,25 @@ class Columns:
         greatest sample, None where it has none) of the tracks of some bones or all."""
         if bones is None:
             return list(self._rows(_ZONES, keys))
-        return list(self._rows(_ZONES.where(_OF_BONES), keys, bones=bones))
+        return list(self._rows(_ZONES_OF_BONES, keys, bones=list(bones)))
 
     def track_data(self, keys: Sequence[tuple[int, int, int, int]]) -> Iterator[Any]:
         """Rows (document, chunk, bone, from_commit, codec, data) of the tracks that are named by their first four."""
-        statement = self._tx.dialect.tracks_by_key
         for start in range(0, len(keys), TRACKS_AT_A_TIME):
             given = {"keys": orjson.dumps(keys[start : start + TRACKS_AT_A_TIME]).decode()}
-            yield from self._tx.connection.execute(statement, given)
+            yield from self._tx.run(self._tx.dialect.tracks_by_key, given)
+
+    def tracks_over(self, chunks: Sequence[tuple[int, int]]) -> Iterator[Any]:
+        """Rows (document, chunk, bone, channels, count, codec, data) of all tracks over some chunks (document, chunk),
+        those of a chunk by bone."""
+        for start in range(0, len(chunks), CHUNKS_AT_A_TIME):
+            keys = orjson.dumps(chunks[start : start + CHUNKS_AT_A_TIME]).decode()
+            rows = self._tx.run(self._tx.dialect.tracks_over_chunks, {"keys": keys, "at": self._tx.at})
+            yield from sorted(rows.all(), key=itemgetter(0, 1, 2))
 
     def _rows(self, query: Select[Any], keys: Sequence[int], **given: Any) -> Iterator[Any]:
         given["at"] = self._tx.at
         for start in range(0, len(keys), KEYS_AT_A_TIME):
             given["keys"] = list(keys[start : start + KEYS_AT_A_TIME])
-            for part in self._tx.connection.execute(query, given).partitions(ROWS_AT_A_TIME):
+            for part in self._tx.run(query, given).partitions(ROWS_AT_A_TIME):
                 yield from part

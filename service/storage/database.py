@@ -87,7 +87,7 @@ class Transaction:
         return Transaction(self.connection, self.dialect, commit, self._author)
 
     def run(self, statement: ClauseElement, values: dict[str, Any] | None = None) -> CursorResult[Any]:
-        """Execute a statement that the program makes once, without lists among its values."""
+        """Execute a statement that the program makes once. Lists among the values are for `OneOf`."""
         return self.dialect.run(self.connection, statement, values or {})
 
     def insert_row(self, table: Table, **values: Any) -> int:

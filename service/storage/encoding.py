@@ -52,6 +52,18 @@ def decompress(data: bytes, columns: int, codec: int) -> Array:
         raise StoreError(f"A track is damaged: {error}", remedy="Restore the store from a backup.") from error
 
 
+def decompress_into(data: bytes, into: Array, codec: int) -> None:
+    """As `decompress`, into an array of the shape (columns, n) that lies in memory as one."""
+    if codec != PCODEC:
+        raise StoreError(f"This program does not know track codec {codec}.", remedy="Update the program.")
+    try:
+        done = standalone.simple_decompress_into(data, into.reshape(-1))
+    except (RuntimeError, ValueError, TypeError) as error:
+        raise StoreError(f"A track is damaged: {error}", remedy="Restore the store from a backup.") from error
+    if not done.finished or done.n_processed != into.size:
+        raise StoreError("A track is damaged: it has another length.", remedy="Restore the store from a backup.")
+
+
 TrackRow: TypeAlias = tuple[Any, ...]
 """A row of `track` without document and commits: what stands in TRACK_COLUMNS."""
 

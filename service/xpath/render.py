@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from service.errors import LimitError
 from service.mcml.vocabulary import FRAME_BONE, MOTION, MOTION_NAME
-from service.mcml.writer import Layout, attribute_bytes, text_bytes, write_document, write_frames
+from service.mcml.writer import Layout, attribute_bytes, frame_texts, text_bytes, write_document
 from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import CHANNELS, Array
 from service.storage.blocks import Stretch, evenly, gathered
@@ -35,11 +35,12 @@ from service.xpath.numbering import (
     in_frames,
     slots_of,
 )
-from service.xpath.tracks import Block, BlockKey, Row, side_by_side
-from service.xpath.zones import rows_of
+from service.xpath.tracks import Block, BlockKey, read_blocks
 
 BLOCK_FRAMES = 1024
 """Frames written together."""
+
+_EMPTY = b'"></frame>'
 
 
 def node_values(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
@@ -68,9 +69,11 @@ def _frames(forest: Forest, nodes: Ints) -> list[str]:
     result: list[str] = []
     for start in range(0, len(nodes), BLOCK_FRAMES):
         some = nodes[start : start + BLOCK_FRAMES]
-        for names, _, block in read_frames(forest, some):
-            for text in b"".join(write_frames(block, names)).split(b"</frame>\n")[:-1]:
-                result.append((text[:-1] + b"/>" if text.endswith(b'">') else text + b"</frame>").decode())
+        texts = [""] * len(some)
+        for names, index, block in read_frames(forest, some):
+            for place, text in zip(index.tolist(), frame_texts(block, names), strict=True):
+                texts[place] = (text[: -len(_EMPTY)] + b'"/>' if text.endswith(_EMPTY) else text).decode()
+        result += texts
     return result
 
 
@@ -95,53 +98,53 @@ def frames_with_content(forest: Forest, nodes: Ints) -> bool:
 def read_frames(forest: Forest, nodes: Ints) -> Iterator[tuple[Sequence[str], Ints, FrameBlock]]:
     """The frames that ascending nodes are, which need not follow each other, as blocks.
 
-    Yields (names of bones by their numbers, nodes, block). Documents that follow each other and have the same bones are
-    in one block: nothing is done for each that can be done for all.
+    Yields (names of bones by their numbers, which of the nodes, block). The frames of all documents that have the same
+    bones are in one block: nothing is done for each document that can be done for all.
     """
     slots = forest.shapes.slot_of(nodes)
-    shapes = forest.shapes.shape_of(nodes)
+    shapes, shape_of = _distinct(forest, nodes)
     ids, others = forest.ids.numbers(nodes)
     labels = forest.labels.of_frames(nodes)
     documents = documents_of(nodes)
     units, unit_of = np.unique((documents << 32) | (slots // CHUNK), return_inverse=True)
     blocks = _blocks(forest, units)
-    for start, stop in _alike(forest, documents):
-        stretches = list(_stretches(blocks, unit_of[start:stop], slots[start:stop] % CHUNK))
-        values, columns = gathered(stretches, stop - start)
-        held, shape_of = _distinct(forest, shapes[start:stop])
-        own_ids = ids[start:stop]
+    for names, some in _alike(forest, documents):
+        values, columns = gathered(list(_stretches(blocks, unit_of[some], slots[some] % CHUNK)), len(some))
+        own_shapes = shape_of[some]
+        one_shape = bool((own_shapes == own_shapes[0]).all())
+        own_ids = ids[some]
         texts = None
         if others:
-            texts = [others.get(start + index, str(number)) for index, number in enumerate(own_ids.tolist())]
+            numbered = zip(some.tolist(), own_ids.tolist(), strict=True)
+            texts = [others.get(index, str(number)) for index, number in numbered]
         block = FrameBlock(
             values,
             columns,
-            held,
+            (shapes[own_shapes[0]],) if one_shape else shapes,
             own_ids if texts is None else texts,
-            shape_of,
-            None if labels is None else labels[start:stop],
+            None if one_shape else own_shapes,
+            None if labels is None else [labels[index] for index in some.tolist()],
         )
-        yield forest.layouts[int(documents[start])].names, nodes[start:stop], block
+        yield names, some, block
 
 
-def _alike(forest: Forest, documents: Ints) -> Iterator[tuple[int, int]]:
-    """Where the frames of documents with the same bones begin and end. documents: of each frame, ascending."""
-    edges = [0, *(np.flatnonzero(np.diff(documents)) + 1).tolist(), len(documents)]
-    start = 0
-    for edge in edges[1:-1]:
-        if forest.layouts[int(documents[edge])].names != forest.layouts[int(documents[start])].names:
-            yield start, edge
-            start = edge
-    yield start, len(documents)
+def _alike(forest: Forest, documents: Ints) -> Iterator[tuple[Sequence[str], Ints]]:
+    """(names of bones, index into documents) of those that have the same bones. documents: of each frame."""
+    places, place_of = np.unique(documents, return_inverse=True)
+    codes: dict[tuple[str, ...], int] = {}
+    code_of = [codes.setdefault(forest.layouts[place].names, len(codes)) for place in places.tolist()]
+    own = np.array(code_of, np.int64)[place_of.reshape(-1)]
+    for names, code in codes.items():
+        yield names, np.flatnonzero(own == code)
 
 
-def _distinct(forest: Forest, shapes: Ints) -> tuple[tuple[Shape, ...], NDArray[np.intp] | None]:
-    """The different shapes of frames, and which of them each has; None where all have one."""
-    numbers, place = np.unique(shapes, return_inverse=True)
+def _distinct(forest: Forest, nodes: Ints) -> tuple[tuple[Shape, ...], NDArray[np.intp]]:
+    """The different shapes of frames, and which of them each has."""
+    numbers, place = np.unique(forest.shapes.shape_of(nodes), return_inverse=True)
     held: dict[Shape, int] = {}
     # Those of different documents may be equal.
     renumbered = [held.setdefault(forest.shapes.of_shape(number), len(held)) for number in numbers.tolist()]
-    return tuple(held), None if len(held) == 1 else np.array(renumbered, np.intp)[place.reshape(-1)]
+    return tuple(held), np.array(renumbered, np.intp)[place.reshape(-1)]
 
 
 def _blocks(forest: Forest, units: Ints) -> list[Block]:
@@ -149,27 +152,12 @@ def _blocks(forest: Forest, units: Ints) -> list[Block]:
     keys = []
     for place, chunk in zip((units >> 32).tolist(), (units & 0xFFFFFFFF).tolist(), strict=True):
         keys.append((forest.documents[place].key, forest.documents[place].revision, chunk))
-    unit_of = dict(zip(keys, units.tolist(), strict=True))
 
     def missing(some: list[BlockKey]) -> dict[BlockKey, Block]:
-        rows = _rows(forest, np.array([unit_of[key] for key in some], np.int64))
-        tracks: dict[tuple[int, int], list[tuple[Row, Array]]] = {(key, chunk): [] for key, _, chunk in some}
-        for row, samples in zip(rows, forest.shared.tracks.unpacked(forest.tx, rows), strict=True):
-            tracks[row[0], row[1]].append((row, samples))
-        return {key: side_by_side(tracks[key[0], key[2]]) for key in some}
+        blocks = read_blocks(forest.tx, [(key, chunk) for key, _, chunk in some])
+        return {key: blocks[key[0], key[2]] for key in some}
 
     return forest.shared.blocks.get(keys, missing)
-
-
-def _rows(forest: Forest, wanted: Ints) -> list[Row]:
-    """What all tracks over some frames (place << 32 | chunk) are read by, those of a chunk by bone."""
-    if forest.has_tracks(len(np.unique(wanted >> 32))):
-        return rows_of(forest.tracks.over(wanted).about)
-    place = {forest.keys[number]: number for number in np.unique(wanted >> 32).tolist()}
-    chunks = wanted & 0xFFFFFFFF
-    found = forest.tx.columns.tracks(list(place), (int(chunks.min()), int(chunks.max())))
-    asked = set(wanted.tolist())
-    return sorted(tuple(row) for row in found if place[row[0]] << 32 | row[1] in asked)
 
 
 def _stretches(blocks: Sequence[Block], unit_of: Ints, offsets: Ints) -> Iterator[Stretch]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from service.motion.skeleton import Array
 from service.storage.blocks import Column, columns_of
-from service.storage.encoding import channels_of, decompress
+from service.storage.encoding import channels_of, decompress, decompress_into
 from service.xpath.kept import Kept
 
 if TYPE_CHECKING:
@@ -42,19 +42,15 @@ class Tracks:
 
     def read(self, tx: Transaction, rows: Sequence[Row]) -> list[Array]:
         """The (channels, frames) array of each track."""
-        of_keys = {row[:4]: row for row in rows}
+        channels = {row[:4]: len(channels_of(row[4])) for row in rows}
 
-        def missing(keys: list[Key]) -> dict[Key, Array]:
-            return dict(zip(keys, self.unpacked(tx, [of_keys[key] for key in keys]), strict=True))
+        def decoded(keys: list[Key]) -> dict[Key, Array]:
+            packed = self._packed.get(keys, lambda missing: dict(_fetch(tx, missing)))
+            return {
+                key: decompress(data, channels[key], codec) for key, (codec, data) in zip(keys, packed, strict=True)
+            }
 
-        return self._decoded.get([row[:4] for row in rows], missing)
-
-    def unpacked(self, tx: Transaction, rows: Sequence[Row]) -> list[Array]:
-        """The same, for those who keep the arrays themselves."""
-        packed = self._packed.get([row[:4] for row in rows], lambda keys: dict(_fetch(tx, keys)))
-        return [
-            decompress(data, len(channels_of(row[4])), codec) for row, (codec, data) in zip(rows, packed, strict=True)
-        ]
+        return self._decoded.get([row[:4] for row in rows], decoded)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,15 +67,27 @@ class Block:
         return self.values.nbytes + OVERHEAD
 
 
-def side_by_side(tracks: Sequence[tuple[Row, Array]]) -> Block:
-    """The block of some tracks, which are over the same chunk."""
-    columns = columns_of(tuple([(row[2], row[4]) for row, _ in tracks]))
-    frames = max((samples.shape[1] for _, samples in tracks), default=0)
+def read_blocks(tx: Transaction, chunks: Sequence[tuple[int, int]]) -> dict[tuple[int, int], Block]:
+    """The block of each chunk (document, chunk)."""
+    tracks: dict[tuple[int, int], list[Any]] = {chunk: [] for chunk in chunks}
+    for row in tx.columns.tracks_over(list(tracks)):
+        tracks[row[0], row[1]].append(row)
+    return {chunk: _side_by_side(rows) for chunk, rows in tracks.items()}
+
+
+def _side_by_side(tracks: Sequence[Any]) -> Block:
+    """Rows of tracks over one chunk as a block."""
+    columns = columns_of(tuple([(bone, bits) for _, _, bone, bits, *_ in tracks]))
+    frames = max((row[4] for row in tracks), default=0)
     values = np.full((len(columns), frames), np.nan)
     first = 0
-    for _, samples in tracks:
-        values[first : first + len(samples), : samples.shape[1]] = samples
-        first += len(samples)
+    for _, _, _, bits, count, codec, data in tracks:
+        own = values[first : first + len(channels_of(bits))]
+        if count == frames:
+            decompress_into(data, own, codec)
+        else:
+            own[:, :count] = decompress(data, len(own), codec)
+        first += len(own)
     return Block(columns, values)
 
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Iterable, Iterator
-from itertools import pairwise
 
 import numpy as np
 import orjson
 
 from schemas.queries import NodeItem
-from service.mcml.writer import Layout, text_bytes, write_frames
+from service.mcml.writer import Layout, frame_texts, text_bytes, write_frames
 from service.xpath.describe import describe_nodes
 from service.xpath.forest import Forest
 from service.xpath.nodes import Node
@@ -20,6 +19,7 @@ from service.xpath.render import check_size, document_xml, frames_with_content, 
 from service.xpath.sources import described
 from service.xpath.streams import Answer, Shown, holds_frames
 
+_CLOSING = b"</result>\n"
 FIELDS = ("document", "revision", "kind", "address", "value")
 
 
@@ -61,21 +61,21 @@ def _items(nodes: Iterable[Node]) -> bytes:
 
 def _frames(forest: Forest, nodes: Ints) -> Iterator[bytes]:
     """Frames, written with their `result` at once."""
-    for names, some, block in read_frames(forest, nodes):
-        before: list[bytes] = []
-        for document, positions in _by_document(some):
-            stored = forest.documents[document]
-            opening = _tag(stored.uuid, stored.revision, "/mcml/motion/frame[%d]").encode()
-            before += [opening % position for position in positions]
-        yield from write_frames(block, names, layout=Layout.COMPACT, before=before, after=b"</result>\n")
-
-
-def _by_document(frames: Ints) -> Iterator[tuple[int, list[int]]]:
-    """The positions of frames, which ascend, by the place of their document."""
-    documents, starts = np.unique(documents_of(frames), return_index=True)
-    positions = frames_of(frames).tolist()
-    for document, (start, stop) in zip(documents.tolist(), pairwise([*starts.tolist(), len(frames)]), strict=True):
-        yield document, positions[start:stop]
+    openings: dict[int, bytes] = {}
+    for place in np.unique(documents_of(nodes)).tolist():
+        stored = forest.documents[place]
+        openings[place] = _tag(stored.uuid, stored.revision, "/mcml/motion/frame[%d]").encode()
+    texts: list[bytes] = [b""] * len(nodes)
+    for names, index, block in read_frames(forest, nodes):
+        some = nodes[index]
+        placed = zip(documents_of(some).tolist(), frames_of(some).tolist(), strict=True)
+        before = [openings[place] % position for place, position in placed]
+        if len(some) == len(nodes):
+            yield from write_frames(block, names, layout=Layout.COMPACT, before=before, after=_CLOSING)
+            return
+        for place, text in zip(index.tolist(), frame_texts(block, names, before, _CLOSING), strict=True):
+            texts[place] = text
+    yield b"".join(texts)
 
 
 def _document(forest: Forest, nodes: Ints, max_elements: int) -> Iterator[bytes]:

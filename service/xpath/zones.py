@@ -51,7 +51,8 @@ def rows_of(about: Ints) -> list[Row]:
 def read_zones(tx: Transaction, documents: Sequence[Listed], numbers: Sequence[int] | None = None) -> dict[int, Zones]:
     """The zone maps of each document by its key. numbers: only those of these bones."""
     width = BITS + 3 + 2 * len(CHANNELS)
-    rows = np.array(tx.columns.zones([listed.key for listed in documents], numbers), np.float64).reshape(-1, width)
+    found = tx.columns.zones([listed.key for listed in documents], numbers)
+    rows = np.array(list(map(tuple, found)), np.float64).reshape(-1, width)
     rows = rows[np.lexsort((rows[:, CHUNK_NUMBER], rows[:, BONE], rows[:, DOCUMENT]))]
     result = {}
     for listed in documents:
@@ -94,12 +95,6 @@ class Table:
     @cached_property
     def _tracks(self) -> Ints:
         return np.asarray((self.places << 48) | (self.about[BONE] << 32) | self.about[CHUNK_NUMBER], np.int64)
-
-    def over(self, stretches: Ints) -> Table:
-        """The tracks over some stretches of frames (place << 32 | chunk), those of a stretch by bone."""
-        keys = self._frames()
-        which = np.flatnonzero(np.isin(keys, stretches))
-        return self[which[np.argsort(keys[which], kind="stable")]]
 
     def facing(self, other: Table) -> Table:
         """For each track of another table the one of the same frames, where there is none one without channels.

@@ -22,23 +22,32 @@ class Dialect(ABC):
     """Reads the tracks whose keys are in a JSON array `keys` of [document, chunk, bone, from_commit]: one by one from
     the index, however many documents they lie in."""
 
+    tracks_over_chunks: ClassVar[TextClause]
+    """Reads all tracks valid `at` a commit over the chunks that are in a JSON array `keys` of [document, chunk]."""
+
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
         self._texts: dict[ClauseElement, SQLCompiler] = {}
 
     def run(self, connection: Connection, statement: ClauseElement, values: dict[str, Any]) -> CursorResult[Any]:
-        """Execute a statement that was made once, without lists among its values: its text is made once too.
+        """Execute a statement that was made once: its text is made once too. Lists are for `OneOf`.
 
         SQLAlchemy takes several times as long to look for that text as SQLite takes for what it says.
         """
         compiled = self._texts.get(statement)
         if compiled is None:
             compiled = self._texts[statement] = cast(SQLCompiler, statement.compile(dialect=self.engine.dialect))
-        given = compiled.params | values
+        given = compiled.params | {
+            name: self.as_list(value) if isinstance(value, list) else value for name, value in values.items()
+        }
         names = compiled.positiontup
         return connection.exec_driver_sql(
             compiled.string, given if names is None else tuple(given[name] for name in names)
         )
+
+    @abstractmethod
+    def as_list(self, values: list[int]) -> Any:
+        """A list of integers as `OneOf` takes it."""
 
     @abstractmethod
     def writing(self) -> AbstractContextManager[Connection]:

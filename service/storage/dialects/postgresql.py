@@ -31,9 +31,19 @@ class PostgreSQL(Dialect):
         "AND t.bone = CAST(k ->> 2 AS bigint) AND t.from_commit = CAST(k ->> 3 AS bigint)"
     )
 
+    tracks_over_chunks = text(
+        "SELECT t.document, t.chunk, t.bone, t.channels, t.count, t.codec, t.data "
+        "FROM jsonb_array_elements(CAST(:keys AS jsonb)) AS k JOIN track AS t "
+        "ON t.document = CAST(k ->> 0 AS bigint) AND t.chunk = CAST(k ->> 1 AS bigint) "
+        "WHERE t.from_commit <= :at AND t.to_commit > :at"
+    )
+
     @classmethod
     def create_engine(cls, url: str) -> Engine:
         return create_engine(url, pool_size=16, max_overflow=32, pool_pre_ping=True)
+
+    def as_list(self, values: list[int]) -> list[int]:
+        return values
 
     @contextmanager
     def writing(self) -> Iterator[Connection]:

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
+import orjson
 from sqlalchemy import Connection, Engine, Table, create_engine, event, text
 from sqlalchemy.pool import QueuePool
 
@@ -26,6 +27,13 @@ class SQLite(Dialect):
         "FROM json_each(:keys) AS k CROSS JOIN track AS t "
         "WHERE t.document = json_extract(k.value, '$[0]') AND t.chunk = json_extract(k.value, '$[1]') "
         "AND t.bone = json_extract(k.value, '$[2]') AND t.from_commit = json_extract(k.value, '$[3]')"
+    )
+
+    tracks_over_chunks = text(
+        "SELECT t.document, t.chunk, t.bone, t.channels, t.count, t.codec, t.data "
+        "FROM json_each(:keys) AS k CROSS JOIN track AS t "
+        "WHERE t.document = json_extract(k.value, '$[0]') AND t.chunk = json_extract(k.value, '$[1]') "
+        "AND t.from_commit <= :at AND t.to_commit > :at"
     )
 
     def __init__(self, engine: Engine) -> None:
@@ -63,6 +71,9 @@ class SQLite(Dialect):
             connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 
         return engine
+
+    def as_list(self, values: list[int]) -> str:
+        return orjson.dumps(values).decode()
 
     @contextmanager
     def writing(self) -> Iterator[Connection]:

@@ -1,0 +1,31 @@
+"""Lists of numbers in statements that are made once, whatever the length of the list."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sqlalchemy import Column, ColumnElement, bindparam
+from sqlalchemy.ext.compiler import compiles
+from sqlalchemy.sql.compiler import SQLCompiler
+
+
+class OneOf(ColumnElement[bool]):
+    """Whether a column is one of the integers in a list, which is given by a name to `Transaction.run`."""
+
+    inherit_cache = False
+
+    def __init__(self, column: Column[Any], name: str) -> None:
+        self.column = column
+        self.values = bindparam(name)
+
+
+@compiles(OneOf, "sqlite")
+def _in_json(element: OneOf, compiler: SQLCompiler, **how: Any) -> str:
+    column, values = compiler.process(element.column, **how), compiler.process(element.values, **how)
+    return f"{column} IN (SELECT value FROM json_each({values}))"
+
+
+@compiles(OneOf, "postgresql")
+def _in_array(element: OneOf, compiler: SQLCompiler, **how: Any) -> str:
+    column, values = compiler.process(element.column, **how), compiler.process(element.values, **how)
+    return f"{column} = ANY(CAST({values} AS bigint[]))"
