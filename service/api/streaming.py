@@ -62,7 +62,7 @@ def pieces(content: Iterator[Bytes]) -> Iterator[Bytes]:
         waiting.append(block)
         size += len(block)
         if size >= PIECE:
-            yield b"".join(waiting)
+            yield waiting[0] if len(waiting) == 1 else b"".join(waiting)
             waiting, size = [], 0
     if waiting:
         yield b"".join(waiting)

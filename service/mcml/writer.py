@@ -150,7 +150,9 @@ def write_frames(
         start = max(stop, start + 1)
 
 
-def frame_texts(block: FrameBlock, names: Sequence[str], before: Sequence[bytes] = (), after: bytes = b"") -> list[bytes]:
+def frame_texts(
+    block: FrameBlock, names: Sequence[str], before: Sequence[bytes] = (), after: bytes = b""
+) -> list[bytes]:
     """Each frame of a block by itself, COMPACT. before, after: what stands before each, and after all of them."""
     # Numbers become text many times faster together; no XML holds this mark.
     marked = [b"\0" + opening for opening in before] if before else [b"\0"] * len(block)

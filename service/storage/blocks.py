@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.motion.skeleton import Array
-from service.storage.encoding import channels_of
+from service.storage.encoding import channels_of, decompress, decompress_into
 
 Column: TypeAlias = tuple[int, int]
 """Number of a bone, and of a channel."""
@@ -20,15 +20,41 @@ Some: TypeAlias = slice | NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
-    """Some frames of one chunk. columns: what the rows of the parts hold, one after the other. parts: samples (channels,
-    n), where one ends before the frames do NaN. offsets: which frames of the chunk. places: where they stand in the
-    block."""
+class Block:
+    """All tracks over one chunk of a document. columns: what each row of the values is; values: (columns, frames), NaN
+    where a track ends before others do."""
 
     columns: tuple[Column, ...]
-    parts: Sequence[Array]
+    values: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """Some frames of one chunk. offsets: which of the block. places: where they stand in the whole."""
+
+    block: Block
     offsets: Some
     places: Some
+
+
+def side_by_side(tracks: Sequence[tuple[int, int, int, int, bytes]]) -> Block:
+    """The block of tracks over one chunk. StoreError where the data of one is damaged.
+
+    tracks: (bone, channels as bits, frames, codec, data) of each, by their bones.
+    """
+    columns = _columns(tuple([(bone, bits) for bone, bits, *_ in tracks]))
+    lengths = {count for _, _, count, *_ in tracks}
+    frames = max(lengths, default=0)
+    values = np.full((len(columns), frames), np.nan) if len(lengths) > 1 else np.empty((len(columns), frames))
+    first = 0
+    for _, bits, count, codec, data in tracks:
+        own = values[first : first + len(channels_of(bits))]
+        if count == frames:
+            decompress_into(data, own, codec)
+        else:
+            own[:, :count] = decompress(data, len(own), codec)
+        first += len(own)
+    return Block(columns, values)
 
 
 def gathered(
@@ -38,7 +64,7 @@ def gathered(
 
     columns: those that there are in any case, in this order; others that occur follow.
     """
-    layouts = [stretch.columns for stretch in stretches]
+    layouts = [stretch.block.columns for stretch in stretches]
     different = [layout for layout in dict.fromkeys((tuple(columns), *layouts)) if layout]
     # Nearly always all are alike.
     whole = different[0] if len(different) == 1 else tuple(dict.fromkeys(chain.from_iterable(different)))
@@ -47,14 +73,13 @@ def gathered(
     for stretch, layout in zip(stretches, layouts, strict=True):
         if not layout:
             continue
-        chosen = _chosen(stretch)
-        some = chosen[0] if len(chosen) == 1 else np.concatenate(chosen)
-        order = _order(layout, whole)
-        if len(layout) == len(whole):
-            values[stretch.places] = (some if layout == whole else some[order]).T
-            continue
-        rows = stretch.places
-        values[rows if isinstance(rows, slice) else rows[:, None], order] = some.T
+        some = _chosen(stretch)
+        rows, order = stretch.places, _order(layout, whole)
+        if isinstance(rows, slice):
+            # Row by row of what is read: turned round as a whole, 256 numbers apart, it takes twice as long.
+            values[rows].T[order] = some
+        else:
+            values[rows[:, None], order] = some.T
     return values, whole
 
 
@@ -68,27 +93,22 @@ def evenly(numbers: NDArray[np.int64]) -> Some:
     return regular if np.array_equal(np.arange(first, last + 1, step), numbers) else numbers
 
 
-def _chosen(stretch: Stretch) -> list[Array]:
-    """The samples of each part at the frames."""
-    offsets = stretch.offsets
+def _chosen(stretch: Stretch) -> Array:
+    """The samples of the frames, (columns, frames)."""
+    offsets, values = stretch.offsets, stretch.block.values
     length = offsets.stop if isinstance(offsets, slice) else int(offsets.max()) + 1
-    return [
-        samples[:, offsets]
-        if samples.shape[1] >= length
-        else np.pad(samples, ((0, 0), (0, length - samples.shape[1])), constant_values=np.nan)[:, offsets]
-        for samples in stretch.parts
-    ]
+    if values.shape[1] < length:
+        values = np.pad(values, ((0, 0), (0, length - values.shape[1])), constant_values=np.nan)
+    return values[:, offsets]
 
 
 @lru_cache(maxsize=256)
 def _order(layout: tuple[Column, ...], whole: tuple[Column, ...]) -> NDArray[np.intp]:
-    """Where in a layout each column of the whole is, if it has all; else where in the whole each of its own is."""
-    searched, wanted = (layout, whole) if len(layout) == len(whole) else (whole, layout)
-    place = {column: index for index, column in enumerate(searched)}
-    return np.array([place[column] for column in wanted], np.intp)
+    """Where in the whole each column of a layout is."""
+    place = {column: index for index, column in enumerate(whole)}
+    return np.array([place[column] for column in layout], np.intp)
 
 
 @lru_cache(maxsize=256)
-def columns_of(tracks: tuple[tuple[int, int], ...]) -> tuple[Column, ...]:
-    """The columns of tracks side by side. tracks: number of the bone and channels as bits of each."""
+def _columns(tracks: tuple[tuple[int, int], ...]) -> tuple[Column, ...]:
     return tuple((bone, channel) for bone, bits in tracks for channel in channels_of(bits))

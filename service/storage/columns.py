@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
@@ -160,10 +160,11 @@ class Columns:
     def documents(self, keys: Sequence[int] | None = None) -> list[Listed]:
         """The documents (all, if no keys are given) by name, then key."""
         past = self._tx.at < CURRENT - 1
+        found: Iterable[Any]
         if keys is None:
-            found = self._tx.run(_DOCUMENTS[past], {"at": self._tx.at}).all()
+            found = self._tx.run(_DOCUMENTS[past], {"at": self._tx.at})
         else:
-            found = list(self._rows(_DOCUMENTS_OF_KEYS[past], keys))
+            found = self._rows(_DOCUMENTS_OF_KEYS[past], keys)
         listed = [Listed(*row) for row in found]
         return sorted(listed, key=lambda one: (one.name, one.key))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import Column, ColumnElement, bindparam
+from sqlalchemy import BindParameter, Column, ColumnElement, bindparam
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
 
@@ -16,7 +16,7 @@ class OneOf(ColumnElement[bool]):
 
     def __init__(self, column: Column[Any], name: str) -> None:
         self.column = column
-        self.values = bindparam(name)
+        self.values: BindParameter[Any] = bindparam(name)
 
 
 @compiles(OneOf, "sqlite")

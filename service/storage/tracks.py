@@ -15,7 +15,7 @@ from sqlalchemy import BigInteger, ColumnElement, Select, and_, bindparam, delet
 from service.errors import NotFoundError, StoreError
 from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import Array
-from service.storage.blocks import Stretch, columns_of, gathered
+from service.storage.blocks import Stretch, gathered, side_by_side
 from service.storage.encoding import (
     DATA_PLACE,
     TRACK_COLUMNS,
@@ -27,6 +27,7 @@ from service.storage.encoding import (
     track_row,
     unpack_shape,
 )
+from service.storage.lists import OneOf
 from service.storage.runs import intersection
 from service.storage.tables import CHUNK, CURRENT, frame_run, shape, shape_run, timeline, track
 
@@ -74,9 +75,10 @@ _FRAME_RUNS = (
     .where(_of_document(frame_run), frame_run.c.first <= _LAST, frame_run.c.first + frame_run.c.count > _FIRST)
     .order_by(frame_run.c.first)
 )
-_TRACKS = select(track.c.chunk, track.c.bone, track.c.channels, track.c.codec, track.c.data).where(
+_TRACKS = select(track.c.chunk, track.c.bone, track.c.channels, track.c.count, track.c.codec, track.c.data).where(
     _of_document(track), track.c.chunk >= _FIRST, track.c.chunk <= _LAST
 )
+_TRACKS_OF_BONES = _TRACKS.where(OneOf(track.c.bone, "bones"))
 
 
 class Tracks:
@@ -263,18 +265,18 @@ class Tracks:
     ) -> FrameBlock:
         """The frames in slots start to end - 1, which are neighbours on the timeline."""
         first_chunk, last_chunk = start // CHUNK, (end - 1) // CHUNK
-        query = _TRACKS if bones is None else _TRACKS.where(track.c.bone.in_(bones))
-        tracks: dict[int, list[tuple[int, int, Array]]] = {n: [] for n in range(first_chunk, last_chunk + 1)}
-        rows = self._rows(query, document_key, first_chunk, last_chunk)
-        for chunk, bone, bits, codec, data in sorted(rows, key=itemgetter(0, 1)):
-            tracks[chunk].append((bone, bits, decompress(data, len(channels_of(bits)), codec)))
+        tracks: dict[int, list[tuple[int, int, int, int, bytes]]] = {n: [] for n in range(first_chunk, last_chunk + 1)}
+        if bones is None:
+            rows = self._rows(_TRACKS, document_key, first_chunk, last_chunk)
+        else:
+            rows = self._rows(_TRACKS_OF_BONES, document_key, first_chunk, last_chunk, bones=list(bones))
+        for chunk, *found in sorted(rows, key=itemgetter(0, 1)):
+            tracks[chunk].append(tuple(found))
         stretches = []
-        for chunk, found in tracks.items():
+        for chunk, held in tracks.items():
             begin, stop = max(start, chunk * CHUNK), min(end, (chunk + 1) * CHUNK)
             offsets = slice(begin - chunk * CHUNK, stop - chunk * CHUNK)
-            held = columns_of(tuple([(bone, bits) for bone, bits, _ in found]))
-            parts = [samples for _, _, samples in found]
-            stretches.append(Stretch(held, parts, offsets, slice(begin - start, stop - start)))
+            stretches.append(Stretch(side_by_side(held), offsets, slice(begin - start, stop - start)))
         values, whole = gathered(stretches, end - start, columns)
         shapes, shape_of = self._shapes(document_key, start, end, bones)
         ids = self.frame_ids(document_key, position, position + end - start - 1)
@@ -309,9 +311,9 @@ class Tracks:
             return np.concatenate([*parts, np.empty(0, np.int64)])
         return [str(item) for part in parts for item in part]
 
-    def _rows(self, query: Select[Any], document_key: int, first: int, last: int) -> Sequence[Any]:
-        given = {"document": document_key, "at": self._tx.at, "first": first, "last": last}
-        return self._tx.connection.execute(query, given).all()
+    def _rows(self, query: Select[Any], document_key: int, first: int, last: int, **given: Any) -> Sequence[Any]:
+        given |= {"document": document_key, "at": self._tx.at, "first": first, "last": last}
+        return self._tx.run(query, given).all()
 
     def positions_of_id(self, document_key: int, text: str) -> list[int]:
         """Positions of the frames with this id, ascending."""

@@ -13,8 +13,8 @@ from service.errors import LimitError
 from service.mcml.vocabulary import FRAME_BONE, MOTION, MOTION_NAME
 from service.mcml.writer import Layout, attribute_bytes, frame_texts, text_bytes, write_document
 from service.motion.clip import FrameBlock, Shape
-from service.motion.skeleton import CHANNELS, Array
-from service.storage.blocks import Stretch, evenly, gathered
+from service.motion.skeleton import CHANNELS
+from service.storage.blocks import Block, Stretch, evenly, gathered
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.motion_names import names_of_frames
@@ -35,7 +35,7 @@ from service.xpath.numbering import (
     in_frames,
     slots_of,
 )
-from service.xpath.tracks import Block, BlockKey, read_blocks
+from service.xpath.tracks import BlockKey, read_blocks
 
 BLOCK_FRAMES = 1024
 """Frames written together."""
@@ -166,8 +166,7 @@ def _stretches(blocks: Sequence[Block], unit_of: Ints, offsets: Ints) -> Iterato
     edges = [0, *(np.flatnonzero(np.diff(unit_of[order])) + 1).tolist(), len(order)]
     for start, stop in pairwise(edges):
         places = order[start:stop]
-        block = blocks[unit_of[places[0]]]
-        yield Stretch(block.columns, [block.values], evenly(offsets[places]), evenly(places))
+        yield Stretch(blocks[unit_of[places[0]]], evenly(offsets[places]), evenly(places))
 
 
 def bone_names(tx: Transaction, stored: Listed) -> list[str]:

@@ -45,7 +45,9 @@ def normal(expression: Expression, context: Types = frozenset({DOCUMENT})) -> Ex
         predicates = tuple(normal(predicate, types) for predicate in expression.predicates)
         return Filter(normal(expression.operand, context), predicates, expression.span)
     if isinstance(expression, Call):
-        return Call(expression.function, tuple([normal(each, context) for each in expression.arguments]), expression.span)
+        return Call(
+            expression.function, tuple([normal(each, context) for each in expression.arguments]), expression.span
+        )
     if isinstance(expression, Operation):
         return _operation(expression, context)
     return expression

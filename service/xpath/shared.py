@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, Protocol, TypeAlias, TypeVar
 
+from service.storage.blocks import Block
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.batches import Batch, batch_of
@@ -14,7 +15,7 @@ from service.xpath.heads import Heads
 from service.xpath.kept import Kept
 from service.xpath.layouts import Layout, read_layouts
 from service.xpath.listing import Listing
-from service.xpath.tracks import Block, BlockKey, Tracks
+from service.xpath.tracks import OVERHEAD, BlockKey, Tracks
 from service.xpath.zones import Zones, read_zones
 
 
@@ -72,7 +73,9 @@ class Shared:
     zones: OfDocuments[Zones] = field(default_factory=lambda: OfDocuments(read_zones, 24 << 20))
     _batches: Kept[BatchKey, Batch] = field(default_factory=lambda: Kept(24 << 20, lambda batch: batch.nbytes))
     tracks: Tracks = field(default_factory=Tracks)
-    blocks: Kept[BlockKey, Block] = field(default_factory=lambda: Kept(24 << 20, lambda block: block.nbytes))
+    blocks: Kept[BlockKey, Block] = field(
+        default_factory=lambda: Kept(24 << 20, lambda block: block.values.nbytes + OVERHEAD)
+    )
 
     def batch(self, documents: Sequence[Listed], *, whole_heads: bool) -> Batch:
         """What was made so far of the columns of some documents, by all queries that asked these."""

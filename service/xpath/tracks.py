@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
-
-import numpy as np
+from typing import TYPE_CHECKING, TypeAlias
 
 from service.motion.skeleton import Array
-from service.storage.blocks import Column, columns_of
-from service.storage.encoding import channels_of, decompress, decompress_into
+from service.storage.blocks import Block, side_by_side
+from service.storage.encoding import channels_of, decompress
 from service.xpath.kept import Kept
 
 if TYPE_CHECKING:
@@ -53,42 +50,12 @@ class Tracks:
         return self._decoded.get([row[:4] for row in rows], decoded)
 
 
-@dataclass(frozen=True, slots=True)
-class Block:
-    """All tracks over one chunk of a document. columns: (bone, channel) of each row of the values; values: (columns,
-    frames), NaN where a track ends before others do."""
-
-    columns: tuple[Column, ...]
-    values: Array
-
-    @property
-    def nbytes(self) -> int:
-        """About how much memory it takes."""
-        return self.values.nbytes + OVERHEAD
-
-
 def read_blocks(tx: Transaction, chunks: Sequence[tuple[int, int]]) -> dict[tuple[int, int], Block]:
     """The block of each chunk (document, chunk)."""
-    tracks: dict[tuple[int, int], list[Any]] = {chunk: [] for chunk in chunks}
-    for row in tx.columns.tracks_over(list(tracks)):
-        tracks[row[0], row[1]].append(row)
-    return {chunk: _side_by_side(rows) for chunk, rows in tracks.items()}
-
-
-def _side_by_side(tracks: Sequence[Any]) -> Block:
-    """Rows of tracks over one chunk as a block."""
-    columns = columns_of(tuple([(bone, bits) for _, _, bone, bits, *_ in tracks]))
-    frames = max((row[4] for row in tracks), default=0)
-    values = np.full((len(columns), frames), np.nan)
-    first = 0
-    for _, _, _, bits, count, codec, data in tracks:
-        own = values[first : first + len(channels_of(bits))]
-        if count == frames:
-            decompress_into(data, own, codec)
-        else:
-            own[:, :count] = decompress(data, len(own), codec)
-        first += len(own)
-    return Block(columns, values)
+    tracks: dict[tuple[int, int], list[tuple[int, int, int, int, bytes]]] = {chunk: [] for chunk in chunks}
+    for document, chunk, *track in tx.columns.tracks_over(list(tracks)):
+        tracks[document, chunk].append(tuple(track))
+    return {chunk: side_by_side(rows) for chunk, rows in tracks.items()}
 
 
 def _fetch(tx: Transaction, keys: Sequence[Key]) -> Iterator[tuple[Key, Packed]]:
