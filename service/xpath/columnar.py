@@ -58,7 +58,7 @@ class Columnar:
         whole_heads = needs_head(self.tree)
         head, frame = HEAD_NODES if whole_heads else 1, self._nodes_a_frame()
         weights = [head + listed.frames * frame for listed in self.documents]
-        start, allowed = 0, BATCH // 16
+        start, allowed = 0, BATCH // 8
         while start < len(self.documents):
             stop, weight = start, 0
             last = min(len(self.documents), start + MAX_DOCUMENTS)

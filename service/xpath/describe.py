@@ -30,9 +30,12 @@ def describe_nodes(forest: Forest, nodes: Ints) -> Iterator[tuple[str, str]]:
     kinds, _ = kinds_and_names(forest, nodes)
     frames, slots = frames_of(nodes), slots_of(nodes)
     inner = np.flatnonzero(frames > 0)
-    names = dict(zip(inner.tolist(), forest.labels.sizes(nodes[inner]).tolist(), strict=True)) if len(inner) else {}
     outer = np.flatnonzero(frames == 0)
     addresses = forest.head.addresses(forest.head.rows(nodes[outer])) if len(outer) else []
+    if not len(inner):
+        yield from zip([KIND_NAMES[kind] for kind in kinds.tolist()], addresses, strict=True)
+        return
+    names = dict(zip(inner.tolist(), forest.labels.sizes(nodes[inner]).tolist(), strict=True))
     outside = dict(zip(outer.tolist(), addresses, strict=True))
     for place, (kind, frame, slot) in enumerate(zip(kinds.tolist(), frames.tolist(), slots.tolist(), strict=True)):
         if kind == IS_NAMESPACE:

@@ -66,8 +66,9 @@ class HeadRows:
     def addresses(self, rows: Ints) -> list[str]:
         """The canonical addresses of elements, attributes or texts; namespace nodes have none."""
         documents = np.searchsorted(self.starts, rows, side="right") - 1
-        within = rows - self.starts[documents]
-        return [self.heads[place].address(row) for place, row in zip(documents.tolist(), within.tolist(), strict=True)]
+        within = (rows - self.starts[documents]).tolist()
+        heads = [self.heads[place] for place in documents.tolist()]
+        return [head.addresses.get(row) or head.address(row) for head, row in zip(heads, within, strict=True)]
 
     def named(self, code: int) -> Ints:
         """The rows of all elements of a name, ascending."""

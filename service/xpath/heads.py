@@ -48,11 +48,14 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """Rows of the document node, `mcml` and all before the motion; from row `motion` on, the motion without frames."""
+    """Rows of the document node, `mcml` and all before the motion; from row `motion` on, the motion without frames.
+
+    addresses: those of elements that somebody asked for, by row.
+    """
 
     part: Part
     motion: int
-    _addresses: dict[int, str] = field(default_factory=dict)
+    addresses: dict[int, str] = field(default_factory=dict)
     _kept: list[tuple[list[int], list[str], list[int]]] = field(default_factory=list)
 
     def address(self, row: int) -> str:
@@ -60,7 +63,7 @@ class Head:
 
         An element that has siblings of its name is numbered among them.
         """
-        known = self._addresses.get(row)
+        known = self.addresses.get(row)
         if known is not None:
             return known
         part = self.part
@@ -79,15 +82,12 @@ class Head:
         for sibling, code in zip(siblings.tolist(), codes, strict=True):
             seen[code] += 1
             numbered = f"[{seen[code]}]" if total[code] > 1 else ""
-            self._addresses[sibling] = f"{above}/{code_names()[code]}{numbered}"
-        return self._addresses[row]
+            self.addresses[sibling] = f"{above}/{code_names()[code]}{numbered}"
+        return self.addresses[row]
 
     def xml(self, row: int) -> str:
         """An element outside of the motion, with all it holds."""
         kinds, names, ends = self._lists()
-        if ends[row] == row + 2 and kinds[row + 2] == IS_TEXT:
-            # Nothing but a text behind the namespace node, as most elements of a head.
-            return f"<{names[row]}>{text_bytes(self.part.texts[row + 2]).decode()}</{names[row]}>"
         parts: list[str] = []
         open_: list[tuple[int, str]] = []
         in_tag = False

@@ -21,6 +21,7 @@ from service.storage.motion_names import names_of_frames
 from service.storage.tables import CHUNK
 from service.xpath import values
 from service.xpath.forest import Forest
+from service.xpath.head_rows import HeadRows
 from service.xpath.node_tests import kinds_and_names
 from service.xpath.numbering import (
     BONE_WIDTH,
@@ -29,7 +30,9 @@ from service.xpath.numbering import (
     FRAME_SHIFT,
     IS_DOCUMENT,
     IS_ELEMENT,
+    IS_TEXT,
     Ints,
+    code_names,
     documents_of,
     frames_of,
     in_frames,
@@ -60,8 +63,8 @@ def node_values(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
         if len(index):
             result[index] = write(forest, nodes[index])
     outside = np.flatnonzero(elements & ~framed)
-    for place, text in zip(outside.tolist(), _of_head(forest, nodes[outside], max_elements), strict=True):
-        result[place] = text
+    if len(outside):
+        result[outside] = _of_head(forest, nodes[outside], max_elements)
     return list(result)
 
 
@@ -215,23 +218,39 @@ def _frame_bones(forest: Forest, nodes: Ints) -> list[str]:
     return [f"<{FRAME_BONE}{''.join(some)}/>" for some in parts]
 
 
-def _of_head(forest: Forest, nodes: Ints, max_elements: int) -> Iterator[str]:
+def _of_head(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
     head = forest.head
     rows, documents = head.rows(nodes), documents_of(nodes)
+    texts = np.empty(len(nodes), object)
+    # Nothing but a text behind the namespace node, as in most elements of a head.
+    leaves = (head.ends[rows] == rows + 2) & (head.kinds[np.minimum(rows + 2, len(head.kinds) - 1)] == IS_TEXT)
+    texts[leaves] = _leaves(head, rows[leaves])
     motions = head.motions[documents]
     holds_frames = (rows <= motions) & (motions <= head.ends[rows])
     within = rows - head.starts[documents]
-    for row, document, whole, motion in zip(
-        within.tolist(), documents.tolist(), holds_frames.tolist(), (rows == motions).tolist(), strict=True
-    ):
-        if not whole:
-            yield head.heads[document].xml(row)
+    for place in np.flatnonzero(~leaves).tolist():
+        document = int(documents[place])
+        if not holds_frames[place]:
+            texts[place] = head.heads[document].xml(int(within[place]))
             continue
         listed = forest.documents[document]
         check_size(forest.tx, listed, max_elements)
         text = b"".join(document_xml(forest.tx, listed)).decode()
         # Behind the prolog; a motion that stands in a text is written &lt;motion&gt;.
-        yield text[text.index(f"<{MOTION}>") : text.rindex("</mcml>")] if motion else text[text.index("<mcml") :]
+        start, end = (f"<{MOTION}>", "</mcml>") if rows[place] == motions[place] else ("<mcml", "")
+        texts[place] = text[text.index(start) : text.rindex(end)] if end else text[text.index(start) :]
+    return list(texts)
+
+
+def _leaves(head: HeadRows, rows: Ints) -> list[str]:
+    """Elements that hold a text; equal ones are written once."""
+    names = head.names[rows].astype(np.int64)
+    different, place = np.unique((names << 32) | head.texts.codes[rows + 2], return_inverse=True)
+    written: list[str] = []
+    for name, code in zip((different >> 32).tolist(), (different & 0xFFFFFFFF).tolist(), strict=True):
+        tag = code_names()[name]
+        written.append(f"<{tag}>{text_bytes(head.texts.values[code]).decode()}</{tag}>")
+    return [written[number] for number in place.reshape(-1).tolist()]
 
 
 def check_size(tx: Transaction, listed: Listed, max_elements: int) -> None:

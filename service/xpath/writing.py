@@ -11,15 +11,18 @@ import orjson
 
 from schemas.queries import NodeItem
 from service.mcml.writer import Layout, frame_texts, text_bytes, write_frames
+from service.storage.columns import Listed
 from service.xpath.describe import describe_nodes
 from service.xpath.forest import Forest
 from service.xpath.nodes import Node
 from service.xpath.numbering import MOTION, Ints, documents_of, frames_of, slots_of
-from service.xpath.render import check_size, document_xml, frames_with_content, read_frames
-from service.xpath.sources import described
+from service.xpath.render import check_size, document_xml, frames_with_content, node_values, read_frames
 from service.xpath.streams import Answer, Shown, holds_frames
 
 _CLOSING = b"</result>\n"
+_AS_XML = frozenset({"element", "document"})
+"""Kinds of nodes whose value is XML."""
+
 FIELDS = ("document", "revision", "kind", "address", "value")
 
 
@@ -28,13 +31,8 @@ def xml_item(item: NodeItem | Node) -> str:
     document, revision = (
         (item.document, item.revision) if isinstance(item, NodeItem) else (item.stored.uuid, item.stored.revision)
     )
-    value = item.value if item.kind in ("element", "document") else text_bytes(item.value).decode()
-    return f"{_tag(document, revision, item.address)}{value}</result>\n"
-
-
-def _tag(document: str, revision: int, address: str) -> str:
-    """What stands before a node. Addresses hold nothing that XML would escape."""
-    return f'<result document="{document}" revision="{revision}" address="{address}">'
+    value = item.value if item.kind in _AS_XML else text_bytes(item.value).decode()
+    return f'<result document="{document}" revision="{revision}" address="{item.address}">{value}</result>\n'
 
 
 def _xml(found: Answer | Shown) -> Iterator[bytes]:
@@ -52,19 +50,35 @@ def _pieces(forest: Forest, nodes: Ints, max_elements: int) -> list[bytes]:
         return list(_frames(forest, nodes))
     if holds_frames(nodes).all() and slots_of(nodes)[0] != MOTION:
         return list(_document(forest, nodes, max_elements))
-    return [_items(described(forest, nodes, max_elements))]
+    return [_described(forest, nodes, max_elements)]
 
 
 def _items(nodes: Iterable[Node]) -> bytes:
     return "".join([xml_item(node) for node in nodes]).encode()
 
 
+def _described(forest: Forest, nodes: Ints, max_elements: int) -> bytes:
+    """Nodes as `xml_item` writes them, what is the same for all of a document made once."""
+    texts = node_values(forest, nodes, max_elements)
+    places = documents_of(nodes).tolist()
+    openings = {place: _opening(forest.documents[place]) for place in set(places)}
+    parts = [
+        f'{openings[place]}{address}">{text if kind in _AS_XML else text_bytes(text).decode()}</result>\n'
+        for place, (kind, address), text in zip(places, describe_nodes(forest, nodes), texts, strict=True)
+    ]
+    return "".join(parts).encode()
+
+
+def _opening(stored: Listed) -> str:
+    """What stands before the address of a node. Neither holds anything that XML would escape."""
+    return f'<result document="{stored.uuid}" revision="{stored.revision}" address="'
+
+
 def _frames(forest: Forest, nodes: Ints) -> Iterator[bytes]:
     """Frames, written with their `result` at once."""
     openings: dict[int, bytes] = {}
     for place in np.unique(documents_of(nodes)).tolist():
-        stored = forest.documents[place]
-        openings[place] = _tag(stored.uuid, stored.revision, "/mcml/motion/frame[%d]").encode()
+        openings[place] = (_opening(forest.documents[place]) + '/mcml/motion/frame[%d]">').encode()
     texts: list[bytes] = [b""] * len(nodes)
     for names, index, block in read_frames(forest, nodes):
         some = nodes[index]
@@ -86,7 +100,7 @@ def _document(forest: Forest, nodes: Ints, max_elements: int) -> Iterator[bytes]
     pieces = document_xml(forest.tx, stored)
     # The prolog is no part of the node.
     next(pieces)
-    yield _tag(stored.uuid, stored.revision, address).encode()
+    yield f'{_opening(stored)}{address}">'.encode()
     yield from pieces
     yield b"</result>\n"
 
