@@ -232,7 +232,7 @@ class Columns:
         """Rows (document, chunk, bone, from_commit, codec, data) of the tracks that are named by their first four."""
         for start in range(0, len(keys), TRACKS_AT_A_TIME):
             given = {"keys": orjson.dumps(keys[start : start + TRACKS_AT_A_TIME]).decode()}
-            yield from self._tx.run(self._tx.dialect.tracks_by_key, given)
+            yield from self._tx.run(self._tx.dialect.tracks_by_key, given).all()
 
     def tracks_over(self, chunks: Sequence[tuple[int, int]]) -> Iterator[Any]:
         """Rows (document, chunk, bone, channels, count, codec, data) of all tracks over some chunks (document, chunk),

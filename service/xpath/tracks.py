@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 from service.motion.skeleton import Array
@@ -42,7 +42,7 @@ class Tracks:
         channels = {row[:4]: len(channels_of(row[4])) for row in rows}
 
         def decoded(keys: list[Key]) -> dict[Key, Array]:
-            packed = self._packed.get(keys, lambda missing: dict(_fetch(tx, missing)))
+            packed = self._packed.get(keys, lambda missing: _fetch(tx, missing))
             return {
                 key: decompress(data, channels[key], codec) for key, (codec, data) in zip(keys, packed, strict=True)
             }
@@ -58,6 +58,6 @@ def read_blocks(tx: Transaction, chunks: Sequence[tuple[int, int]]) -> dict[tupl
     return {chunk: side_by_side(rows) for chunk, rows in tracks.items()}
 
 
-def _fetch(tx: Transaction, keys: Sequence[Key]) -> Iterator[tuple[Key, Packed]]:
-    for document, chunk, bone, commit, codec, data in tx.columns.track_data(keys):
-        yield (document, chunk, bone, commit), (codec, data)
+def _fetch(tx: Transaction, keys: Sequence[Key]) -> dict[Key, Packed]:
+    found = tx.columns.track_data(keys)
+    return {(document, chunk, bone, commit): (codec, data) for document, chunk, bone, commit, codec, data in found}
