@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import asyncio
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import ExitStack
 from itertools import chain
 from typing import TypeAlias
@@ -10,6 +11,7 @@ from urllib.parse import quote
 
 from fastapi import Request, Response
 from fastapi.responses import StreamingResponse
+from starlette.concurrency import run_in_threadpool
 
 from service.errors import LimitError
 from service.storage.database import Database, Transaction
@@ -42,7 +44,7 @@ def streamed(
         with held:
             yield from pieces(chain((first,), content))
 
-    return StreamingResponse(blocks(), media_type=media_type, headers=headers)
+    return StreamingResponse(_ahead(blocks()), media_type=media_type, headers=headers)
 
 
 def begun(content: Iterator[bytes], media_type: str, headers: dict[str, str]) -> Response:
@@ -51,7 +53,7 @@ def begun(content: Iterator[bytes], media_type: str, headers: dict[str, str]) ->
     first = next(joined, b"")
     if len(first) < PIECE:
         return Response(first, media_type=media_type, headers=headers)
-    return StreamingResponse(chain((first,), joined), media_type=media_type, headers=headers)
+    return StreamingResponse(_ahead(chain((first,), joined)), media_type=media_type, headers=headers)
 
 
 def pieces(content: Iterator[Bytes]) -> Iterator[Bytes]:
@@ -66,6 +68,17 @@ def pieces(content: Iterator[Bytes]) -> Iterator[Bytes]:
             waiting, size = [], 0
     if waiting:
         yield b"".join(waiting)
+
+
+async def _ahead(content: Iterator[Bytes]) -> AsyncIterator[Bytes]:
+    """Each piece of a content; while it is sent, a thread makes the next."""
+    making = asyncio.ensure_future(run_in_threadpool(next, content, b""))
+    try:
+        while piece := await making:
+            making = asyncio.ensure_future(run_in_threadpool(next, content, b""))
+            yield piece
+    finally:
+        making.cancel()
 
 
 async def read_body(request: Request, most: int) -> bytes:

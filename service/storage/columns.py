@@ -56,9 +56,6 @@ class Listed:
     project: int
 
 
-ROWS_AT_A_TIME = 4096
-
-
 _AT = bindparam("at", type_=BigInteger)
 
 
@@ -162,7 +159,7 @@ class Columns:
         past = self._tx.at < CURRENT - 1
         found: Iterable[Any]
         if keys is None:
-            found = self._tx.run(_DOCUMENTS[past], {"at": self._tx.at})
+            found = self._tx.rows(_DOCUMENTS[past], {"at": self._tx.at})
         else:
             found = self._rows(_DOCUMENTS_OF_KEYS[past], keys)
         listed = [Listed(*row) for row in found]
@@ -203,15 +200,15 @@ class Columns:
     def headers(self, keys: Sequence[int]) -> dict[int, Element]:
         """The `header` element of each document."""
         rows: dict[int, list[Any]] = {}
-        for row in self._rows(_HEADERS, keys):
-            rows.setdefault(row.document, []).append(row)
+        for document_key, *row in self._rows(_HEADERS, keys):
+            rows.setdefault(document_key, []).append(row)
         return {key: to_elements(found)[0] for key, found in rows.items()}
 
     def skeletons(self, keys: Sequence[int]) -> dict[int, list[Element]]:
         """The `root` element, where there is one, and the `skeleton` element of each skeleton."""
         rows: dict[int, list[Any]] = {}
-        for row in self._rows(_SKELETONS, keys):
-            rows.setdefault(row.skeleton, []).append(row)
+        for skeleton_key, *row in self._rows(_SKELETONS, keys):
+            rows.setdefault(skeleton_key, []).append(row)
         return {key: to_elements(found) for key, found in rows.items()}
 
     def tracks(self, keys: Sequence[int], chunks: tuple[int, int], bones: Sequence[int] | None = None) -> Iterator[Any]:
@@ -232,19 +229,18 @@ class Columns:
         """Rows (document, chunk, bone, from_commit, codec, data) of the tracks that are named by their first four."""
         for start in range(0, len(keys), TRACKS_AT_A_TIME):
             given = {"keys": orjson.dumps(keys[start : start + TRACKS_AT_A_TIME]).decode()}
-            yield from self._tx.run(self._tx.dialect.tracks_by_key, given).all()
+            yield from self._tx.rows(self._tx.dialect.tracks_by_key, given)
 
     def tracks_over(self, chunks: Sequence[tuple[int, int]]) -> Iterator[Any]:
         """Rows (document, chunk, bone, channels, count, codec, data) of all tracks over some chunks (document, chunk),
         those of a chunk by bone."""
         for start in range(0, len(chunks), CHUNKS_AT_A_TIME):
             keys = orjson.dumps(chunks[start : start + CHUNKS_AT_A_TIME]).decode()
-            rows = self._tx.run(self._tx.dialect.tracks_over_chunks, {"keys": keys, "at": self._tx.at})
-            yield from sorted(rows.all(), key=itemgetter(0, 1, 2))
+            rows = self._tx.rows(self._tx.dialect.tracks_over_chunks, {"keys": keys, "at": self._tx.at})
+            yield from sorted(rows, key=itemgetter(0, 1, 2))
 
     def _rows(self, query: Select[Any], keys: Sequence[int], **given: Any) -> Iterator[Any]:
         given["at"] = self._tx.at
         for start in range(0, len(keys), KEYS_AT_A_TIME):
             given["keys"] = list(keys[start : start + KEYS_AT_A_TIME])
-            for part in self._tx.run(query, given).partitions(ROWS_AT_A_TIME):
-                yield from part
+            yield from self._tx.rows(query, given)

@@ -76,7 +76,7 @@ class Transaction:
 
     def newest_commit(self) -> int:
         """The number of the last commit that this transaction sees, 0 in an empty store."""
-        return int(self.run(_NEWEST_COMMIT).scalar_one())
+        return int(self.rows(_NEWEST_COMMIT)[0][0])
 
     def valid(self, table: Table) -> ColumnElement[bool]:
         """The condition that a row of a table with `from_commit` and `to_commit` is valid at `self.at`."""
@@ -89,6 +89,10 @@ class Transaction:
     def run(self, statement: ClauseElement, values: dict[str, Any] | None = None) -> CursorResult[Any]:
         """Execute a statement that the program makes once. Lists among the values are for `OneOf`."""
         return self.dialect.run(self.connection, statement, values or {})
+
+    def rows(self, statement: ClauseElement, values: dict[str, Any] | None = None) -> list[tuple[Any, ...]]:
+        """What a statement that the program makes once reads. Lists among the values are for `OneOf`."""
+        return self.dialect.rows(self.connection, statement, values or {})
 
     def insert_row(self, table: Table, **values: Any) -> int:
         """Insert one row and answer the key it got."""

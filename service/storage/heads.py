@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import and_, bindparam, delete, func, insert, or_, select, update
+from sqlalchemy import BigInteger, and_, bindparam, delete, func, insert, or_, select, update
 
 from service.mcml.elements import Element
 from service.storage.rows import ELEMENT_COLUMNS, SkeletonRows, to_elements, to_rows
@@ -16,6 +16,24 @@ if TYPE_CHECKING:
     from service.storage.database import Transaction
     from service.storage.documents import StoredDocument
 
+_AT, _DOCUMENT = bindparam("at", type_=BigInteger), bindparam("document", type_=BigInteger)
+
+# Made once: to make a statement takes longer than to run a short one.
+_HEADER = (
+    select(header.c.level, header.c.tag, header.c.attributes, header.c.text)
+    .where(header.c.document == _DOCUMENT, header.c.from_commit <= _AT, header.c.to_commit > _AT)
+    .order_by(header.c.pre)
+)
+_SKELETON = (
+    select(skeleton_element.c.level, skeleton_element.c.tag, skeleton_element.c.attributes, skeleton_element.c.text)
+    .where(skeleton_element.c.skeleton == bindparam("skeleton", type_=BigInteger))
+    .order_by(skeleton_element.c.pre)
+)
+_BONE_NAMES = (
+    select(bone.c.bone, bone.c.name)
+    .where(bone.c.document == _DOCUMENT, bone.c.from_commit <= _AT, bone.c.to_commit > _AT)
+    .order_by(bone.c.bone)
+)
 _EQUAL_SKELETON = select(skeleton.c.id).where(
     skeleton.c.project == bindparam("project"), skeleton.c.hash == bindparam("hash")
 )
@@ -27,26 +45,11 @@ class Heads:
 
     def header(self, document_key: int) -> Element:
         """The `header` element."""
-        rows = self._tx.connection.execute(
-            select(header.c.level, header.c.tag, header.c.attributes, header.c.text)
-            .where(header.c.document == document_key, self._tx.valid(header))
-            .order_by(header.c.pre)
-        )
-        return to_elements(rows)[0]
+        return to_elements(self._tx.rows(_HEADER, {"document": document_key, "at": self._tx.at}))[0]
 
     def skeleton(self, skeleton_key: int) -> list[Element]:
         """The `root` element, if there is one, and the `skeleton` element."""
-        rows = self._tx.connection.execute(
-            select(
-                skeleton_element.c.level,
-                skeleton_element.c.tag,
-                skeleton_element.c.attributes,
-                skeleton_element.c.text,
-            )
-            .where(skeleton_element.c.skeleton == skeleton_key)
-            .order_by(skeleton_element.c.pre)
-        )
-        return to_elements(rows)
+        return to_elements(self._tx.rows(_SKELETON, {"skeleton": skeleton_key}))
 
     def document(self, stored: StoredDocument | Listed) -> Element:
         """The `mcml` element without its motion: header, root, skeleton."""
@@ -55,8 +58,7 @@ class Heads:
 
     def bone_names(self, document_key: int) -> dict[int, str]:
         """Name of each bone number, the root's among them."""
-        query = select(bone.c.bone, bone.c.name).where(bone.c.document == document_key, self._tx.valid(bone))
-        return {row.bone: row.name for row in self._tx.connection.execute(query.order_by(bone.c.bone))}
+        return dict(self._tx.rows(_BONE_NAMES, {"document": document_key, "at": self._tx.at}))
 
     def documents_with_bone(self, name: str) -> dict[int, int]:
         """Bone number in each document that has a bone of this name, by document key."""

@@ -48,14 +48,14 @@ def to_rows(forest: Sequence[Element], level: int) -> list[ElementRow]:
 
 
 def to_elements(rows: Iterable[Any]) -> list[Element]:
-    """The trees that `to_rows` was given; rows (with .level .tag .attributes .text) in order of `pre`."""
+    """The trees that `to_rows` was given; rows (level, tag, attributes, text) in order of `pre`."""
     forest: list[Element] = []
     path: list[Element] = []
     base: int | None = None
-    for row in rows:
-        element = Element(row.tag, orjson.loads(row.attributes), row.text)
-        base = row.level if base is None else base
-        del path[row.level - base :]
+    for level, tag, attributes, text in rows:
+        element = Element(tag, orjson.loads(attributes), text)
+        base = level if base is None else base
+        del path[level - base :]
         (path[-1].children if path else forest).append(element)
         path.append(element)
     return forest

@@ -58,7 +58,7 @@ class Spans:
     def of(self, document_key: int, first: int = 1, last: int | None = None) -> list[StoredSpan]:
         """Spans of a document that touch the frames first to last, in order of their first frame and rank."""
         given = {"document": document_key, "at": self._tx.at, "first": first, "last": CURRENT if last is None else last}
-        return [StoredSpan(*row) for row in self._tx.connection.execute(_TOUCHING, given)]
+        return [StoredSpan(*row) for row in self._tx.rows(_TOUCHING, given)]
 
     def named(self, names: list[str], documents: list[int] | None = None) -> dict[int, list[tuple[int, int]]]:
         """Ranges (first, last) of frames that carry one of the names, by document key.
@@ -77,10 +77,10 @@ class Spans:
     def _named(self, names: list[str], documents: list[int] | None) -> Iterable[Any]:
         # One name, in all documents or one, is what is asked most.
         if len(names) == 1 and documents is None:
-            return self._tx.run(_OF_ONE_NAME, {"name": names[0], "at": self._tx.at})
+            return self._tx.rows(_OF_ONE_NAME, {"name": names[0], "at": self._tx.at})
         if len(names) == 1 and documents is not None and len(documents) == 1:
             given = {"name": names[0], "document": documents[0], "at": self._tx.at}
-            return self._tx.run(_OF_ONE_NAME_IN_ONE, given)
+            return self._tx.rows(_OF_ONE_NAME_IN_ONE, given)
         query = _NAMED if documents is None else _NAMED_IN
         narrowed = {} if documents is None else {"documents": documents}
         return self._tx.connection.execute(query, {"names": names, "at": self._tx.at, **narrowed})

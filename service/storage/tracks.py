@@ -313,7 +313,7 @@ class Tracks:
 
     def _rows(self, query: Select[Any], document_key: int, first: int, last: int, **given: Any) -> Sequence[Any]:
         given |= {"document": document_key, "at": self._tx.at, "first": first, "last": last}
-        return self._tx.run(query, given).all()
+        return self._tx.rows(query, given)
 
     def positions_of_id(self, document_key: int, text: str) -> list[int]:
         """Positions of the frames with this id, ascending."""

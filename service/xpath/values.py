@@ -131,7 +131,8 @@ def _rows(forest: Forest, tracks: Ints) -> list[Row]:
     found: dict[int, Row] = {}
     for asked, kept, chunks in _requests(forest, tracks >> 48, tracks >> 32 & 0xFFFF, tracks & 0xFFFFFFFF):
         for row in forest.tx.columns.tracks(asked, chunks, kept):
-            found[(place[row.document] << 48) | (row.bone << 32) | row.chunk] = tuple(row)
+            document, chunk, bone, *_ = row
+            found[(place[document] << 48) | (bone << 32) | chunk] = row
     return [found[track] for track in tracks.tolist()]
 
 
