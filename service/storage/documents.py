@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import zstandard
@@ -12,7 +13,8 @@ from sqlalchemy import Select, and_, bindparam, delete, func, insert, select, up
 from service.errors import NotFoundError
 from service.storage import tables
 from service.storage.identifiers import new_uuid, stored_form
-from service.storage.tables import CURRENT, commit, content, document, header, project, property_, revision, span
+from service.storage.selected import all_documents, one_document
+from service.storage.tables import CURRENT, commit, content, document, project, property_, revision, span
 from service.storage.uploads import LEASE_SECONDS
 
 if TYPE_CHECKING:
@@ -185,9 +187,9 @@ class Documents:
 
     def find(self, uuid: str, *, deleted: bool = False) -> StoredDocument | None:
         """The document as it is at the transaction's commit; `deleted` lets a deleted one be found."""
-        query = self._select(deleted=deleted).where(document.c.uuid == uuid)
-        row = self._tx.connection.execute(query).one_or_none()
-        return None if row is None else StoredDocument(**row._mapping)
+        statement = one_document(past=self._past, deleted=deleted)
+        rows = self._tx.rows(statement, {"uuid": uuid, "at": self._tx.at})
+        return _stored(rows[0]) if rows else None
 
     def get(self, uuid: str, *, deleted: bool = False) -> StoredDocument:
         """As `find`; NotFoundError where there is none."""
@@ -200,61 +202,15 @@ class Documents:
         found = {}
         for start in range(0, len(keys), KEYS_AT_A_TIME):
             some = document.c.id.in_(keys[start : start + KEYS_AT_A_TIME])
-            for row in self._tx.connection.execute(self._select().where(some)):
-                found[row.key] = StoredDocument(**row._mapping)
+            query = all_documents(past=self._past).where(some, document.c.deleted_commit > self._tx.at)
+            for row in self._tx.connection.execute(query, {"at": self._tx.at}):
+                found[row.key] = _stored(row)
         return found
 
-    def _select(self, *, deleted: bool = False) -> Select[Any]:
-        at = self._tx.at
-        newest = (
-            select(func.max(revision.c.number))
-            .where(revision.c.document == document.c.id, revision.c.commit <= at)
-            .scalar_subquery()
-        )
-        rate = (
-            select(header.c.text)
-            .where(header.c.document == document.c.id, header.c.tag == "dataframe_rate", self._tx.valid(header))
-            .scalar_subquery()
-        )
-        made = select(commit.c.time).where(commit.c.number == document.c.created_commit).scalar_subquery()
-        changed = (
-            select(func.max(commit.c.time))
-            .join(revision, revision.c.commit == commit.c.number)
-            .where(revision.c.document == document.c.id, revision.c.commit <= at)
-            .scalar_subquery()
-        )
-        about: tuple[Any, Any, Any] = (document, document.c.name, document.c.project)
-        if at < CURRENT - 1:
-            # The past, which only the revision of that time knows.
-            then = revision.alias()
-            known = and_(then.c.document == document.c.id, then.c.number == newest)
-            about = (document.join(then, known), then.c.name, then.c.project)
-        source, name, project_key = about
-        query = (
-            select(
-                document.c.id.label("key"),
-                document.c.uuid,
-                project.c.name.label("project"),
-                project.c.id.label("project_key"),
-                name.label("name"),
-                document.c.format,
-                content.c.version,
-                content.c.skeleton,
-                content.c.frames,
-                content.c.frame_time,
-                rate.label("data_rate"),
-                content.c.intact,
-                newest.label("revision"),
-                made.label("created"),
-                changed.label("modified"),
-                document.c.next_slot,
-            )
-            .select_from(source)
-            .join(project, project.c.id == project_key)
-            .join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
-            .where(self.visible())
-        )
-        return query if deleted else query.where(document.c.deleted_commit > at)
+    @property
+    def _past(self) -> bool:
+        """Whether a state before the newest is read."""
+        return self._tx.at < CURRENT - 1
 
     def visible(self) -> Any:
         """The condition that a document's import was complete at the transaction's commit."""
@@ -264,7 +220,7 @@ class Documents:
         self, wanted: DocumentFilter, *, after: tuple[str, int] | None, limit: int, newest_first: bool = False
     ) -> list[StoredDocument]:
         """Documents by name and key after (name, key), or newest first after (_, key)."""
-        query = _filtered(self._select(deleted=True), wanted, self._tx)
+        query = _filtered(all_documents(past=self._past), wanted, self._tx)
         if newest_first:
             query = query.order_by(document.c.id.desc())
             if after is not None:
@@ -274,7 +230,7 @@ class Documents:
             if after is not None:
                 name, key = after
                 query = query.where((document.c.name > name) | (document.c.name == name) & (document.c.id > key))
-        return [StoredDocument(**row._mapping) for row in self._tx.connection.execute(query.limit(limit))]
+        return [_stored(row) for row in self._tx.connection.execute(query.limit(limit), {"at": self._tx.at})]
 
     def count(self, wanted: DocumentFilter) -> int:
         query = _filtered(select(func.count()).select_from(document).join(project), wanted, self._tx)
@@ -364,6 +320,16 @@ def _swept() -> NotFoundError:
 
 def _packed(receipt: str) -> bytes:
     return zstandard.ZstdCompressor(level=3).compress(receipt.encode())
+
+
+_INTACT = [field.name for field in fields(StoredDocument)].index("intact")
+
+
+def _stored(row: Sequence[Any]) -> StoredDocument:
+    values = list(row)
+    # SQLite has no type of its own for it.
+    values[_INTACT] = bool(values[_INTACT])
+    return StoredDocument(*values)
 
 
 def _filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Select[Any]:

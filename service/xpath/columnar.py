@@ -57,7 +57,7 @@ class Columnar:
         """The documents in batches. The first are small: often the first page is all that is wanted."""
         whole_heads = needs_head(self.tree)
         head, frame = HEAD_NODES if whole_heads else 1, self._nodes_a_frame()
-        weights = [head + listed.frames * frame for listed in self.documents]
+        weights = [head + int(listed.frames * frame) for listed in self.documents]
         start, allowed = 0, BATCH // 8
         while start < len(self.documents):
             stop, weight = start, 0
@@ -68,10 +68,11 @@ class Columnar:
             yield Forest(self.tx, self.documents[start:stop], self._shared, whole_heads=whole_heads)
             start, allowed = stop, min(BATCH, allowed * 4)
 
-    def _nodes_a_frame(self) -> int:
+    def _nodes_a_frame(self) -> float:
         """About how many nodes of a frame are looked at."""
         if self.start is not None and self.start.indexed:
-            return 1
+            # Few frames have one id, unless ids are repeated.
+            return 1 if self.start.groups else 0.25
         return {Projection.HEAD: 0, Projection.FRAMES: 1, Projection.WHOLE: NODES_A_FRAME}[projection(self.tree)]
 
     def chunks(self) -> Iterator[tuple[Forest, Ints]]:

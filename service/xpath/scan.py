@@ -223,7 +223,7 @@ class Scan:
                 holds = np.arange(CHUNK) < some.lead.about[FRAMES][:, None]
                 unsure = np.flatnonzero(~some.must)
                 if len(unsure):
-                    holds[unsure] = self._holds(some[unsure], self._read(some[unsure]))
+                    holds[unsure] = self._fulfil(self._read(some[unsure]))
                 holds &= self._there(some)
                 if holds.any():
                     yield _Hits(holds, some.lead)
@@ -289,20 +289,29 @@ class Scan:
         for name, table in [(self.plan.lead, units.lead), *units.others.items()]:
             wanted = [channel for bone, channel in self.plan.condition.samples if bone == name]
             held = np.flatnonzero(table.about[BITS])
+            tracks = self._shared.tracks.read(self.tx, rows_of(table.about[:, held]))
+            bits = table.about[BITS, held]
             for channel in wanted:
-                block[name, channel] = np.full((len(units), CHUNK), np.nan)
-            rows = rows_of(table[held].about)
-            for index, row, values in zip(held.tolist(), rows, self._shared.tracks.read(self.tx, rows), strict=True):
-                channels = channels_of(row[4])
-                for channel in wanted:
-                    if channel in channels:
-                        block[name, channel][index, : values.shape[1]] = values[channels.index(channel)]
+                having = np.flatnonzero(bits >> channel & 1)
+                row_of = {each: channels_of(each).index(channel) for each in set(bits[having].tolist())}
+                parts = [
+                    tracks[n][row_of[each]] for n, each in zip(having.tolist(), bits[having].tolist(), strict=True)
+                ]
+                values = block[name, channel] = np.full((len(units), CHUNK), np.nan)
+                # All at once, not track by track: the numbers of each track are at the beginning of its row.
+                lengths = np.zeros(len(units), np.int64)
+                lengths[held[having]] = [len(part) for part in parts]
+                values[np.arange(CHUNK) < lengths[:, None]] = np.concatenate([*parts, np.empty(0)])
         return block
+
+    def _fulfil(self, block: dict[Sample, Floats]) -> Bools:
+        """Which frames fulfil the condition, by their samples."""
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            return self.plan.condition.holds(block)
 
     def _holds(self, units: _Units, block: dict[Sample, Floats]) -> Bools:
         """Which frames of some units fulfil the condition and are asked for."""
-        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            return self.plan.condition.holds(block) & self._there(units)
+        return self._fulfil(block) & self._there(units)
 
     def _there(self, units: _Units) -> Bools:
         """Which frames of some units the documents still have, and carry the motion names that are asked for."""

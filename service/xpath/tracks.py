@@ -33,7 +33,7 @@ class Tracks:
     of the memory; to fetch a track takes twice as long as to decode it.
     """
 
-    def __init__(self, packed: int = 32 << 20, decoded: int = 24 << 20) -> None:
+    def __init__(self, packed: int = 32 << 20, decoded: int = 40 << 20) -> None:
         self._packed = Kept[Key, Packed](packed, lambda track: len(track[1]) + OVERHEAD)
         self._decoded = Kept[Key, Array](decoded, lambda values: values.nbytes + OVERHEAD)
 
