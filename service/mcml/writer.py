@@ -16,6 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 import orjson
+from numpy.typing import NDArray
 
 from service.errors import DocumentError
 from service.mcml.element import Element
@@ -129,7 +130,7 @@ def write_frames(
 
     before: what stands before each frame of the block, if anything. after: what stands after each.
     """
-    heads = _frame_heads(block, layout, before)
+    heads = _frame_heads(block.ids, block.motion_names, layout, before)
     step = max(1, VALUES_AT_A_TIME // max(1, len(block.columns)))
     inner = max(1, VALUES_TOGETHER // max(1, len(block.columns)))
     last = len(block) if last is None else min(last, len(block))
@@ -151,12 +152,35 @@ def write_frames(
 
 
 def frame_texts(
-    block: FrameBlock, names: Sequence[str], before: Sequence[bytes] = (), after: bytes = b""
+    values: Array,
+    kinds: Sequence[tuple[Shape, Sequence[str]]],
+    kind_of: Sequence[int],
+    ids: NDArray[np.int64] | list[str],
+    motion_names: Sequence[tuple[str, ...]] | None = None,
+    *,
+    before: Sequence[bytes] = (),
+    after: bytes = b"",
 ) -> list[bytes]:
-    """Each frame of a block by itself, COMPACT. before, after: what stands before each, and after all of them."""
-    # Numbers become text many times faster together; no XML holds this mark.
-    marked = [b"\0" + opening for opening in before] if before else [b"\0"] * len(block)
-    return b"".join(write_frames(block, names, layout=Layout.COMPACT, before=marked, after=after)).split(b"\0")[1:]
+    """Frames of any documents, each by itself, COMPACT. Raises DocumentError for NaN and infinity.
+
+    values: of all frames one after the other, those of each in the order of its shape. kinds: the shapes that occur,
+    each with the names of bones. kind_of: which of them each frame has. ids, motion_names: as in a FrameBlock. before,
+    after: as in `write_frames`.
+    """
+    heads = _frame_heads(ids, motion_names, Layout.COMPACT, before)
+    templates = [_template(shape, tuple(names), Layout.COMPACT) for shape, names in kinds]
+    tokens = _tokens(values)
+    texts: list[bytes] = []
+    start = 0
+    for head, kind in zip(heads, kind_of, strict=True):
+        literals, tail = templates[kind]
+        width = len(literals)
+        parts = [head, *[b""] * (2 * width), tail, _END[Layout.COMPACT], after]
+        parts[1 : 2 * width : 2] = literals
+        parts[2 : 2 * width + 1 : 2] = tokens[start : start + width]
+        texts.append(b"".join(parts))
+        start += width
+    return texts
 
 
 def write_frame_bone(name: str, channels: int, values: Sequence[float] | Array) -> bytes:
@@ -178,7 +202,7 @@ def _write_run(
     heads = heads[first:last]
     if not literals:
         return b"".join([head + tail for head in heads])
-    values = block.values[first:last, _columns_of(shape, block.columns)]
+    values = block.values[first:last, columns_of(shape, block.columns)]
     width, count = len(literals), last - first
     parts = [b""] * (2 * width * count)
     parts[0::2] = literals * count
@@ -199,16 +223,20 @@ def _tokens(values: Array) -> list[bytes]:
     return text[1:-1].split(b",") if values.size else []
 
 
-def _frame_heads(block: FrameBlock, layout: Layout, before: Sequence[bytes]) -> list[bytes]:
+def _frame_heads(
+    ids: NDArray[np.int64] | list[str],
+    motion_names: Sequence[tuple[str, ...]] | None,
+    layout: Layout,
+    before: Sequence[bytes],
+) -> list[bytes]:
     indented = layout is Layout.PRETTY
     opening = b'    <frame id="' if indented else b'<frame id="'
-    ids = block.ids
     texts = list(map(attribute_bytes, ids)) if isinstance(ids, list) else [b"%d" % number for number in ids.tolist()]
     heads = [opening + text + b'">' for text in texts]
     if before:
         heads = list(map(operator.add, before, heads))
-    if block.motion_names is not None:
-        named = [_motion_names(tuple(names), indented) for names in block.motion_names]
+    if motion_names is not None:
+        named = [_motion_names(tuple(names), indented) for names in motion_names]
         heads = list(map(operator.add, heads, named))
     return heads
 
@@ -236,7 +264,8 @@ def _template(shape: Shape, names: tuple[str, ...], layout: Layout) -> tuple[lis
 
 
 @lru_cache(maxsize=256)
-def _columns_of(shape: Shape, columns: tuple[tuple[int, int], ...]) -> list[int] | slice:
+def columns_of(shape: Shape, columns: tuple[tuple[int, int], ...]) -> list[int] | slice:
+    """Which columns (joint, channel) hold the numbers of a frame of that shape, in its order."""
     place = {column: index for index, column in enumerate(columns)}
     wanted = [place[joint, channel] for joint, bits in shape for channel in range(len(CHANNELS)) if bits >> channel & 1]
     return slice(None) if wanted == list(range(len(columns))) else wanted

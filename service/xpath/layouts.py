@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,17 +25,21 @@ from service.xpath.numbering import (
 )
 from service.xpath.pairs import expand
 
+Same = TypeVar("Same", tuple[str, ...], Shape)
+
 
 @dataclass(frozen=True, slots=True)
 class Layout:
     """One document. names: of bones by their numbers, "" for those without one. numbers: the other way round.
 
-    lengths: of each shape, how many frame_bones it has. bones, bits: of all shapes one after the other, number of the
-    bone and its channels. runs: (n, 4) first position, first slot, frames, shape; ascending, each frame in one.
+    shapes: as the store has them. lengths: of each, how many frame_bones it has. bones, bits: of all shapes one after
+    the other, number of the bone and its channels. runs: (n, 4) first position, first slot, frames, shape; ascending,
+    each frame in one.
     """
 
     names: tuple[str, ...]
     numbers: dict[str, int]
+    shapes: tuple[Shape, ...]
     lengths: Ints
     bones: Ints
     bits: Ints
@@ -80,8 +86,9 @@ def _layout(
     entries = np.array([pair for shape in shapes.values() for pair in shape], np.int64).reshape(-1, 2)
     last = max([*names, *entries[:, 0].tolist()], default=-1)
     return Layout(
-        tuple(names.get(number, "") for number in range(last + 1)),
+        _same(tuple([names.get(number, "") for number in range(last + 1)])),
         {name: number for number, name in names.items()},
+        tuple(_same(shape) for shape in shapes.values()),
         np.array([len(shape) for shape in shapes.values()], np.int64),
         np.ascontiguousarray(entries[:, 0]),
         np.ascontiguousarray(entries[:, 1]),
@@ -89,10 +96,16 @@ def _layout(
     )
 
 
+@lru_cache(maxsize=4096)
+def _same(found: Same) -> Same:
+    """The equal one that other documents have: what is one object is equal at a glance."""
+    return found
+
+
 class ShapeRuns:
     """The layouts of a batch of documents as one table.
 
-    bones, bits: of all shapes one after the other, those of shape s from offsets[s].
+    numbered_shapes: all of them. bones, bits: of all one after the other, those of shape s from offsets[s].
     """
 
     def __init__(self, layouts: Sequence[Layout]) -> None:
@@ -100,6 +113,7 @@ class ShapeRuns:
         # Shapes are numbered through, document by document.
         shapes = np.array([len(layout.lengths) for layout in layouts], np.int64)
         self._of_document: Ints = np.repeat(np.arange(len(layouts)), shapes)
+        self.numbered_shapes = [shape for layout in layouts for shape in layout.shapes]
         self.offsets: Ints = np.concatenate([[0], np.cumsum(_joined([layout.lengths for layout in layouts]))])
         self.bones = _joined([layout.bones for layout in layouts])
         self.bits = _joined([layout.bits for layout in layouts])
@@ -130,11 +144,6 @@ class ShapeRuns:
             names = np.array(by_bone, np.int64)[(np.cumsum(widths) - widths)[documents] + self.bones]
             self._names = [escape(name) for name in codes], names
         return self._names
-
-    def of_shape(self, number: int) -> Shape:
-        """One of the shapes, as the store has it."""
-        start, stop = self.offsets[number], self.offsets[number + 1]
-        return tuple(zip(self.bones[start:stop].tolist(), self.bits[start:stop].tolist(), strict=True))
 
     def total(self) -> int:
         """How many frame_bones all frames have."""

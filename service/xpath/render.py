@@ -4,22 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from service.errors import LimitError
 from service.mcml.vocabulary import FRAME_BONE, MOTION, MOTION_NAME
-from service.mcml.writer import Layout, attribute_bytes, frame_texts, text_bytes, write_document
-from service.motion.clip import FrameBlock, Shape
+from service.mcml.writer import Layout, attribute_bytes, text_bytes, write_document
+from service.motion.clip import FrameBlock
 from service.motion.skeleton import CHANNELS
-from service.storage.blocks import Block, Stretch, evenly, gathered
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.motion_names import names_of_frames
-from service.storage.tables import CHUNK
-from service.xpath import values
+from service.xpath import frames, values
 from service.xpath.forest import Forest
 from service.xpath.head_rows import HeadRows
 from service.xpath.node_tests import kinds_and_names
@@ -38,7 +34,6 @@ from service.xpath.numbering import (
     in_frames,
     slots_of,
 )
-from service.xpath.tracks import BlockKey, read_blocks
 
 BLOCK_FRAMES = 1024
 """Frames written together."""
@@ -69,15 +64,10 @@ def node_values(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
 
 
 def _frames(forest: Forest, nodes: Ints) -> list[str]:
-    result: list[str] = []
+    texts: list[bytes] = []
     for start in range(0, len(nodes), BLOCK_FRAMES):
-        some = nodes[start : start + BLOCK_FRAMES]
-        texts = [""] * len(some)
-        for names, index, block in read_frames(forest, some):
-            for place, text in zip(index.tolist(), frame_texts(block, names), strict=True):
-                texts[place] = (text[: -len(_EMPTY)] + b'"/>' if text.endswith(_EMPTY) else text).decode()
-        result += texts
-    return result
+        texts += frames.each(forest, nodes[start : start + BLOCK_FRAMES])
+    return [(text[: -len(_EMPTY)] + b'"/>' if text.endswith(_EMPTY) else text).decode() for text in texts]
 
 
 def runs_of(nodes: Ints) -> Iterator[tuple[int, int, int]]:
@@ -96,80 +86,6 @@ def frames_with_content(forest: Forest, nodes: Ints) -> bool:
     if (slots_of(nodes) != 0).any() or not in_frames(nodes).all():
         return False
     return bool((forest.shapes.sizes(nodes) + forest.labels.sizes(nodes) > 0).all())
-
-
-def read_frames(forest: Forest, nodes: Ints) -> Iterator[tuple[Sequence[str], Ints, FrameBlock]]:
-    """The frames that ascending nodes are, which need not follow each other, as blocks.
-
-    Yields (names of bones by their numbers, which of the nodes, block). The frames of all documents that have the same
-    bones are in one block: nothing is done for each document that can be done for all.
-    """
-    slots = forest.shapes.slot_of(nodes)
-    shapes, shape_of = _distinct(forest, nodes)
-    ids, others = forest.ids.numbers(nodes)
-    labels = forest.labels.of_frames(nodes)
-    documents = documents_of(nodes)
-    units, unit_of = np.unique((documents << 32) | (slots // CHUNK), return_inverse=True)
-    blocks = _blocks(forest, units)
-    for names, some in _alike(forest, documents):
-        values, columns = gathered(list(_stretches(blocks, unit_of[some], slots[some] % CHUNK)), len(some))
-        own_shapes = shape_of[some]
-        one_shape = bool((own_shapes == own_shapes[0]).all())
-        own_ids = ids[some]
-        texts = None
-        if others:
-            numbered = zip(some.tolist(), own_ids.tolist(), strict=True)
-            texts = [others.get(index, str(number)) for index, number in numbered]
-        block = FrameBlock(
-            values,
-            columns,
-            (shapes[own_shapes[0]],) if one_shape else shapes,
-            own_ids if texts is None else texts,
-            None if one_shape else own_shapes,
-            None if labels is None else [labels[index] for index in some.tolist()],
-        )
-        yield names, some, block
-
-
-def _alike(forest: Forest, documents: Ints) -> Iterator[tuple[Sequence[str], Ints]]:
-    """(names of bones, index into documents) of those that have the same bones. documents: of each frame."""
-    places, place_of = np.unique(documents, return_inverse=True)
-    codes: dict[tuple[str, ...], int] = {}
-    code_of = [codes.setdefault(forest.layouts[place].names, len(codes)) for place in places.tolist()]
-    own = np.array(code_of, np.int64)[place_of.reshape(-1)]
-    for names, code in codes.items():
-        yield names, np.flatnonzero(own == code)
-
-
-def _distinct(forest: Forest, nodes: Ints) -> tuple[tuple[Shape, ...], NDArray[np.intp]]:
-    """The different shapes of frames, and which of them each has."""
-    numbers, place = np.unique(forest.shapes.shape_of(nodes), return_inverse=True)
-    held: dict[Shape, int] = {}
-    # Those of different documents may be equal.
-    renumbered = [held.setdefault(forest.shapes.of_shape(number), len(held)) for number in numbers.tolist()]
-    return tuple(held), np.array(renumbered, np.intp)[place.reshape(-1)]
-
-
-def _blocks(forest: Forest, units: Ints) -> list[Block]:
-    """All tracks over each chunk (place << 32 | chunk, ascending), side by side."""
-    keys = []
-    for place, chunk in zip((units >> 32).tolist(), (units & 0xFFFFFFFF).tolist(), strict=True):
-        keys.append((forest.documents[place].key, forest.documents[place].revision, chunk))
-
-    def missing(some: list[BlockKey]) -> dict[BlockKey, Block]:
-        blocks = read_blocks(forest.tx, [(key, chunk) for key, _, chunk in some])
-        return {key: blocks[key[0], key[2]] for key in some}
-
-    return forest.shared.blocks.get(keys, missing)
-
-
-def _stretches(blocks: Sequence[Block], unit_of: Ints, offsets: Ints) -> Iterator[Stretch]:
-    """Frames by the chunk they lie in. unit_of: which of the blocks that is; offsets: where in it."""
-    order = np.argsort(unit_of, kind="stable")
-    edges = [0, *(np.flatnonzero(np.diff(unit_of[order])) + 1).tolist(), len(order)]
-    for start, stop in pairwise(edges):
-        places = order[start:stop]
-        yield Stretch(blocks[unit_of[places[0]]], evenly(offsets[places]), evenly(places))
 
 
 def bone_names(tx: Transaction, stored: Listed) -> list[str]:

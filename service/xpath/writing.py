@@ -10,16 +10,19 @@ import numpy as np
 import orjson
 
 from schemas.queries import NodeItem
-from service.mcml.writer import Layout, frame_texts, text_bytes, write_frames
+from service.mcml.writer import Layout, text_bytes, write_frames
 from service.storage.columns import Listed
+from service.xpath import frames
 from service.xpath.describe import describe_nodes
 from service.xpath.forest import Forest
 from service.xpath.nodes import Node
 from service.xpath.numbering import MOTION, Ints, documents_of, frames_of, slots_of
-from service.xpath.render import check_size, document_xml, frames_with_content, node_values, read_frames
+from service.xpath.render import check_size, document_xml, frames_with_content, node_values
 from service.xpath.streams import Answer, Shown, holds_frames
 
 _CLOSING = b"</result>\n"
+MANY_FRAMES = 16
+"""Of so many frames a document, they are written together."""
 _AS_XML = frozenset({"element", "document"})
 """Kinds of nodes whose value is XML."""
 
@@ -76,20 +79,20 @@ def _opening(stored: Listed) -> str:
 
 def _frames(forest: Forest, nodes: Ints) -> Iterator[bytes]:
     """Frames, written with their `result` at once."""
-    openings: dict[int, bytes] = {}
-    for place in np.unique(documents_of(nodes)).tolist():
-        openings[place] = (_opening(forest.documents[place]) + '/mcml/motion/frame[%d]">').encode()
-    texts: list[bytes] = [b""] * len(nodes)
-    for names, index, block in read_frames(forest, nodes):
-        some = nodes[index]
-        placed = zip(documents_of(some).tolist(), frames_of(some).tolist(), strict=True)
+    documents = documents_of(nodes)
+    openings = {
+        place: (_opening(forest.documents[place]) + '/mcml/motion/frame[%d]">').encode()
+        for place in np.unique(documents).tolist()
+    }
+    if len(nodes) < MANY_FRAMES * len(openings):
+        placed = zip(documents.tolist(), frames_of(nodes).tolist(), strict=True)
         before = [openings[place] % position for place, position in placed]
-        if len(some) == len(nodes):
-            yield from write_frames(block, names, layout=Layout.COMPACT, before=before, after=_CLOSING)
-            return
-        for place, text in zip(index.tolist(), frame_texts(block, names, before, _CLOSING), strict=True):
-            texts[place] = text
-    yield b"".join(texts)
+        yield b"".join(frames.each(forest, nodes, before, _CLOSING))
+        return
+    for place, some, block in frames.by_document(forest, nodes):
+        before = [openings[place] % position for position in frames_of(some).tolist()]
+        names = forest.layouts[place].names
+        yield from write_frames(block, names, layout=Layout.COMPACT, before=before, after=_CLOSING)
 
 
 def _document(forest: Forest, nodes: Ints, max_elements: int) -> Iterator[bytes]:
