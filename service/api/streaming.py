@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Generator, Iterator
 from contextlib import ExitStack
 from itertools import chain
 from typing import TypeAlias
@@ -40,11 +40,11 @@ def streamed(
         first = next(content, b"")
         held = stack.pop_all()
 
-    def blocks() -> Iterator[Bytes]:
+    def blocks() -> Generator[Bytes]:
         with held:
             yield from pieces(chain((first,), content))
 
-    return StreamingResponse(_ahead(blocks()), media_type=media_type, headers=headers)
+    return StreamingResponse(ahead(blocks()), media_type=media_type, headers=headers)
 
 
 def begun(content: Iterator[bytes], media_type: str, headers: dict[str, str]) -> Response:
@@ -53,10 +53,10 @@ def begun(content: Iterator[bytes], media_type: str, headers: dict[str, str]) ->
     first = next(joined, b"")
     if len(first) < PIECE:
         return Response(first, media_type=media_type, headers=headers)
-    return StreamingResponse(_ahead(chain((first,), joined)), media_type=media_type, headers=headers)
+    return StreamingResponse(ahead(joined, first), media_type=media_type, headers=headers)
 
 
-def pieces(content: Iterator[Bytes]) -> Iterator[Bytes]:
+def pieces(content: Iterator[Bytes]) -> Generator[Bytes]:
     """The same bytes in pieces that are worth being sent."""
     waiting: list[Bytes] = []
     size = 0
@@ -66,19 +66,30 @@ def pieces(content: Iterator[Bytes]) -> Iterator[Bytes]:
         if size >= PIECE:
             yield waiting[0] if len(waiting) == 1 else b"".join(waiting)
             waiting, size = [], 0
-    if waiting:
+    if size:
         yield b"".join(waiting)
 
 
-async def _ahead(content: Iterator[Bytes]) -> AsyncIterator[Bytes]:
-    """Each piece of a content; while it is sent, a thread makes the next."""
+async def ahead(content: Generator[Bytes], first: Bytes = b"") -> AsyncIterator[Bytes]:
+    """`first`, then each piece of a content, of which none is empty; while one is sent, a thread makes the next.
+
+    Whoever reads no more closes this, and so the content, as soon as no thread is in it.
+    """
+
+    def end(made: asyncio.Future[Bytes]) -> None:
+        # Nobody else asks for its error any more.
+        if made.cancelled() or made.exception() is None:
+            content.close()
+
     making = asyncio.ensure_future(run_in_threadpool(next, content, b""))
     try:
+        if first:
+            yield first
         while piece := await making:
             making = asyncio.ensure_future(run_in_threadpool(next, content, b""))
             yield piece
     finally:
-        making.cancel()
+        making.add_done_callback(end)
 
 
 async def read_body(request: Request, most: int) -> bytes:

@@ -21,7 +21,7 @@ from service.xpath.render import check_size, document_xml, frames_with_content, 
 from service.xpath.streams import Answer, Shown, holds_frames
 
 _CLOSING = b"</result>\n"
-MANY_FRAMES = 16
+MANY_FRAMES = 64
 """Of so many frames a document, they are written together."""
 _AS_XML = frozenset({"element", "document"})
 """Kinds of nodes whose value is XML."""
