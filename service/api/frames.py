@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import zlib
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
@@ -132,9 +133,10 @@ def _array(
 
         walker = Walker(skeleton, reading_of(source.clip.head))
 
+        header = io.BytesIO()
+        np.lib.format.write_array_header_1_0(header, {"descr": f"<{dtype}", "fortran_order": False, "shape": shape})
+
         def content() -> Iterator[Bytes]:
-            header = io.BytesIO()
-            np.lib.format.write_array_header_1_0(header, {"descr": f"<{dtype}", "fortran_order": False, "shape": shape})
             yield header.getvalue()
             for block in source.clip.blocks():
                 if space == "channels":
@@ -148,6 +150,7 @@ def _array(
 
         headers = {
             "etag": tag,
+            "content-length": str(len(header.getvalue()) + math.prod(shape) * np.dtype(dtype).itemsize),
             "x-mcml-columns": ",".join(labels).encode("utf-8").decode("latin-1"),
             "content-disposition": attachment(f"{stored.name}.npy"),
         }

@@ -47,6 +47,8 @@ class SQLite(Dialect):
             poolclass=QueuePool,
             pool_size=16,
             max_overflow=48,
+            # The one used last has its pages and statements at hand.
+            pool_use_lifo=True,
             connect_args={"timeout": BUSY_SECONDS, "check_same_thread": False},
         )
 
