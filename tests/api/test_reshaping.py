@@ -24,7 +24,8 @@ def uuid(client: TestClient) -> str:
 
 
 def values(client: TestClient, uuid: str, **more: str) -> np.ndarray:
-    answer = client.get(f"{API}/documents/{uuid}/frames", params={"format": "npy", **more})
+    plain = {"accept-encoding": "identity"}
+    answer = client.get(f"{API}/documents/{uuid}/frames", params={"format": "npy", **more}, headers=plain)
     assert answer.headers["content-length"] == str(len(answer.content))
     return np.load(io.BytesIO(answer.content))
 
