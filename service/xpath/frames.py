@@ -28,7 +28,7 @@ def each(forest: Forest, nodes: Ints, before: Sequence[bytes] = (), after: bytes
     kinds: dict[tuple[int, int], int] = {}
     held: list[tuple[Shape, Sequence[str]]] = []
     kind_of: list[int] = []
-    orders: dict[tuple[int, int], list[int] | slice] = {}
+    orders: dict[tuple[int, int], list[int] | slice | None] = {}
     values: list[Array] = []
     numbered = zip(
         documents_of(nodes).tolist(), shapes.tolist(), block_of.tolist(), (slots % CHUNK).tolist(), strict=True
@@ -40,10 +40,12 @@ def each(forest: Forest, nodes: Ints, before: Sequence[bytes] = (), after: bytes
         if kind == len(held):
             held.append((shape, names))
         kind_of.append(kind)
-        if (kind, id(block.columns)) not in orders:
-            orders[kind, id(block.columns)] = columns_of(shape, block.columns)
-        if shape:
-            values.append(block.values[:, offset][orders[kind, id(block.columns)]])
+        layout = kind, id(block.columns)
+        if layout not in orders:
+            orders[layout] = columns_of(shape, block.columns) if any(bits for _, bits in shape) else None
+        order = orders[layout]
+        if order is not None:
+            values.append(block.values[:, offset][order])
     ids, others = forest.ids.numbers(nodes)
     texts = [others.get(index, str(number)) for index, number in enumerate(ids.tolist())] if others else ids
     labels = forest.labels.of_frames(nodes)

@@ -77,6 +77,21 @@ def test_streams_hold_what_pages_hold(library: TestClient, text: str) -> None:
     ]
 
 
+def test_frames_without_samples_are_shown(client: TestClient) -> None:
+    frames = b"".join(b'<frame id="%d"><frame_bone name="Root"/></frame>' % number for number in range(1, 300))
+    start, end = MCML.index(b"<motion>"), MCML.index(b"</motion>")
+    motion = b"<motion><frames>299</frames><frametime>0.1</frametime>" + frames
+    upload(client, {"still.mcml": MCML[:start] + motion + MCML[end:]})
+    for text, count in (("//frame", 299), ("//frame[position() > 290]", 9)):
+        wanted = pages(client, text)
+        assert [item["value"] for item in wanted[:1]] == [
+            f'<frame id="{300 - count}"><frame_bone name="Root"/></frame>'
+        ]
+        results = etree.fromstring(client.get(f"{API}/xpath", params={"q": text, "as": "xml"}).content)
+        assert [content(found) for found in results] == [canonical(item) for item in wanted]
+        assert len(wanted) == count
+
+
 def test_a_stream_stops_at_its_limit(library: TestClient) -> None:
     parameters = {"q": "//frame_bone", "as": "ndjson", "limit": 7}
     assert len(library.get(f"{API}/xpath", params=parameters).text.splitlines()) == 7
