@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from service.actions.check_names import check_frame_time, check_head
 from service.actions.edit_frames import delete_frame, frame_at, rename_frame, rewrite_frame_bone
@@ -197,14 +198,14 @@ def _change_motion_leaf(tx: Transaction, stored: StoredDocument, tag: str, chang
     _write_content(tx, stored, frame_time=(change.text or "").strip())
 
 
-def _write_content(tx: Transaction, stored: StoredDocument, **changed: object) -> None:
-    values: dict[str, object] = {
+def _write_content(tx: Transaction, stored: StoredDocument, **changed: Any) -> None:
+    values: dict[str, Any] = {
         "skeleton": stored.skeleton,
         "version": stored.version,
         "frames": stored.frames,
         "frame_time": stored.frame_time,
     }
-    tx.documents.write_content(stored.key, tx.commit, intact=False, **(values | changed))  # type: ignore[arg-type]
+    tx.documents.write_content(stored.key, tx.commit, intact=False, **(values | changed))
 
 
 def _edit_head(tx: Transaction, stored: StoredDocument, address: str, change: Change | None) -> None:

@@ -9,6 +9,7 @@ import zstandard
 from sqlalchemy import func, select
 
 from service.errors import McmlError
+from service.storage.moments import imported
 from service.storage.tables import CURRENT, content, document, document_upload, timeline, upload, upload_block
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 def faults(tx: Transaction) -> list[str]:
     """One sentence a fault. Reads every current track and every kept upload once."""
     found: list[str] = []
-    query = select(document.c.id, document.c.uuid, document.c.name).where(tx.documents.visible())
+    query = select(document.c.id, document.c.uuid, document.c.name).where(imported(tx.at))
     for key, uuid, name in tx.connection.execute(query).all():
         try:
             found += [f"{name} ({uuid}): {fault}" for fault in _document_faults(tx, key)]

@@ -8,20 +8,20 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import orjson
-from sqlalchemy import BigInteger, ColumnElement, Select, and_, bindparam, func, select
+from sqlalchemy import Select, and_, bindparam, select
 
 from service.motion.skeleton import CHANNELS
 from service.storage.encoding import unpack_shape
 from service.storage.lists import OneOf
+from service.storage.moments import valid
 from service.storage.rows import to_elements
+from service.storage.selected import listed_documents
 from service.storage.tables import (
     CURRENT,
     bone,
-    content,
     document,
     frame_run,
     header,
-    revision,
     shape,
     shape_run,
     skeleton_element,
@@ -56,29 +56,22 @@ class Listed:
     project: int
 
 
-_AT = bindparam("at", type_=BigInteger)
-
-
-def _valid(table: Any) -> ColumnElement[bool]:
-    return and_(table.c.from_commit <= _AT, table.c.to_commit > _AT)
-
-
 # Made once: to make a statement takes longer than to run a short one.
 _TIMELINES = (
     select(timeline.c.document, timeline.c.first, timeline.c.slot, timeline.c.count)
-    .where(OneOf(timeline.c.document, "keys"), _valid(timeline))
+    .where(OneOf(timeline.c.document, "keys"), valid(timeline))
     .order_by(timeline.c.document, timeline.c.first)
 )
 _SHAPE_RUNS = (
     select(shape_run.c.document, shape_run.c.slot, shape_run.c.count, shape_run.c.shape)
-    .where(OneOf(shape_run.c.document, "keys"), _valid(shape_run))
+    .where(OneOf(shape_run.c.document, "keys"), valid(shape_run))
     .order_by(shape_run.c.document, shape_run.c.slot)
 )
 _SHAPES = select(shape.c.document, shape.c.shape, shape.c.bones).where(OneOf(shape.c.document, "keys"))
-_BONE_NAMES = select(bone.c.document, bone.c.bone, bone.c.name).where(OneOf(bone.c.document, "keys"), _valid(bone))
+_BONE_NAMES = select(bone.c.document, bone.c.bone, bone.c.name).where(OneOf(bone.c.document, "keys"), valid(bone))
 _SPANS = (
     select(span.c.document, span.c.first, span.c.last, span.c.name)
-    .where(OneOf(span.c.document, "keys"), _valid(span))
+    .where(OneOf(span.c.document, "keys"), valid(span))
     .order_by(span.c.document, span.c.rank, span.c.id)
 )
 _FRAME_RUNS = (
@@ -90,13 +83,13 @@ _FRAME_RUNS = (
         frame_run.c.step,
         frame_run.c.texts,
     )
-    .where(OneOf(frame_run.c.document, "keys"), _valid(frame_run))
+    .where(OneOf(frame_run.c.document, "keys"), valid(frame_run))
     .order_by(frame_run.c.document, frame_run.c.first)
 )
 _TRACK_KEY = (track.c.document, track.c.chunk, track.c.bone, track.c.from_commit)
 _IN_CHUNKS = and_(track.c.chunk >= bindparam("low"), track.c.chunk <= bindparam("high"))
 _OF_BONES = OneOf(track.c.bone, "bones")
-_TRACKS = select(*_TRACK_KEY, track.c.channels).where(OneOf(track.c.document, "keys"), _valid(track), _IN_CHUNKS)
+_TRACKS = select(*_TRACK_KEY, track.c.channels).where(OneOf(track.c.document, "keys"), valid(track), _IN_CHUNKS)
 _TRACKS_OF_BONES = _TRACKS.where(_OF_BONES)
 _ZONES = select(
     *_TRACK_KEY,
@@ -104,11 +97,11 @@ _ZONES = select(
     track.c.has_missing,
     track.c.count,
     *(track.c[f"{end}_{channel}"] for channel in CHANNELS for end in ("min", "max")),
-).where(OneOf(track.c.document, "keys"), _valid(track))
+).where(OneOf(track.c.document, "keys"), valid(track))
 _ZONES_OF_BONES = _ZONES.where(_OF_BONES)
 _HEADERS = (
     select(header.c.document, header.c.level, header.c.tag, header.c.attributes, header.c.text)
-    .where(OneOf(header.c.document, "keys"), _valid(header))
+    .where(OneOf(header.c.document, "keys"), valid(header))
     .order_by(header.c.document, header.c.pre)
 )
 _SKELETONS = (
@@ -124,27 +117,7 @@ _SKELETONS = (
 )
 
 
-def _documents(*, past: bool) -> Select[Any]:
-    newest = (
-        select(func.max(revision.c.number))
-        .where(revision.c.document == document.c.id, revision.c.commit <= _AT)
-        .scalar_subquery()
-    )
-    # Of the past only the revision of that time knows name and project.
-    held: Any = revision.alias() if past else document
-    source: Any = document
-    if past:
-        source = document.join(held, and_(held.c.document == document.c.id, held.c.number == newest))
-    about = (document.c.id, document.c.uuid, held.c.name, content.c.version, content.c.skeleton)
-    return (
-        select(*about, content.c.frames, content.c.frame_time, newest, held.c.project)
-        .select_from(source)
-        .join(content, and_(content.c.document == document.c.id, _valid(content)))
-        .where(document.c.state == "ready", document.c.created_commit <= _AT, document.c.deleted_commit > _AT)
-    )
-
-
-_DOCUMENTS = {past: _documents(past=past) for past in (False, True)}
+_DOCUMENTS = {past: listed_documents(past=past) for past in (False, True)}
 _DOCUMENTS_OF_KEYS = {past: query.where(OneOf(document.c.id, "keys")) for past, query in _DOCUMENTS.items()}
 
 

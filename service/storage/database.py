@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from functools import cached_property
 from typing import Any
 
-from sqlalchemy import ClauseElement, Connection, CursorResult, Table, and_, func, inspect, make_url, select, text
+from sqlalchemy import ClauseElement, Connection, CursorResult, Table, func, inspect, make_url, select, text
 from sqlalchemy.exc import ArgumentError, DBAPIError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.sql import ColumnElement
@@ -31,6 +31,7 @@ from service.storage.heads import Heads
 from service.storage.identifiers import now
 from service.storage.jobs import Jobs
 from service.storage.mappings import Mappings
+from service.storage.moments import valid
 from service.storage.projects import Projects, Tokens
 from service.storage.results import Results
 from service.storage.spans import Spans
@@ -80,7 +81,7 @@ class Transaction:
 
     def valid(self, table: Table) -> ColumnElement[bool]:
         """The condition that a row of a table with `from_commit` and `to_commit` is valid at `self.at`."""
-        return and_(table.c.from_commit <= self.at, table.c.to_commit > self.at)
+        return valid(table, self.at)
 
     def at_commit(self, commit: int) -> Transaction:
         """The same transaction, reading the state of an earlier commit."""

@@ -13,6 +13,7 @@ from sqlalchemy import Select, and_, bindparam, delete, func, insert, select, up
 from service.errors import NotFoundError
 from service.storage import tables
 from service.storage.identifiers import new_uuid, stored_form
+from service.storage.moments import imported
 from service.storage.selected import all_documents, one_document
 from service.storage.tables import CURRENT, commit, content, document, project, property_, revision, span
 from service.storage.uploads import LEASE_SECONDS
@@ -212,10 +213,6 @@ class Documents:
         """Whether a state before the newest is read."""
         return self._tx.at < CURRENT - 1
 
-    def visible(self) -> Any:
-        """The condition that a document's import was complete at the transaction's commit."""
-        return and_(document.c.state == "ready", document.c.created_commit <= self._tx.at)
-
     def page(
         self, wanted: DocumentFilter, *, after: tuple[str, int] | None, limit: int, newest_first: bool = False
     ) -> list[StoredDocument]:
@@ -234,7 +231,7 @@ class Documents:
 
     def count(self, wanted: DocumentFilter) -> int:
         query = _filtered(select(func.count()).select_from(document).join(project), wanted, self._tx)
-        query = query.where(self.visible())
+        query = query.where(imported(self._tx.at))
         if wanted.skeleton is not None:
             query = query.join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
         return int(self._tx.connection.execute(query).scalar_one())

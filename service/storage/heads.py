@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import BigInteger, and_, bindparam, delete, func, insert, or_, select, update
 
 from service.mcml.elements import Element
+from service.storage.moments import of_document
 from service.storage.rows import ELEMENT_COLUMNS, SkeletonRows, to_elements, to_rows
 from service.storage.tables import CURRENT, bone, content, document, header, property_, skeleton, skeleton_element
 
@@ -16,12 +17,10 @@ if TYPE_CHECKING:
     from service.storage.database import Transaction
     from service.storage.documents import StoredDocument
 
-_AT, _DOCUMENT = bindparam("at", type_=BigInteger), bindparam("document", type_=BigInteger)
-
 # Made once: to make a statement takes longer than to run a short one.
 _HEADER = (
     select(header.c.level, header.c.tag, header.c.attributes, header.c.text)
-    .where(header.c.document == _DOCUMENT, header.c.from_commit <= _AT, header.c.to_commit > _AT)
+    .where(of_document(header))
     .order_by(header.c.pre)
 )
 _SKELETON = (
@@ -29,11 +28,7 @@ _SKELETON = (
     .where(skeleton_element.c.skeleton == bindparam("skeleton", type_=BigInteger))
     .order_by(skeleton_element.c.pre)
 )
-_BONE_NAMES = (
-    select(bone.c.bone, bone.c.name)
-    .where(bone.c.document == _DOCUMENT, bone.c.from_commit <= _AT, bone.c.to_commit > _AT)
-    .order_by(bone.c.bone)
-)
+_BONE_NAMES = select(bone.c.bone, bone.c.name).where(of_document(bone)).order_by(bone.c.bone)
 _EQUAL_SKELETON = select(skeleton.c.id).where(
     skeleton.c.project == bindparam("project"), skeleton.c.hash == bindparam("hash")
 )

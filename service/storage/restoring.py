@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import and_, insert, literal, select, update
 
+from service.storage.moments import valid
 from service.storage.tables import (
     CURRENT,
     bone,
@@ -33,13 +34,12 @@ def reopen_rows(tx: Transaction, stored: StoredDocument, at: int) -> None:
     now = tx.commit
     for table in REVISIONED:
         of_document = table.c.document == stored.key
-        valid_then = and_(table.c.from_commit <= at, table.c.to_commit > at)
         current = table.c.to_commit == CURRENT
         names = [column.name for column in table.columns if column.name not in ("from_commit", "to_commit", "id")]
         # Rows that were closed since are copied first, so that closing the present ones cannot catch the copies.
         copies = select(
             *(table.c[name] for name in names), literal(now).label("from_commit"), literal(-1).label("to_commit")
-        ).where(of_document, valid_then, table.c.to_commit != CURRENT)
+        ).where(of_document, valid(table, at), table.c.to_commit != CURRENT)
         tx.connection.execute(insert(table).from_select([*names, "from_commit", "to_commit"], copies))
         later = and_(of_document, current, table.c.from_commit > at)
         tx.connection.execute(update(table).where(later).values(to_commit=now))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import BigInteger, bindparam, func, select, update
 
+from service.storage.moments import DOCUMENT, of_document, there, valid
 from service.storage.tables import CURRENT, document, project, span
 
 if TYPE_CHECKING:
@@ -28,23 +29,19 @@ class StoredSpan:
     key: int = 0
 
 
-_AT = bindparam("at", type_=BigInteger)
 _VISIBLE = (
     select(span.c.document, span.c.first, span.c.last)
     .join(document, document.c.id == span.c.document)
-    .where(span.c.from_commit <= _AT, span.c.to_commit > _AT)
-    .where(document.c.state == "ready", document.c.created_commit <= _AT, document.c.deleted_commit > _AT)
+    .where(valid(span), there())
     .order_by(span.c.document, span.c.first)
 )
 _NAMED = _VISIBLE.where(span.c.name.in_(bindparam("names", expanding=True)))
 _NAMED_IN = _NAMED.where(span.c.document.in_(bindparam("documents", expanding=True)))
 _OF_ONE_NAME = _VISIBLE.where(span.c.name == bindparam("name"))
-_OF_ONE_NAME_IN_ONE = _OF_ONE_NAME.where(span.c.document == bindparam("document", type_=BigInteger))
+_OF_ONE_NAME_IN_ONE = _OF_ONE_NAME.where(span.c.document == DOCUMENT)
 _TOUCHING = (
     select(span.c.first, span.c.last, span.c.rank, span.c.name, span.c.id)
-    .where(
-        span.c.document == bindparam("document", type_=BigInteger), span.c.from_commit <= _AT, span.c.to_commit > _AT
-    )
+    .where(of_document(span))
     .where(span.c.last >= bindparam("first", type_=BigInteger), span.c.first <= bindparam("last", type_=BigInteger))
     .order_by(span.c.first, span.c.rank, span.c.id)
 )
@@ -121,7 +118,7 @@ class Spans:
                 func.sum(span.c.last - span.c.first + 1),
             )
             .join(document, document.c.id == span.c.document)
-            .where(self._tx.valid(span), self._tx.documents.visible(), document.c.deleted_commit > self._tx.at)
+            .where(valid(span, self._tx.at), there(self._tx.at))
             .group_by(span.c.name)
             .order_by(span.c.name)
         )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import BigInteger, ColumnElement, Select, and_, bindparam, delete, func, insert, select, update
+from sqlalchemy import BigInteger, Select, and_, bindparam, delete, func, insert, select, update
 
 from service.errors import NotFoundError, StoreError
 from service.motion.clip import FrameBlock, Shape
@@ -28,6 +28,7 @@ from service.storage.encoding import (
     unpack_shape,
 )
 from service.storage.lists import OneOf
+from service.storage.moments import of_document
 from service.storage.runs import intersection
 from service.storage.tables import CHUNK, CURRENT, frame_run, shape, shape_run, timeline, track
 
@@ -50,33 +51,25 @@ class Piece:
 _TRACK_ROW = ("document", "from_commit", "to_commit", *TRACK_COLUMNS)
 _FIRST, _LAST = bindparam("first", type_=BigInteger), bindparam("last", type_=BigInteger)
 
-
-def _of_document(table: Any) -> ColumnElement[bool]:
-    at = bindparam("at", type_=BigInteger)
-    return and_(
-        table.c.document == bindparam("document", type_=BigInteger), table.c.from_commit <= at, table.c.to_commit > at
-    )
-
-
 # Made once: to make a statement takes longer than to run a short one. Each gives what touches first to last.
 _PIECES = (
     select(timeline.c.first, timeline.c.slot, timeline.c.count)
-    .where(_of_document(timeline), timeline.c.first <= _LAST, timeline.c.first + timeline.c.count > _FIRST)
+    .where(of_document(timeline), timeline.c.first <= _LAST, timeline.c.first + timeline.c.count > _FIRST)
     .order_by(timeline.c.first)
 )
 _SHAPE_RUNS = (
     select(shape_run.c.slot, shape_run.c.count, shape.c.bones)
     .join(shape, and_(shape.c.document == shape_run.c.document, shape.c.shape == shape_run.c.shape))
-    .where(_of_document(shape_run), shape_run.c.slot <= _LAST, shape_run.c.slot + shape_run.c.count > _FIRST)
+    .where(of_document(shape_run), shape_run.c.slot <= _LAST, shape_run.c.slot + shape_run.c.count > _FIRST)
     .order_by(shape_run.c.slot)
 )
 _FRAME_RUNS = (
     select(frame_run.c.first, frame_run.c.count, frame_run.c.first_id, frame_run.c.step, frame_run.c.texts)
-    .where(_of_document(frame_run), frame_run.c.first <= _LAST, frame_run.c.first + frame_run.c.count > _FIRST)
+    .where(of_document(frame_run), frame_run.c.first <= _LAST, frame_run.c.first + frame_run.c.count > _FIRST)
     .order_by(frame_run.c.first)
 )
 _TRACKS = select(track.c.chunk, track.c.bone, track.c.channels, track.c.count, track.c.codec, track.c.data).where(
-    _of_document(track), track.c.chunk >= _FIRST, track.c.chunk <= _LAST
+    of_document(track), track.c.chunk >= _FIRST, track.c.chunk <= _LAST
 )
 _TRACKS_OF_BONES = _TRACKS.where(OneOf(track.c.bone, "bones"))
 

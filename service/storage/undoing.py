@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import and_, insert, literal, select, update
 
 from service.errors import ConflictError
+from service.storage.moments import valid
 from service.storage.restoring import REVISIONED
 from service.storage.tables import CLOSED_TRACK, CURRENT, content, frame_run, header, span, timeline, track
 
@@ -110,7 +111,7 @@ def _key(row: Row, names: list[str]) -> tuple[Any, ...]:
 
 
 def _at(tx: Transaction, table: Table, stored: StoredDocument, commit: int) -> list[Row]:
-    return _rows(tx, table, stored, table.c.from_commit <= commit, table.c.to_commit > commit)
+    return _rows(tx, table, stored, valid(table, commit))
 
 
 def _order(tx: Transaction, stored: StoredDocument, commit: int) -> list[tuple[Any, ...]]:

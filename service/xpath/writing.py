@@ -21,7 +21,7 @@ from service.xpath.render import check_size, document_xml, frames_with_content, 
 from service.xpath.streams import Answer, Shown, holds_frames
 
 _CLOSING = b"</result>\n"
-MANY_FRAMES = 64
+DENSE = 64
 """Of so many frames a document, they are written together."""
 _AS_XML = frozenset({"element", "document"})
 """Kinds of nodes whose value is XML."""
@@ -84,7 +84,7 @@ def _frames(forest: Forest, nodes: Ints) -> Iterator[bytes]:
         place: (_opening(forest.documents[place]) + '/mcml/motion/frame[%d]">').encode()
         for place in np.unique(documents).tolist()
     }
-    if len(nodes) < MANY_FRAMES * len(openings):
+    if len(nodes) < DENSE * len(openings):
         placed = zip(documents.tolist(), frames_of(nodes).tolist(), strict=True)
         before = [openings[place] % position for place, position in placed]
         yield b"".join(frames.each(forest, nodes, before, _CLOSING))
