@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from typing import Any, ClassVar, cast
 
 from sqlalchemy import ClauseElement, Connection, CursorResult, Engine, Table, TextClause
 from sqlalchemy.sql.compiler import SQLCompiler
+
+
+@dataclass(frozen=True, slots=True)
+class _Text:
+    """A statement in SQL. values: those that it brings itself. places: the names of all in order, where that counts."""
+
+    text: str
+    values: dict[str, Any]
+    places: Sequence[str] | None
 
 
 class Dialect(ABC):
@@ -27,7 +38,7 @@ class Dialect(ABC):
 
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
-        self._texts: dict[ClauseElement, SQLCompiler] = {}
+        self._texts: dict[ClauseElement, _Text] = {}
 
     def run(self, connection: Connection, statement: ClauseElement, values: dict[str, Any]) -> CursorResult[Any]:
         """Execute a statement that was made once: its text is made once too. Lists are for `OneOf`.
@@ -44,14 +55,14 @@ class Dialect(ABC):
 
     def _given(self, statement: ClauseElement, values: dict[str, Any]) -> tuple[str, Any]:
         """The text of a statement, and the values as the driver takes them."""
-        compiled = self._texts.get(statement)
-        if compiled is None:
-            compiled = self._texts[statement] = cast(SQLCompiler, statement.compile(dialect=self.engine.dialect))
-        given = compiled.params | {
+        made = self._texts.get(statement)
+        if made is None:
+            compiled = cast(SQLCompiler, statement.compile(dialect=self.engine.dialect))
+            made = self._texts[statement] = _Text(compiled.string, compiled.params, compiled.positiontup)
+        given = made.values | {
             name: self.as_list(value) if isinstance(value, list) else value for name, value in values.items()
         }
-        names = compiled.positiontup
-        return compiled.string, given if names is None else tuple([given[name] for name in names])
+        return made.text, given if made.places is None else tuple([given[name] for name in made.places])
 
     @abstractmethod
     def as_list(self, values: list[int]) -> Any:
