@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -106,12 +106,10 @@ def labelled_blocks(
         position = end + 1
 
 
-def document_xml(tx: Transaction, stored: Listed) -> Iterator[bytes]:
-    """The whole document without white space between elements."""
-    document = tx.heads.document(stored)
-    blocks = labelled_blocks(tx, stored, 1, stored.frames)
-    names = bone_names(tx, stored)
-    return write_document(document, stored.frames, stored.frame_time, blocks, names, layout=Layout.COMPACT)
+def document_xml(tx: Transaction, stored: Listed, blocks: Iterable[FrameBlock]) -> Iterator[bytes]:
+    """The whole document without white space between elements. blocks: its frames, which may be read later."""
+    head, names = tx.heads.document(stored), bone_names(tx, stored)
+    return write_document(head, stored.frames, stored.frame_time, blocks, names, layout=Layout.COMPACT)
 
 
 def _motion_names(forest: Forest, nodes: Ints) -> list[str]:
@@ -151,7 +149,8 @@ def _of_head(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
             continue
         listed = forest.documents[document]
         check_size(forest.tx, listed, max_elements)
-        text = b"".join(document_xml(forest.tx, listed)).decode()
+        blocks = labelled_blocks(forest.tx, listed, 1, listed.frames)
+        text = b"".join(document_xml(forest.tx, listed, blocks)).decode()
         # Behind the prolog; a motion that stands in a text is written &lt;motion&gt;.
         start, end = (f"<{MOTION}>", "</mcml>") if rows[place] == motions[place] else ("<mcml", "")
         texts[place] = text[text.index(start) : text.rindex(end)] if end else text[text.index(start) :]

@@ -8,6 +8,7 @@ client that reads slowly holds up no writer, and every limit is met before the f
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TypeVar
@@ -52,6 +53,10 @@ class Answer:
         self._parts = parts
         self._max_elements = max_elements
 
+    def read(self) -> AbstractContextManager[Transaction]:
+        """A transaction at the commit that was asked."""
+        return self._database.read(self._commit)
+
     def nodes(self) -> Iterator[list[Node]]:
         """The nodes in order, some at a time."""
         return self.shown(described)
@@ -68,7 +73,7 @@ class Answer:
                     places, renumbered = np.unique(documents_of(some), return_inverse=True)
                     documents = [part.documents[place] for place in places.tolist()]
                     nodes = (renumbered.reshape(-1).astype(np.int64) << DOCUMENT_SHIFT) | (some & _INSIDE)
-                with self._database.read(self._commit) as tx:
+                with self.read() as tx:
                     forest = Forest(tx, documents, self._shared, whole_heads=part.whole_heads)
                     made = show(forest, nodes, self._max_elements)
                 # Not within the transaction: whoever reads slowly would hold it.

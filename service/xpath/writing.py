@@ -5,20 +5,30 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager
+from functools import partial
+from itertools import chain
+from typing import TypeAlias
 
 import numpy as np
 import orjson
 
 from schemas.queries import NodeItem
 from service.mcml.writer import Layout, text_bytes, write_frames
+from service.motion.clip import FrameBlock
 from service.storage.columns import Listed
+from service.storage.database import Transaction
+from service.storage.tracks import BLOCK_FRAMES
 from service.xpath import frames
 from service.xpath.describe import describe_nodes
 from service.xpath.forest import Forest
 from service.xpath.nodes import Node
 from service.xpath.numbering import MOTION, Ints, documents_of, frames_of, slots_of
-from service.xpath.render import check_size, document_xml, frames_with_content, node_values
+from service.xpath.render import check_size, document_xml, frames_with_content, labelled_blocks, node_values
 from service.xpath.streams import Answer, Shown, holds_frames
+
+Reading: TypeAlias = Callable[[], AbstractContextManager[Transaction]]
+"""Opens a transaction at the commit that was asked."""
 
 _CLOSING = b"</result>\n"
 DENSE = 64
@@ -43,16 +53,16 @@ def _xml(found: Answer | Shown) -> Iterator[bytes]:
     if isinstance(found, Shown):
         yield from map(_items, found.nodes())
     else:
-        for pieces in found.shown(_pieces):
+        for pieces in found.shown(partial(_pieces, found.read)):
             yield from pieces
     yield b"</results>\n"
 
 
-def _pieces(forest: Forest, nodes: Ints, max_elements: int) -> list[bytes]:
+def _pieces(read: Reading, forest: Forest, nodes: Ints, max_elements: int) -> Iterable[bytes]:
     if frames_with_content(forest, nodes):
         return list(_frames(forest, nodes))
     if holds_frames(nodes).all() and slots_of(nodes)[0] != MOTION:
-        return list(_document(forest, nodes, max_elements))
+        return _document(read, forest, nodes, max_elements)
     return [_described(forest, nodes, max_elements)]
 
 
@@ -95,17 +105,23 @@ def _frames(forest: Forest, nodes: Ints) -> Iterator[bytes]:
         yield from write_frames(block, names, layout=Layout.COMPACT, before=before, after=_CLOSING)
 
 
-def _document(forest: Forest, nodes: Ints, max_elements: int) -> Iterator[bytes]:
-    """A whole document or its `mcml`, written while it is read."""
+def _document(read: Reading, forest: Forest, nodes: Ints, max_elements: int) -> Iterator[bytes]:
+    """A whole document or its `mcml`, whose frames are read while it is written."""
     stored = forest.documents[int(documents_of(nodes)[0])]
     ((_, address),) = describe_nodes(forest, nodes)
     check_size(forest.tx, stored, max_elements)
-    pieces = document_xml(forest.tx, stored)
+    pieces = document_xml(forest.tx, stored, _blocks(read, stored))
     # The prolog is no part of the node.
     next(pieces)
-    yield f'{_opening(stored)}{address}">'.encode()
-    yield from pieces
-    yield b"</result>\n"
+    return chain((f'{_opening(stored)}{address}">'.encode(),), pieces, (b"</result>\n",))
+
+
+def _blocks(read: Reading, stored: Listed) -> Iterator[FrameBlock]:
+    """All frames of a document, each block read in a transaction of its own."""
+    for first in range(1, stored.frames + 1, BLOCK_FRAMES):
+        with read() as tx:
+            blocks = list(labelled_blocks(tx, stored, first, min(first + BLOCK_FRAMES - 1, stored.frames)))
+        yield from blocks
 
 
 def _ndjson(found: Answer | Shown) -> Iterator[bytes]:

@@ -13,9 +13,12 @@ import pytest
 from fastapi.testclient import TestClient
 from lxml import etree
 
+from schemas.queries import QueryRequest
 from service.api.queries import _while_connected
 from service.errors import LimitError
 from service.xpath.limits import Limits
+from service.xpath.run import Queries
+from service.xpath.writing import STREAMS
 from tests.builders import HTR, MCML, bvh, upload
 
 API = "/api/v1"
@@ -90,6 +93,26 @@ def test_frames_without_samples_are_shown(client: TestClient) -> None:
         results = etree.fromstring(client.get(f"{API}/xpath", params={"q": text, "as": "xml"}).content)
         assert [content(found) for found in results] == [canonical(item) for item in wanted]
         assert len(wanted) == count
+
+
+def test_a_document_is_written_while_it_is_read(library: TestClient) -> None:
+    """Frames are read piece after piece, all as they were when the question was asked."""
+    (document,) = (item for item in library.get(f"{API}/documents").json()["items"] if item["name"] == "a_long")
+    before = library.get(f"{API}/xpath", params={"q": "/mcml", "as": "xml", "document": document["id"]}).content
+    queries: Queries = library.app.state.queries  # type: ignore[attr-defined]
+    content = STREAMS["xml"][0](queries.stream(QueryRequest(q="/mcml", document=[document["id"]])))
+    read = [next(content) for _ in range(3)]
+    changed = library.patch(
+        f"{API}/documents/{document['id']}/elements",
+        params={"xpath": "/mcml/motion/frame[2500]/frame_bone[2]"},
+        json={"attributes": {"Rx": "1234.5"}},
+        headers={"if-match": "*"},
+    )
+    assert changed.is_success
+    assert b"".join([*read, *content]) == before
+    after = library.get(f"{API}/xpath", params={"q": "/mcml", "as": "xml", "document": document["id"]}).content
+    assert after != before
+    assert b'Rx="1234.5"' in after
 
 
 def test_a_stream_stops_at_its_limit(library: TestClient) -> None:
