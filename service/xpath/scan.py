@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 from service.mcml.lexical import unescape
 from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION
 from service.motion.skeleton import CHANNEL_INDEX
+from service.storage.blocks import Some, evenly
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.encoding import channels_of
@@ -287,21 +289,16 @@ class Scan:
         self.tracks_read += len(units)
         block: dict[Sample, Floats] = {}
         for name, table in [(self.plan.lead, units.lead), *units.others.items()]:
-            wanted = [channel for bone, channel in self.plan.condition.samples if bone == name]
+            wanted = tuple(sorted(channel for bone, channel in self.plan.condition.samples if bone == name))
             held = np.flatnonzero(table.about[BITS])
+            bits = table.about[BITS, held].tolist()
+            places = {each: _places(each, wanted) for each in set(bits)}
+            values = np.full((len(wanted), len(units), CHUNK), np.nan)
             tracks = self._shared.tracks.read(self.tx, rows_of(table.about[:, held]))
-            bits = table.about[BITS, held]
-            for channel in wanted:
-                having = np.flatnonzero(bits >> channel & 1)
-                row_of = {each: channels_of(each).index(channel) for each in set(bits[having].tolist())}
-                parts = [
-                    tracks[n][row_of[each]] for n, each in zip(having.tolist(), bits[having].tolist(), strict=True)
-                ]
-                values = block[name, channel] = np.full((len(units), CHUNK), np.nan)
-                # All at once, not track by track: the numbers of each track are at the beginning of its row.
-                lengths = np.zeros(len(units), np.int64)
-                lengths[held[having]] = [len(part) for part in parts]
-                values[np.arange(CHUNK) < lengths[:, None]] = np.concatenate([*parts, np.empty(0)])
+            for unit, track, each in zip(held.tolist(), tracks, bits, strict=True):
+                here, there = places[each]
+                values[here, unit, : track.shape[1]] = track[there]
+            block |= {(name, channel): found for channel, found in zip(wanted, values, strict=True)}
         return block
 
     def _fulfil(self, block: dict[Sample, Floats]) -> Bools:
@@ -326,6 +323,15 @@ class Scan:
             for first, last in self._labelled[self.forest.keys[place]]:
                 named[rows] |= (positions[rows] >= first) & (positions[rows] <= last)
         return found & named
+
+
+@cache
+def _places(bits: int, wanted: tuple[int, ...]) -> tuple[Some, Some]:
+    """Where the channels that a track has stand among those that are wanted, and where in the track."""
+    held = channels_of(bits)
+    both = [(place, held.index(channel)) for place, channel in enumerate(wanted) if channel in held]
+    here, there = np.array(both, np.int64).reshape(-1, 2).T
+    return (evenly(here), evenly(there)) if both else (here, there)
 
 
 @dataclass(frozen=True)

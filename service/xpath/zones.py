@@ -45,7 +45,7 @@ class Zones:
 
 def rows_of(about: Ints) -> list[Row]:
     """What tracks are read by."""
-    return list(map(tuple, about[:GAPS].T.tolist()))
+    return list(zip(*about[:GAPS].tolist(), strict=True))
 
 
 def read_zones(tx: Transaction, documents: Sequence[Listed], numbers: Sequence[int] | None = None) -> dict[int, Zones]:
