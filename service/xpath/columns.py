@@ -185,9 +185,9 @@ class Columns:
         if type_of(predicate) == "number" or depends_on_position(predicate):
             positions, sizes = _positions(groups, reverse=reverse)
             return self._sliced(predicate, Context(nodes, positions, sizes))
-        distinct, inverse = np.unique(nodes, return_inverse=True)
-        if len(distinct) == len(nodes):
+        if (np.diff(nodes) > 0).all():
             return self._sliced(predicate, Context(nodes))
+        distinct, inverse = np.unique(nodes, return_inverse=True)
         return self._sliced(predicate, Context(distinct))[inverse.reshape(-1)]
 
     def _sliced(self, predicate: Expression, context: Context) -> Bools:

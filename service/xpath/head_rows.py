@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from service.xpath.heads import Head
-from service.xpath.numbering import DOCUMENT_SHIFT, IS_ELEMENT, IS_TEXT, MOTION, Ints, documents_of, slots_of
+from service.xpath.numbering import DOCUMENT_SHIFT, IS_ELEMENT, IS_TEXT, MOTION, Bools, Ints, documents_of, slots_of
 from service.xpath.pairs import expand
 from service.xpath.texts import Strings, of_texts
 
@@ -39,8 +39,10 @@ class HeadRows:
 
     def rows(self, nodes: Ints) -> Ints:
         documents, slots = documents_of(nodes), slots_of(nodes)
-        base = np.where(slots < MOTION, self.starts[documents], self.motions[documents] - MOTION)
-        return np.asarray(base + slots, np.int64)
+        rows = self.starts[documents] + slots
+        moving = np.flatnonzero(slots >= MOTION)
+        rows[moving] += (self.motions - self.starts[:-1] - MOTION)[documents[moving]]
+        return rows
 
     @cached_property
     def texts(self) -> Strings:
@@ -62,6 +64,13 @@ class HeadRows:
         begin = np.searchsorted(parents, rows, side="left")
         source, within = expand(np.searchsorted(parents, rows, side="right") - begin)
         return source, children[begin[source] + within]
+
+    def leaves(self, rows: Ints) -> Bools:
+        """Which rows are elements with nothing but a text, as most of a head are: it stands behind the namespace node,
+        two rows on."""
+        return np.asarray(
+            (self.ends[rows] == rows + 2) & (self.kinds[np.minimum(rows + 2, len(self.kinds) - 1)] == IS_TEXT)
+        )
 
     def addresses(self, rows: Ints) -> list[str]:
         """The canonical addresses of elements, attributes or texts; namespace nodes have none."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -66,23 +65,23 @@ class Head:
         known = self.addresses.get(row)
         if known is not None:
             return known
-        part = self.part
-        kind = int(part.kinds[row])
+        kinds, names, ends = self._lists()
+        kind = kinds[row]
         if kind in (IS_DOCUMENT, IS_NAMESPACE):
             return "/" if kind == IS_DOCUMENT else ""
-        parent = int(part.parents[row])
+        parent = int(self.part.parents[row])
         above = self.address(parent).rstrip("/")
-        name = code_names()[part.names[row]]
         if kind in (IS_ATTRIBUTE, IS_TEXT):
-            return f"{above}/@{name}" if kind == IS_ATTRIBUTE else f"{above}/text()"
-        inside = np.arange(parent + 1, part.ends[parent] + 1)
-        siblings = inside[(part.parents[inside] == parent) & (part.kinds[inside] == IS_ELEMENT)]
-        codes = part.names[siblings].tolist()
-        total, seen = Counter(codes), Counter[int]()
-        for sibling, code in zip(siblings.tolist(), codes, strict=True):
-            seen[code] += 1
-            numbered = f"[{seen[code]}]" if total[code] > 1 else ""
-            self.addresses[sibling] = f"{above}/{code_names()[code]}{numbered}"
+            return f"{above}/@{names[row]}" if kind == IS_ATTRIBUTE else f"{above}/text()"
+        by_name: dict[str, list[int]] = {}
+        child = parent + 1
+        while child <= ends[parent]:
+            if kinds[child] == IS_ELEMENT:
+                by_name.setdefault(names[child], []).append(child)
+            child = ends[child] + 1
+        for name, siblings in by_name.items():
+            for number, sibling in enumerate(siblings, start=1):
+                self.addresses[sibling] = f"{above}/{name}[{number}]" if len(siblings) > 1 else f"{above}/{name}"
         return self.addresses[row]
 
     def xml(self, row: int) -> str:

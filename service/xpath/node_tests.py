@@ -27,9 +27,11 @@ def kinds_and_names(forest: Forest, nodes: Ints) -> tuple[NDArray[Any], NDArray[
     framed = in_frames(nodes)
     if framed.all():
         return frame_kinds(slots_of(nodes))
+    if not framed.any():
+        rows = forest.head.rows(nodes)
+        return forest.head.kinds[rows], forest.head.names[rows]
     kinds, names = np.empty(len(nodes), np.int8), np.empty(len(nodes), np.int16)
-    if framed.any():
-        kinds[framed], names[framed] = frame_kinds(slots_of(nodes[framed]))
+    kinds[framed], names[framed] = frame_kinds(slots_of(nodes[framed]))
     rows = forest.head.rows(nodes[~framed])
     kinds[~framed], names[~framed] = forest.head.kinds[rows], forest.head.names[rows]
     return kinds, names

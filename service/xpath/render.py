@@ -26,7 +26,6 @@ from service.xpath.numbering import (
     FRAME_SHIFT,
     IS_DOCUMENT,
     IS_ELEMENT,
-    IS_TEXT,
     Ints,
     code_names,
     documents_of,
@@ -136,8 +135,7 @@ def _of_head(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
     head = forest.head
     rows, documents = head.rows(nodes), documents_of(nodes)
     texts = np.empty(len(nodes), object)
-    # Nothing but a text behind the namespace node, as in most elements of a head.
-    leaves = (head.ends[rows] == rows + 2) & (head.kinds[np.minimum(rows + 2, len(head.kinds) - 1)] == IS_TEXT)
+    leaves = head.leaves(rows)
     texts[leaves] = _leaves(head, rows[leaves])
     motions = head.motions[documents]
     holds_frames = (rows <= motions) & (motions <= head.ends[rows])

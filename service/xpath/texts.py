@@ -64,6 +64,15 @@ def joined(parts: Sequence[Strings]) -> Strings:
     return Strings(np.concatenate([*codes, np.empty(0, np.int64)]).astype(np.int64), values)
 
 
+def compact(strings: Strings) -> Strings:
+    """The same without the values that no item has."""
+    used = np.zeros(len(strings.values), bool)
+    used[strings.codes] = True
+    kept = np.flatnonzero(used)
+    places = np.cumsum(used) - 1
+    return Strings(places[strings.codes], [strings.values[code] for code in kept.tolist()])
+
+
 def unified(one: Strings, other: Strings) -> tuple[Ints, Ints]:
     """Codes that are equal exactly where the strings are."""
     places: dict[str, int] = {}

@@ -28,7 +28,7 @@ from service.xpath.numbering import (
     in_frames,
     slots_of,
 )
-from service.xpath.texts import Strings, constant, joined, of_texts
+from service.xpath.texts import Strings, compact, constant, joined, of_texts
 from service.xpath.tracks import Row
 from service.xpath.zones import rows_of
 
@@ -61,6 +61,8 @@ def numbers(forest: Forest, nodes: Ints) -> Floats:
 def strings(forest: Forest, nodes: Ints) -> Strings:
     """`string()` of each node."""
     framed = in_frames(nodes)
+    if not framed.any():
+        return _of_head(forest, nodes)
     slots = slots_of(nodes)
     parts: list[tuple[Ints, Strings]] = []
 
@@ -194,16 +196,16 @@ def _of_head(forest: Forest, nodes: Ints) -> Strings:
     rows = head.rows(nodes)
     kinds = head.kinds[rows]
     plain = (kinds == IS_ATTRIBUTE) | (kinds == IS_TEXT) | (kinds == IS_NAMESPACE)
+    leaves = head.leaves(rows)
     held = head.texts
-    codes = held.codes[rows]
-    holders = np.flatnonzero(~plain)
-    # The texts inside an element follow one another among all texts; nearly always there is one, or none.
+    codes = held.codes[np.where(leaves, rows + 2, rows)]
+    holders = np.flatnonzero(~(plain | leaves))
+    # The texts inside an element follow one another among all texts.
     first = np.searchsorted(head.text_rows, rows[holders])
     counts = np.searchsorted(head.text_rows, head.ends[rows[holders]], side="right") - first
     single = np.flatnonzero(counts == 1)
     codes[holders[single]] = held.codes[head.text_rows[first[single]]]
-    unique, codes = np.unique(codes, return_inverse=True)
-    found = Strings(codes.reshape(-1).astype(np.int64), [held.values[code] for code in unique.tolist()])
+    found = compact(Strings(codes, held.values))
     several = np.flatnonzero(counts > 1)
     motion = head.motions[documents_of(nodes)]
     moving = np.flatnonzero(~plain & (rows <= motion) & (motion <= head.ends[rows]))
