@@ -29,9 +29,18 @@ class StoredClip:
 
 
 def read_clip(
-    tx: Transaction, stored: StoredDocument, *, first: int = 1, last: int | None = None, step: int = 1
+    tx: Transaction,
+    stored: StoredDocument,
+    *,
+    first: int = 1,
+    last: int | None = None,
+    step: int = 1,
+    labelled: bool = True,
 ) -> StoredClip:
-    """Frames first to last (positions from 1, inclusive; default all). NotFoundError outside the document."""
+    """Frames first to last (positions from 1, inclusive; default all). NotFoundError outside the document.
+
+    labelled: with their motion names.
+    """
     last = stored.frames if last is None else last
     if stored.frames and not 1 <= first <= last <= stored.frames:
         raise NotFoundError(
@@ -55,11 +64,12 @@ def read_clip(
         for block in tx.tracks.blocks(stored.key, first, last, columns=bone_columns, step=step):
             if not same:
                 block = _renumbered(block, joint_of)
-            end = position + (len(block) - 1) * step
-            spans = tx.spans.of(stored.key, position, end)
-            labels = names_of_frames(spans, range(position, end + 1, step))
-            yield block if labels is None else replace(block, motion_names=labels)
-            position = end + step
+            if labelled:
+                end = position + (len(block) - 1) * step
+                spans = tx.spans.of(stored.key, position, end)
+                block = replace(block, motion_names=names_of_frames(spans, range(position, end + 1, step)))
+                position = end + step
+            yield block
 
     clip = ClipStream(head, blocks, frames)
     return StoredClip(stored, document, names, clip, first, last)

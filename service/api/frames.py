@@ -76,7 +76,7 @@ def get_frames(
     with database.read() as tx:
         then, stored = at_revision(tx, id, revision)
         end = min(stored.frames if last is None else last, start + (page.limit - 1) * step)
-        source = read_clip(then, stored, first=start, last=end, step=step)
+        source = read_clip(then, stored, first=start, last=end, step=step, labelled=False)
         wanted = _bones(source.names, bone)
         items: list[FrameRow] = []
         for block in source.clip.blocks():
@@ -119,7 +119,7 @@ def _array(
         cached = unchanged(request, tag)
         if cached is not None:
             return cached
-        source = read_clip(then, stored, first=first, last=last, step=step)
+        source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
         wanted = _bones(source.names, bone)
         skeleton = source.clip.head.skeleton
         if space == "channels":
@@ -131,15 +131,14 @@ def _array(
             labels = list(wanted.values())
             shape = (source.clip.frames or 0, len(order), 3 if space == "positions" else 4)
 
-        walker = Walker(skeleton, reading_of(source.clip.head))
-
         header = io.BytesIO()
         np.lib.format.write_array_header_1_0(header, {"descr": f"<{dtype}", "fortran_order": False, "shape": shape})
 
         def content() -> Iterator[Bytes]:
+            walker = None if space == "channels" else Walker(skeleton, reading_of(source.clip.head))
             yield header.getvalue()
             for block in source.clip.blocks():
-                if space == "channels":
+                if walker is None:
                     place = {column: index for index, column in enumerate(block.columns)}
                     chosen = np.array([place[column] for column in columns], np.int64)
                     values = block.values[:, evenly(chosen) if len(chosen) else chosen]
