@@ -5,20 +5,20 @@ Where no commit is named, it is the parameter `at` of a statement that is made o
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TypeAlias
 
 from sqlalchemy import BigInteger, BindParameter, ColumnElement, Table, and_, bindparam
 
 from service.storage.tables import document
 
-Commit = BindParameter[int] | int
+Commit: TypeAlias = BindParameter[int] | int
 
 AT: BindParameter[int] = bindparam("at", type_=BigInteger)
 DOCUMENT: BindParameter[int] = bindparam("document", type_=BigInteger)
 """Parameters: the commit, and the key of the one document that is asked."""
 
 
-def valid(table: Table | Any, at: Commit = AT) -> ColumnElement[bool]:
+def valid(table: Table, at: Commit = AT) -> ColumnElement[bool]:
     """Rows of a table with `from_commit` and `to_commit` that are valid."""
     return and_(table.c.from_commit <= at, table.c.to_commit > at)
 

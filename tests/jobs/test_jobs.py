@@ -75,7 +75,9 @@ def instead(monkeypatch: pytest.MonkeyPatch, work: Callable[..., Any]) -> None:
 
 def test_a_model_is_fitted_used_and_deleted(server: TestClient, database: Database) -> None:
     job = start(server)
-    assert (job["state"], len(job["inputs"])) == ("waiting", 12)
+    # The runner is woken before the answer is read, and may have been quicker.
+    assert job["state"] in {"waiting", "running"}
+    assert len(job["inputs"]) == 12
     done = wait(server, job)
     assert (done["state"], done["share"], done["stage"], done["attempt"]) == ("done", 1.0, "done", 1)
     result = server.get(f"{API}/results/{done['result']}").json()
