@@ -75,21 +75,30 @@ def write_document(
     Raises DocumentError where a frame has a value that is not finite.
     """
     layout = layout or (Layout.PRETTY if pretty else Layout.LINES)
-    indented = layout is Layout.PRETTY
     line = b"" if layout is Layout.COMPACT else b"\n"
-    inner = b"\n    " if indented else b""
     yield PROLOGUE
     yield _start_tag(document).encode() + b">" + line
     for child in document.children:
         if child.tag != "motion":
-            yield write_element(child, pretty=indented, depth=1) + line
+            yield write_element(child, pretty=layout is Layout.PRETTY, depth=1) + line
+    yield from write_motion(frames, frame_time, blocks, names, layout)
+    yield b"</mcml>" + line
+
+
+def write_motion(
+    frames: int, frame_time: str | None, blocks: Iterable[FrameBlock], names: Sequence[str], layout: Layout
+) -> Iterator[bytes]:
+    """The `motion` element, as in a whole document."""
+    indented = layout is Layout.PRETTY
+    line = b"" if layout is Layout.COMPACT else b"\n"
+    inner = b"\n    " if indented else b""
     yield (b"  " if indented else b"") + b"<motion>" + inner + b"<frames>" + str(frames).encode() + b"</frames>"
     if frame_time is not None:
         yield inner + b"<frametime>" + text_bytes(frame_time) + b"</frametime>"
     yield line
     for block in blocks:
         yield from write_frames(block, names, layout=layout)
-    yield (b"  " if indented else b"") + b"</motion>" + line + b"</mcml>" + line
+    yield (b"  " if indented else b"") + b"</motion>" + line
 
 
 def write_element(element: Element, *, pretty: bool = False, depth: int = 0) -> bytes:

@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from service.errors import LimitError
-from service.mcml.vocabulary import FRAME_BONE, MOTION, MOTION_NAME
-from service.mcml.writer import Layout, attribute_bytes, text_bytes, write_document
+from service.mcml.vocabulary import FRAME_BONE, MOTION_NAME
+from service.mcml.writer import Layout, attribute_bytes, text_bytes, write_document, write_motion
 from service.motion.clip import FrameBlock
 from service.motion.skeleton import CHANNELS
 from service.storage.columns import Listed
@@ -26,6 +25,8 @@ from service.xpath.numbering import (
     FRAME_SHIFT,
     IS_DOCUMENT,
     IS_ELEMENT,
+    MOTION,
+    Bools,
     Ints,
     code_names,
     documents_of,
@@ -40,8 +41,8 @@ BLOCK_FRAMES = 1024
 _EMPTY = b'"></frame>'
 
 
-def node_values(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
-    """An element as XML, the text of other nodes. LimitError for a document of more elements than the limit."""
+def node_values(forest: Forest, nodes: Ints) -> list[str]:
+    """An element as XML, the text of other nodes. Whole documents are held in memory: `whole_xml` gives pieces."""
     kinds, _ = kinds_and_names(forest, nodes)
     result = np.empty(len(nodes), object)
     elements = (kinds == IS_ELEMENT) | (kinds == IS_DOCUMENT)
@@ -58,7 +59,7 @@ def node_values(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
             result[index] = write(forest, nodes[index])
     outside = np.flatnonzero(elements & ~framed)
     if len(outside):
-        result[outside] = _of_head(forest, nodes[outside], max_elements)
+        result[outside] = _of_head(forest, nodes[outside])
     return list(result)
 
 
@@ -105,10 +106,30 @@ def labelled_blocks(
         position = end + 1
 
 
-def document_xml(tx: Transaction, stored: Listed, blocks: Iterable[FrameBlock]) -> Iterator[bytes]:
-    """The whole document without white space between elements. blocks: its frames, which may be read later."""
-    head, names = tx.heads.document(stored), bone_names(tx, stored)
-    return write_document(head, stored.frames, stored.frame_time, blocks, names, layout=Layout.COMPACT)
+def holds_frames(nodes: Ints) -> Bools:
+    """Which nodes are documents, `mcml` or motions: written out, they are the whole document."""
+    slots = slots_of(nodes)
+    return np.asarray((frames_of(nodes) == 0) & ((slots < 2) | (slots == MOTION)))
+
+
+def whole_elements(tx: Transaction, stored: Listed) -> int:
+    """About how many elements a whole document has."""
+    return stored.frames * (1 + len(tx.heads.bone_names(stored.key)))
+
+
+def whole_xml(tx: Transaction, stored: Listed, blocks: Iterable[FrameBlock], *, motion: bool) -> Iterator[bytes]:
+    """The `mcml` of a document, or only its motion, without white space between elements.
+
+    blocks: all frames, which may be read later.
+    """
+    names = bone_names(tx, stored)
+    if motion:
+        return write_motion(stored.frames, stored.frame_time, blocks, names, Layout.COMPACT)
+    head = tx.heads.document(stored)
+    pieces = write_document(head, stored.frames, stored.frame_time, blocks, names, layout=Layout.COMPACT)
+    # The prolog is no part of the node.
+    next(pieces)
+    return pieces
 
 
 def _motion_names(forest: Forest, nodes: Ints) -> list[str]:
@@ -131,27 +152,22 @@ def _frame_bones(forest: Forest, nodes: Ints) -> list[str]:
     return [f"<{FRAME_BONE}{''.join(some)}/>" for some in parts]
 
 
-def _of_head(forest: Forest, nodes: Ints, max_elements: int) -> list[str]:
+def _of_head(forest: Forest, nodes: Ints) -> list[str]:
     head = forest.head
     rows, documents = head.rows(nodes), documents_of(nodes)
     texts = np.empty(len(nodes), object)
     leaves = head.leaves(rows)
     texts[leaves] = _leaves(head, rows[leaves])
-    motions = head.motions[documents]
-    holds_frames = (rows <= motions) & (motions <= head.ends[rows])
+    whole, motion = holds_frames(nodes), slots_of(nodes) == MOTION
     within = rows - head.starts[documents]
     for place in np.flatnonzero(~leaves).tolist():
         document = int(documents[place])
-        if not holds_frames[place]:
+        if not whole[place]:
             texts[place] = head.heads[document].xml(int(within[place]))
             continue
         listed = forest.documents[document]
-        check_size(forest.tx, listed, max_elements)
         blocks = labelled_blocks(forest.tx, listed, 1, listed.frames)
-        text = b"".join(document_xml(forest.tx, listed, blocks)).decode()
-        # Behind the prolog; a motion that stands in a text is written &lt;motion&gt;.
-        start, end = (f"<{MOTION}>", "</mcml>") if rows[place] == motions[place] else ("<mcml", "")
-        texts[place] = text[text.index(start) : text.rindex(end)] if end else text[text.index(start) :]
+        texts[place] = b"".join(whole_xml(forest.tx, listed, blocks, motion=bool(motion[place]))).decode()
     return list(texts)
 
 
@@ -164,14 +180,3 @@ def _leaves(head: HeadRows, rows: Ints) -> list[str]:
         tag = code_names()[name]
         written.append(f"<{tag}>{text_bytes(head.texts.values[code]).decode()}</{tag}>")
     return [written[number] for number in place.reshape(-1).tolist()]
-
-
-def check_size(tx: Transaction, listed: Listed, max_elements: int) -> None:
-    """LimitError for a document that is too large to be in an answer whole."""
-    elements = listed.frames * (1 + len(tx.heads.bone_names(listed.key)))
-    if elements > max_elements:
-        raise LimitError(
-            f"The answer holds all of {listed.name!r}, about {elements:,} elements; the limit is {max_elements:,}.",
-            remedy="Export the document instead, or ask for some of its frames.",
-            code="query-too-large",
-        )

@@ -102,10 +102,10 @@ class Queries:
             asking = _Asking(self, tx, query, scope, limits, wants_explain=False)
             commit = scope.state.commit
             try:
-                parts = collect(tx, asking.nodes(), request.limit, limits.max_elements)
+                parts = collect(asking.nodes(), request.limit)
             except (TooWideError, TooLongError, NotOnColumnsError):
                 return Shown(asking.on_xml(request.limit))
-        return Answer(self.database, self.shared, commit, parts, limits.max_elements)
+        return Answer(self.database, self.shared, commit, parts)
 
     def _commit(self, request: QueryRequest) -> int:
         """The state of the store that is asked: the newest, or that which a revision of the document left."""
@@ -281,12 +281,13 @@ class _Page:
     def of(self, tx: Transaction, source: Source, max_elements: int) -> QueryAnswer:
         if self.request.as_ == "runs":
             return self.of_runs(tx, sources.runs(source))
-        return self._nodes(tx, sources.page(source, self.offset, self.limit + 1, max_elements))
+        return self._nodes(tx, *sources.page(source, self.offset, self.limit, max_elements))
 
     def of_projected(self, tx: Transaction, source: Projected) -> QueryAnswer:
         if self.request.as_ == "runs":
             return self.of_runs(tx, source.runs())
-        return self._nodes(tx, source.nodes(self.offset, self.limit + 1))
+        nodes = source.nodes(self.offset, self.limit + 1)
+        return self._nodes(tx, nodes[: self.limit], more=len(nodes) > self.limit)
 
     def of_aggregate(self, tx: Transaction, function: str, value: object) -> QueryAnswer:
         if isinstance(value, list):
@@ -317,15 +318,17 @@ class _Page:
         items = run_items(tx, self.shared, runs[: self.limit])
         return QueryAnswer(type="runs", items=list(items), next_cursor=self._next(tx, len(runs) > self.limit))
 
-    def _nodes(self, tx: Transaction, nodes: list[Node]) -> QueryAnswer:
-        items = [node_item(node) for node in nodes[: self.limit]]
-        return QueryAnswer(type="nodes", items=list(items), next_cursor=self._next(tx, len(nodes) > self.limit))
+    def _nodes(self, tx: Transaction, nodes: list[Node], more: bool) -> QueryAnswer:
+        items = [node_item(node) for node in nodes]
+        return QueryAnswer(type="nodes", items=list(items), next_cursor=self._next(tx, more, len(items)))
 
-    def _next(self, tx: Transaction, more: bool) -> str | None:
+    def _next(self, tx: Transaction, more: bool, shown: int | None = None) -> str | None:
+        """The cursor of what follows. shown: how many are on this page, if not as many as were asked for."""
         if not more:
             return None
         commit = min(tx.newest_commit(), tx.at)
-        return str(Cursor(commit, self.offset + self.limit, question(self.request)))
+        following = self.offset + (self.limit if shown is None else shown)
+        return str(Cursor(commit, following, question(self.request)))
 
 
 def scalars(kind: Kind, documents: Sequence[Listed], found: Sequence[float | str | bool]) -> QueryAnswer:

@@ -7,12 +7,16 @@ from typing import Protocol
 
 import numpy as np
 
-from service.errors import QueryError
+from service.errors import LimitError, QueryError
+from service.storage.columns import Listed
 from service.xpath.describe import describe_nodes
 from service.xpath.forest import Forest
 from service.xpath.nodes import Node, Run
 from service.xpath.numbering import Ints, documents_of, frames_of
-from service.xpath.render import node_values, runs_of
+from service.xpath.render import holds_frames, node_values, runs_of, whole_elements
+
+PAGE_ELEMENTS = 200_000
+"""Of whole documents on one page: some 15 MB of text, which is held several times on its way."""
 
 
 class Source(Protocol):
@@ -22,24 +26,52 @@ class Source(Protocol):
         """The nodes of the answer in order, some at a time; each chunk ascending, of one batch of documents."""
 
 
-def page(source: Source, offset: int, limit: int, max_elements: int) -> list[Node]:
-    """Nodes offset … offset + limit - 1."""
+def page(source: Source, offset: int, limit: int, max_elements: int) -> tuple[list[Node], bool]:
+    """(nodes from `offset` on, whether more follow). There are `limit` of them, or fewer where whole documents among
+    them are large together. LimitError where the first one is too large alone.
+    """
     result: list[Node] = []
+    room = min(max_elements, PAGE_ELEMENTS)
     for forest, nodes in source.chunks():
         if offset >= len(nodes):
             offset -= len(nodes)
             continue
+        if len(result) == limit:
+            return result, True
         some = nodes[offset : offset + limit - len(result)]
+        taken = np.cumsum(_elements(forest, some))
+        fits = int(np.searchsorted(taken, room, side="right"))
+        if not fits and not result:
+            raise _too_large(forest.documents[int(documents_of(some[:1])[0])], int(taken[0]), room)
+        result += described(forest, some[:fits]) if fits else []
+        if fits < len(some) or offset + len(some) < len(nodes):
+            return result, True
+        room -= int(taken[-1])
         offset = 0
-        result += described(forest, some, max_elements)
-        if len(result) >= limit:
-            break
-    return result
+    return result, False
 
 
-def described(forest: Forest, nodes: Ints, max_elements: int) -> list[Node]:
+def _elements(forest: Forest, nodes: Ints) -> Ints:
+    """About how many elements the whole documents among nodes have, 0 for other nodes."""
+    counts = np.zeros(len(nodes), np.int64)
+    whole = np.flatnonzero(holds_frames(nodes))
+    places = documents_of(nodes[whole]).tolist()
+    counts[whole] = [whole_elements(forest.tx, forest.documents[place]) for place in places]
+    return counts
+
+
+def _too_large(stored: Listed, elements: int, most: int) -> LimitError:
+    return LimitError(
+        f"The answer holds all of {stored.name!r}, about {elements:,} elements; a page holds {most:,}.",
+        remedy="Ask with as=xml, ndjson or csv and without a limit, which streams it. Export the document, or ask for "
+        "some of its frames.",
+        code="query-too-large",
+    )
+
+
+def described(forest: Forest, nodes: Ints) -> list[Node]:
     """Nodes as an answer shows them."""
-    texts = node_values(forest, nodes, max_elements)
+    texts = node_values(forest, nodes)
     places = documents_of(nodes).tolist()
     return [
         Node(kind, forest.documents[place], address, text)

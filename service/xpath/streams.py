@@ -20,10 +20,10 @@ from service.storage.columns import Listed
 from service.storage.database import Database, Transaction
 from service.xpath.forest import Forest
 from service.xpath.nodes import Node
-from service.xpath.numbering import DOCUMENT_SHIFT, MOTION, Bools, Ints, documents_of, frames_of, slots_of
-from service.xpath.render import check_size
+from service.xpath.numbering import DOCUMENT_SHIFT, Ints, documents_of
+from service.xpath.render import holds_frames
 from service.xpath.shared import MANY_DOCUMENTS, Shared
-from service.xpath.sources import Source, described
+from service.xpath.sources import Source
 
 Form = TypeVar("Form")
 
@@ -45,27 +45,19 @@ class Part:
 class Answer:
     """The nodes of an answer. total: how many."""
 
-    def __init__(self, database: Database, shared: Shared, commit: int, parts: list[Part], max_elements: int) -> None:
+    def __init__(self, database: Database, shared: Shared, commit: int, parts: list[Part]) -> None:
         self.total = sum(len(part.nodes) for part in parts)
         self._database = database
         self._shared = shared
         self._commit = commit
         self._parts = parts
-        self._max_elements = max_elements
 
     def read(self) -> AbstractContextManager[Transaction]:
         """A transaction at the commit that was asked."""
         return self._database.read(self._commit)
 
-    def nodes(self) -> Iterator[list[Node]]:
-        """The nodes in order, some at a time."""
-        return self.shown(described)
-
-    def shown(self, show: Callable[[Forest, Ints, int], Form]) -> Iterator[Form]:
-        """What a function makes of the nodes, some at a time; a whole document comes alone.
-
-        It is given the documents, the nodes, and the most elements that a document shown whole may have.
-        """
+    def shown(self, show: Callable[[Forest, Ints], Form]) -> Iterator[Form]:
+        """What a function makes of the nodes of some documents, some at a time; a whole document comes alone."""
         for part in self._parts:
             for some in _slices(part.nodes):
                 documents, nodes = part.documents, some
@@ -75,7 +67,7 @@ class Answer:
                     nodes = (renumbered.reshape(-1).astype(np.int64) << DOCUMENT_SHIFT) | (some & _INSIDE)
                 with self.read() as tx:
                     forest = Forest(tx, documents, self._shared, whole_heads=part.whole_heads)
-                    made = show(forest, nodes, self._max_elements)
+                    made = show(forest, nodes)
                 # Not within the transaction: whoever reads slowly would hold it.
                 yield made
 
@@ -91,14 +83,12 @@ class Shown:
         yield self._found
 
 
-def collect(tx: Transaction, source: Source, limit: int | None, max_elements: int) -> list[Part]:
-    """The nodes of a source, at most `limit`. LimitError for more than can be held, or documents that are too large."""
+def collect(source: Source, limit: int | None) -> list[Part]:
+    """The nodes of a source, at most `limit`. LimitError for more than can be held."""
     parts: list[Part] = []
     left = MAX_NODES + 1 if limit is None else limit
     for forest, nodes in source.chunks():
         some = nodes[:left]
-        for node in some[holds_frames(some)].tolist():
-            check_size(tx, forest.documents[node >> DOCUMENT_SHIFT], max_elements)
         left -= len(some)
         parts.append(Part(list(forest.documents), some, forest.whole_heads))
         if left <= 0:
@@ -106,12 +96,6 @@ def collect(tx: Transaction, source: Source, limit: int | None, max_elements: in
     if limit is None and left <= 0:
         raise LimitError(f"The answer has more than {MAX_NODES:,} nodes.", remedy="Narrow the question.")
     return parts
-
-
-def holds_frames(nodes: Ints) -> Bools:
-    """Which nodes are documents, `mcml` or motions: written out, they are the whole document."""
-    slots = slots_of(nodes)
-    return np.asarray((frames_of(nodes) == 0) & ((slots < 2) | (slots == MOTION)))
 
 
 def _slices(nodes: Ints) -> Iterator[Ints]:

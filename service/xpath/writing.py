@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from typing import TypeAlias
@@ -24,8 +25,9 @@ from service.xpath.describe import describe_nodes
 from service.xpath.forest import Forest
 from service.xpath.nodes import Node
 from service.xpath.numbering import MOTION, Ints, documents_of, frames_of, slots_of
-from service.xpath.render import check_size, document_xml, frames_with_content, labelled_blocks, node_values
-from service.xpath.streams import Answer, Shown, holds_frames
+from service.xpath.render import frames_with_content, holds_frames, labelled_blocks, node_values, whole_xml
+from service.xpath.sources import described
+from service.xpath.streams import Answer, Shown
 
 Reading: TypeAlias = Callable[[], AbstractContextManager[Transaction]]
 """Opens a transaction at the commit that was asked."""
@@ -39,6 +41,55 @@ _AS_XML = frozenset({"element", "document"})
 FIELDS = ("document", "revision", "kind", "address", "value")
 
 
+@dataclass(frozen=True)
+class _Form:
+    """How an answer is written.
+
+    before, after: what stands before and after all nodes. nodes: nodes that were shown already. stored: nodes of
+    documents, some at a time. opening: what stands before the value of the node of a document, of a kind, at an
+    address; escaped: a piece of such a value; closing: what stands after it.
+    """
+
+    before: bytes
+    after: bytes
+    nodes: Callable[[Sequence[Node]], bytes]
+    stored: Callable[[Forest, Ints], Iterable[bytes]]
+    opening: Callable[[Listed, str, str], bytes]
+    escaped: Callable[[bytes], bytes]
+    closing: bytes
+
+
+def _written(form: _Form, found: Answer | Shown) -> Iterator[bytes]:
+    yield form.before
+    if isinstance(found, Shown):
+        yield from map(form.nodes, found.nodes())
+    else:
+        for pieces in found.shown(partial(_pieces, form, found.read)):
+            yield from pieces
+    yield form.after
+
+
+def _pieces(form: _Form, read: Reading, forest: Forest, nodes: Ints) -> Iterable[bytes]:
+    if not holds_frames(nodes).all():
+        return form.stored(forest, nodes)
+    # A whole document, which comes alone: its frames are read while it is written.
+    stored = forest.documents[int(documents_of(nodes)[0])]
+    ((kind, address),) = describe_nodes(forest, nodes)
+    xml = whole_xml(forest.tx, stored, _blocks(read, stored), motion=int(slots_of(nodes)[0]) == MOTION)
+    return chain((form.opening(stored, kind, address),), map(form.escaped, xml), (form.closing,))
+
+
+def _blocks(read: Reading, stored: Listed) -> Iterator[FrameBlock]:
+    """All frames of a document, each block read in a transaction of its own."""
+    for first in range(1, stored.frames + 1, BLOCK_FRAMES):
+        with read() as tx:
+            blocks = list(labelled_blocks(tx, stored, first, min(first + BLOCK_FRAMES - 1, stored.frames)))
+        yield from blocks
+
+
+# -- XML ---------------------------------------------------------------------------------------------------------------
+
+
 def xml_item(item: NodeItem | Node) -> str:
     """A `result` with the place of a node and the node itself."""
     document, revision = (
@@ -48,31 +99,13 @@ def xml_item(item: NodeItem | Node) -> str:
     return f'<result document="{document}" revision="{revision}" address="{item.address}">{value}</result>\n'
 
 
-def _xml(found: Answer | Shown) -> Iterator[bytes]:
-    yield b'<?xml version="1.0" encoding="UTF-8"?>\n<results>\n'
-    if isinstance(found, Shown):
-        yield from map(_items, found.nodes())
-    else:
-        for pieces in found.shown(partial(_pieces, found.read)):
-            yield from pieces
-    yield b"</results>\n"
+def _xml_of_stored(forest: Forest, nodes: Ints) -> Iterable[bytes]:
+    return list(_frames(forest, nodes)) if frames_with_content(forest, nodes) else [_described(forest, nodes)]
 
 
-def _pieces(read: Reading, forest: Forest, nodes: Ints, max_elements: int) -> Iterable[bytes]:
-    if frames_with_content(forest, nodes):
-        return list(_frames(forest, nodes))
-    if holds_frames(nodes).all() and slots_of(nodes)[0] != MOTION:
-        return _document(read, forest, nodes, max_elements)
-    return [_described(forest, nodes, max_elements)]
-
-
-def _items(nodes: Iterable[Node]) -> bytes:
-    return "".join([xml_item(node) for node in nodes]).encode()
-
-
-def _described(forest: Forest, nodes: Ints, max_elements: int) -> bytes:
+def _described(forest: Forest, nodes: Ints) -> bytes:
     """Nodes as `xml_item` writes them, what is the same for all of a document made once."""
-    texts = node_values(forest, nodes, max_elements)
+    texts = node_values(forest, nodes)
     places = documents_of(nodes).tolist()
     openings = {place: _opening(forest.documents[place]) for place in set(places)}
     parts = [
@@ -105,51 +138,73 @@ def _frames(forest: Forest, nodes: Ints) -> Iterator[bytes]:
         yield from write_frames(block, names, layout=Layout.COMPACT, before=before, after=_CLOSING)
 
 
-def _document(read: Reading, forest: Forest, nodes: Ints, max_elements: int) -> Iterator[bytes]:
-    """A whole document or its `mcml`, whose frames are read while it is written."""
-    stored = forest.documents[int(documents_of(nodes)[0])]
-    ((_, address),) = describe_nodes(forest, nodes)
-    check_size(forest.tx, stored, max_elements)
-    pieces = document_xml(forest.tx, stored, _blocks(read, stored))
-    # The prolog is no part of the node.
-    next(pieces)
-    return chain((f'{_opening(stored)}{address}">'.encode(),), pieces, (b"</result>\n",))
+_XML = _Form(
+    before=b'<?xml version="1.0" encoding="UTF-8"?>\n<results>\n',
+    after=b"</results>\n",
+    nodes=lambda nodes: "".join([xml_item(node) for node in nodes]).encode(),
+    stored=_xml_of_stored,
+    opening=lambda stored, _, address: f'{_opening(stored)}{address}">'.encode(),
+    escaped=lambda piece: piece,
+    closing=_CLOSING,
+)
 
 
-def _blocks(read: Reading, stored: Listed) -> Iterator[FrameBlock]:
-    """All frames of a document, each block read in a transaction of its own."""
-    for first in range(1, stored.frames + 1, BLOCK_FRAMES):
-        with read() as tx:
-            blocks = list(labelled_blocks(tx, stored, first, min(first + BLOCK_FRAMES - 1, stored.frames)))
-        yield from blocks
+# -- NDJSON: a JSON object a line, as the items of a page --------------------------------------------------------------
 
 
-def _ndjson(found: Answer | Shown) -> Iterator[bytes]:
-    """A JSON object a line, as the items of a page."""
-    for nodes in found.nodes():
-        yield b"".join([_line(node) for node in nodes])
-
-
-def _line(node: Node) -> bytes:
-    return orjson.dumps(dict(zip(FIELDS, _values(node), strict=True)), option=orjson.OPT_APPEND_NEWLINE)
-
-
-def _csv(found: Answer | Shown) -> Iterator[bytes]:
-    """A row a node, RFC 4180."""
-    yield (",".join(FIELDS) + "\r\n").encode()
-    for nodes in found.nodes():
-        text = io.StringIO()
-        csv.writer(text).writerows(_values(node) for node in nodes)
-        yield text.getvalue().encode()
+def _lines(nodes: Iterable[Node]) -> bytes:
+    return b"".join(
+        [
+            orjson.dumps(dict(zip(FIELDS, _values(node), strict=True)), option=orjson.OPT_APPEND_NEWLINE)
+            for node in nodes
+        ]
+    )
 
 
 def _values(node: Node) -> tuple[str | int, ...]:
-    return node.stored.uuid, node.stored.revision, node.kind, node.address, node.value
+    return *_place(node.stored, node.kind, node.address), node.value
+
+
+def _place(stored: Listed, kind: str, address: str) -> tuple[str | int, ...]:
+    """All fields but the value."""
+    return stored.uuid, stored.revision, kind, address
+
+
+_NDJSON = _Form(
+    before=b"",
+    after=b"",
+    nodes=_lines,
+    stored=lambda forest, nodes: [_lines(described(forest, nodes))],
+    opening=lambda *place: orjson.dumps(dict(zip(FIELDS, _place(*place), strict=False)))[:-1] + b',"value":"',
+    escaped=lambda piece: orjson.dumps(piece.decode())[1:-1],
+    closing=b'"}\n',
+)
+
+
+# -- CSV: a row a node, RFC 4180 ---------------------------------------------------------------------------------------
+
+
+def _rows(nodes: Iterable[Node]) -> bytes:
+    text = io.StringIO()
+    csv.writer(text).writerows(_values(node) for node in nodes)
+    return text.getvalue().encode()
+
+
+_CSV = _Form(
+    before=(",".join(FIELDS) + "\r\n").encode(),
+    after=b"",
+    nodes=_rows,
+    stored=lambda forest, nodes: [_rows(described(forest, nodes))],
+    # Neither of these holds anything that CSV would quote.
+    opening=lambda *place: (",".join(map(str, _place(*place))) + ',"').encode(),
+    escaped=lambda piece: piece.replace(b'"', b'""'),
+    closing=b'"\r\n',
+)
 
 
 STREAMS: dict[str, tuple[Callable[[Answer | Shown], Iterator[bytes]], str]] = {
-    "xml": (_xml, "application/xml"),
-    "ndjson": (_ndjson, "application/x-ndjson"),
-    "csv": (_csv, "text/csv"),
+    "xml": (partial(_written, _XML), "application/xml"),
+    "ndjson": (partial(_written, _NDJSON), "application/x-ndjson"),
+    "csv": (partial(_written, _CSV), "text/csv"),
 }
 """For each form, what writes it, and its media type."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 
 import pytest
 from fastapi.testclient import TestClient
@@ -249,4 +250,27 @@ def test_too_much_is_refused_with_what_to_narrow(database: Database) -> None:
         refused = client.get(f"{API}/xpath", params={"q": "/mcml"})
         assert refused.status_code == 422
         assert "Export the document" in refused.json()["remedy"]
+        streamed = client.get(f"{API}/xpath", params={"q": "/mcml", "as": "xml"})
+        assert streamed.content.count(b"<frame id=") == 600
         assert client.get(f"{API}/xpath", params={"q": "count(//frame[motion_name='walk'])"}).json()["value"] == 600
+
+
+def test_a_page_of_large_documents_is_short(database: Database) -> None:
+    """Whole documents share the room of a page; what has none left is on the next one."""
+    with TestClient(create_app(Settings(query_elements=1000), database), base_url="http://127.0.0.1:8000") as client:
+        upload(client, {f"{name}.bvh": bvh(100) for name in "abcde"})
+        for text in ("/mcml", "/mcml/motion | //source"):
+            pages, cursor = [], None
+            while True:
+                page = client.get(
+                    f"{API}/xpath", params={"q": text, "limit": 4, **({"cursor": cursor} if cursor else {})}
+                )
+                pages.append(page.json()["items"])
+                cursor = page.json().get("next_cursor")
+                if cursor is None:
+                    break
+            whole = [sum("<frames>" in item["value"] for item in page) for page in pages]
+            assert sum(whole) == 5
+            assert max(whole) == 2
+            lines = client.get(f"{API}/xpath", params={"q": text, "as": "ndjson"}).text.splitlines()
+            assert [json.loads(line) for line in lines] == [item for page in pages for item in page]
