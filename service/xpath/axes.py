@@ -26,6 +26,7 @@ from service.xpath.numbering import (
     IS_ELEMENT,
     IS_NAMESPACE,
     IS_TEXT,
+    MAX_FRAMES,
     MOTION,
     NAME_TEXT,
     NAME_WIDTH,
@@ -42,6 +43,7 @@ from service.xpath.numbering import (
 )
 from service.xpath.pairs import NONE, Pairs, bounded, merge, where
 
+SIBLINGS = frozenset({"following-sibling", "preceding-sibling"})
 REVERSE = frozenset({"parent", "ancestor", "ancestor-or-self", "preceding", "preceding-sibling"})
 
 
@@ -57,6 +59,17 @@ def step(forest: Forest, nodes: Ints, axis: str, test: str) -> Pairs:
 def named_bones(forest: Forest, nodes: Ints, name: str) -> Pairs:
     """`child::frame_bone[@name='…']`."""
     return where(_is_frame(nodes), lambda some: forest.shapes.named(some, name), nodes)
+
+
+def sibling_frames(forest: Forest, nodes: Ints, distance: int) -> Pairs:
+    """`following-sibling::frame[n]` of frames, for a distance n; `preceding-sibling::frame[n]` for -n."""
+    position = frames_of(nodes) + max(-MAX_FRAMES, min(distance, MAX_FRAMES))
+    index = np.flatnonzero((position >= 1) & (position <= forest.frames[documents_of(nodes)]))
+    return index, (documents_of(nodes[index]) << DOCUMENT_SHIFT) | (position[index] << FRAME_SHIFT)
+
+
+def are_frames(nodes: Ints) -> bool:
+    return bool(_is_frame(nodes).all())
 
 
 def _named_below(forest: Forest, nodes: Ints, test: str) -> Pairs:

@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from service.mcml.vocabulary import FRAME, FRAME_BONE
+from service.mcml.vocabulary import FRAME, FRAME_BONE, MOTION_NAME
 from service.storage.columns import Listed
 from service.storage.database import Transaction
+from service.xpath.axes import SIBLINGS
 from service.xpath.columns import Columns
 from service.xpath.forest import Forest
 from service.xpath.functions import as_booleans, kind_of
@@ -28,7 +29,8 @@ BATCH = 1_000_000
 HEAD_NODES, NODES_A_FRAME = 1000, 40
 SLICE_FRAMES = 4096
 """Frames that the rest of a path is walked from together; whole chunks, so that no track is read twice."""
-DOWNWARDS = frozenset({"self", "child", "descendant", "descendant-or-self", "attribute", "namespace"})
+LEAVING = frozenset({"following", "preceding"})
+IN_FRAMES = frozenset({FRAME, MOTION_NAME, FRAME_BONE})
 
 
 class Columnar:
@@ -123,24 +125,24 @@ class Columnar:
             documents = first_of_documents(np.arange(len(columns.forest)))
             one = NodeSets(np.zeros(len(documents), np.int64), documents, 1)
             nodes, rest = columns.steps(one, tree.steps[:split]).nodes, tree.steps[split:]
-        if not all(step.axis in DOWNWARDS for step in rest):
+        if not stays_in_frames(rest):
             yield columns.steps(ordered(np.zeros(len(nodes), np.int64), nodes, 1), rest).nodes
             return
         for at in range(0, len(nodes), SLICE_FRAMES) if rest else ():
-            yield from self._down(columns, nodes[at : at + SLICE_FRAMES], rest)
+            yield from self._within(columns, nodes[at : at + SLICE_FRAMES], rest)
         if not rest:
             yield nodes
 
-    def _down(self, columns: Columns, nodes: Ints, steps: tuple[Step, ...]) -> Iterator[Ints]:
-        """Steps that only go down, from nodes none of which lies in another; of too many, each half alone."""
+    def _within(self, columns: Columns, nodes: Ints, steps: tuple[Step, ...]) -> Iterator[Ints]:
+        """Steps from frames that stay in them; from too many, each half alone."""
         try:
             found = columns.steps(ordered(np.zeros(len(nodes), np.int64), nodes, 1), steps).nodes
         except TooWideError:
             if len(nodes) < 2:
                 raise
             half = len(nodes) // 2
-            yield from self._down(columns, nodes[:half], steps)
-            yield from self._down(columns, nodes[half:], steps)
+            yield from self._within(columns, nodes[:half], steps)
+            yield from self._within(columns, nodes[half:], steps)
             return
         yield found
 
@@ -151,11 +153,22 @@ def _all_bones(start: Start) -> bool:
 
 
 def frames_at(steps: Sequence[Step]) -> int:
-    """After how many steps a path has reached frames, from which it only goes down; all, if it never does."""
+    """After how many steps a path has reached frames, which it does not leave again; all, if it never does."""
     types = frozenset({DOCUMENT})
-    for number, step in enumerate(steps):
+    for number, step in enumerate(steps, start=1):
         types = after(types, step)
         if types == {FRAME}:
-            down = all(following.axis in DOWNWARDS for following in steps[number + 1 :])
-            return number + 1 if down else len(steps)
+            return number if stays_in_frames(steps[number:]) else len(steps)
     return len(steps)
+
+
+def stays_in_frames(steps: Sequence[Step]) -> bool:
+    """Whether steps from a frame reach only that frame and what is in it: then frames can be looked at in slices."""
+    types = frozenset({FRAME})
+    for step in steps:
+        if step.axis in LEAVING or (step.axis in SIBLINGS and FRAME in types):
+            return False
+        types = after(types, step)
+        if not {found.lstrip("@#") for found in types} <= IN_FRAMES:
+            return False
+    return True

@@ -14,13 +14,13 @@ from typing import TypeAlias
 
 import numpy as np
 
-from service.mcml.vocabulary import FRAME_BONE
+from service.mcml.vocabulary import FRAME, FRAME_BONE
 from service.xpath import functions
-from service.xpath.axes import REVERSE, named_bones, parents, step
+from service.xpath.axes import REVERSE, SIBLINGS, are_frames, named_bones, parents, sibling_frames, step
 from service.xpath.comparisons import compare
 from service.xpath.existence import Beyond
 from service.xpath.forest import Forest
-from service.xpath.labels import named
+from service.xpath.labels import named, position_of
 from service.xpath.nodesets import NodeSets, ordered
 from service.xpath.numbering import Bools, Floats, Ints, documents_of, first_of_documents
 from service.xpath.pairs import TooWideError, expand
@@ -152,8 +152,12 @@ class Columns:
             self.check()
             predicates = one.predicates
             name = bone_name(one)
+            distance = frame_distance(one)
             if name is not None:
                 source, reached = named_bones(self.forest, sets.nodes, name)
+                predicates = predicates[1:]
+            elif distance is not None and are_frames(sets.nodes):
+                source, reached = sibling_frames(self.forest, sets.nodes, distance)
                 predicates = predicates[1:]
             else:
                 source, reached = step(self.forest, sets.nodes, one.axis, one.name)
@@ -316,6 +320,14 @@ def _is_beyond(path: Path) -> bool:
         and path.steps[0].axis in BEYOND
         and not counts(path.steps[0])
     )
+
+
+def frame_distance(step: Step) -> int | None:
+    """N of `following-sibling::frame[N]…`, -N of `preceding-sibling::frame[N]…`, None for other steps."""
+    if step.axis not in SIBLINGS or step.name != FRAME or not step.predicates:
+        return None
+    position = position_of(step.predicates[0])
+    return position if position is None or step.axis not in REVERSE else -position
 
 
 def bone_name(step: Step) -> str | None:

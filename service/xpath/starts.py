@@ -10,12 +10,12 @@ from service.mcml.vocabulary import FRAME, MCML, MOTION
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.forest import Forest
-from service.xpath.labels import Groups, compared_text, motion_name_groups, ranges_of, without_self
+from service.xpath.labels import Groups, compared_text, motion_name_groups, position_of, ranges_of, without_self
 from service.xpath.listing import Scope
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
 from service.xpath.pairs import expand
 from service.xpath.rules import counts
-from service.xpath.tree import Call, Expression, Literal, Operation, Path, Step
+from service.xpath.tree import Expression, Literal, Operation, Path, Step
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def start_of(tree: Expression) -> Start | None:
     if ways != [("child", MCML), ("child", MOTION), ("child", FRAME)] or any(s.predicates for s in tree.steps[:2]):
         return None
     predicates, steps = tree.steps[2].predicates, tree.steps[3:]
-    if predicates and (position := _position(predicates[0])) is not None:
+    if predicates and (position := position_of(predicates[0])) is not None:
         return Start((), position, None, predicates[1:], steps)
     groups: list[tuple[str, ...]] = []
     rest: list[Expression] = []
@@ -69,18 +69,6 @@ def start_of(tree: Expression) -> Start | None:
         else:
             rest.append(predicate)
     return Start(tuple(groups), None, wanted, tuple(rest), steps)
-
-
-def _position(predicate: Expression) -> int | None:
-    """N of `N` or `position()=N`, a whole number from 1."""
-    value: Expression = predicate
-    if isinstance(predicate, Operation) and predicate.operator == "=" and len(predicate.operands) == 2:
-        for one, other in (predicate.operands, predicate.operands[::-1]):
-            if isinstance(one, Call) and one.function == "position":
-                value = other
-    if not isinstance(value, Literal) or not isinstance(value.value, float):
-        return None
-    return int(value.value) if value.value >= 1 and value.value.is_integer() else None
 
 
 def _frame_id(predicate: Expression) -> str | float | None:

@@ -9,6 +9,7 @@ from random import Random
 import pytest
 
 from service.storage.database import Database
+from service.xpath import columnar
 from service.xpath.parse import parse
 from tests.conftest import shared_folder
 from tests.xpath.grammar import Grammar
@@ -86,6 +87,41 @@ def test_answers_are_libxml2s(documents: Library) -> None:
     tally = campaign(documents, seed_of(documents, 0), 600)
     tally.judge()
     assert tally.on_columns >= 0.95
+
+
+UP_AND_ASIDE = [
+    "//frame_bone[@Rx > 5]/..",
+    "//frame_bone/@Rx/../@name",
+    "//frame_bone[2]/parent::*/@id",
+    "//frame_bone[@Rx > 5]/ancestor::frame",
+    "//frame_bone[@Rx > 5]/ancestor-or-self::frame_bone/..",
+    "//frame_bone[1]/../motion_name/text()",
+    "//motion_name/following-sibling::frame_bone[1]",
+    "//frame_bone[last()]/preceding-sibling::*[1]",
+    "//frame/@id/..",
+    "//frame_bone/../..",
+    "//frame_bone[@Rx > 5]/ancestor::*",
+    "//frame[2]/following-sibling::frame[1]",
+    "//frame[frame_bone/@Rx > 5]/preceding-sibling::frame[2]/@id",
+    "//frame[@id > 2]/following-sibling::frame[1][motion_name]",
+    "//frame[frame_bone[1]/@Rx > preceding-sibling::frame[1]/frame_bone[1]/@Rx]",
+    "//frames/following-sibling::frame[1]",
+    "//motion/*/following-sibling::frame[1]/@id",
+    "//frame[position() < 5]/preceding-sibling::*[1]",
+    "//frame[position() < 5]/preceding-sibling::frame[1][1]/following-sibling::frame[2]",
+    "//frame/following-sibling::frame[99999999999999999999]",
+    "//frame/preceding-sibling::frame[position() = 1]/@id",
+    "//frame[position() < 5]/preceding-sibling::frame[0.5]",
+]
+
+
+def test_frames_in_slices(documents: Library, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps that go up or aside, from a few frames at a time."""
+    monkeypatch.setattr(columnar, "SLICE_FRAMES", 2)
+    for text in UP_AND_ASIDE:
+        outcome = check(documents.engine, documents.trees, text, Random(1))
+        assert outcome is not None, text
+        assert outcome.way != "projection", text
 
 
 @pytest.mark.fuzz
