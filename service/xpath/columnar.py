@@ -125,24 +125,30 @@ class Columnar:
             documents = first_of_documents(np.arange(len(columns.forest)))
             one = NodeSets(np.zeros(len(documents), np.int64), documents, 1)
             nodes, rest = columns.steps(one, tree.steps[:split]).nodes, tree.steps[split:]
-        if not stays_in_frames(rest):
-            yield columns.steps(ordered(np.zeros(len(nodes), np.int64), nodes, 1), rest).nodes
+        inner = steps_in_frames(rest)
+        if inner == len(rest):
+            yield from self._within(columns, nodes, rest)
             return
-        for at in range(0, len(nodes), SLICE_FRAMES) if rest else ():
-            yield from self._within(columns, nodes[at : at + SLICE_FRAMES], rest)
-        if not rest:
-            yield nodes
+        reached = np.concatenate([*self._within(columns, nodes, rest[:inner]), np.empty(0, np.int64)])
+        yield columns.steps(ordered(np.zeros(len(reached), np.int64), reached, 1), rest[inner:]).nodes
 
     def _within(self, columns: Columns, nodes: Ints, steps: tuple[Step, ...]) -> Iterator[Ints]:
-        """Steps from frames that stay in them; from too many, each half alone."""
+        """Steps from frames that stay in them, some frames at a time."""
+        if not steps:
+            yield nodes
+        for at in range(0, len(nodes), SLICE_FRAMES) if steps else ():
+            yield from self._from_some(columns, nodes[at : at + SLICE_FRAMES], steps)
+
+    def _from_some(self, columns: Columns, nodes: Ints, steps: tuple[Step, ...]) -> Iterator[Ints]:
+        """The same from some frames; from too many, each half alone."""
         try:
             found = columns.steps(ordered(np.zeros(len(nodes), np.int64), nodes, 1), steps).nodes
         except TooWideError:
             if len(nodes) < 2:
                 raise
             half = len(nodes) // 2
-            yield from self._within(columns, nodes[:half], steps)
-            yield from self._within(columns, nodes[half:], steps)
+            yield from self._from_some(columns, nodes[:half], steps)
+            yield from self._from_some(columns, nodes[half:], steps)
             return
         yield found
 
@@ -153,22 +159,21 @@ def _all_bones(start: Start) -> bool:
 
 
 def frames_at(steps: Sequence[Step]) -> int:
-    """After how many steps a path has reached frames, which it does not leave again; all, if it never does."""
+    """After how many steps a path has reached frames; all, if it never does."""
     types = frozenset({DOCUMENT})
     for number, step in enumerate(steps, start=1):
         types = after(types, step)
         if types == {FRAME}:
-            return number if stays_in_frames(steps[number:]) else len(steps)
+            return number
     return len(steps)
 
 
-def stays_in_frames(steps: Sequence[Step]) -> bool:
-    """Whether steps from a frame reach only that frame and what is in it: then frames can be looked at in slices."""
+def steps_in_frames(steps: Sequence[Step]) -> int:
+    """How many steps from a frame reach only it and what is in it: so far, frames can be looked at in slices."""
     types = frozenset({FRAME})
-    for step in steps:
-        if step.axis in LEAVING or (step.axis in SIBLINGS and FRAME in types):
-            return False
+    for number, step in enumerate(steps):
+        leaves = step.axis in LEAVING or (step.axis in SIBLINGS and FRAME in types)
         types = after(types, step)
-        if not {found.lstrip("@#") for found in types} <= IN_FRAMES:
-            return False
-    return True
+        if leaves or not {found.lstrip("@#") for found in types} <= IN_FRAMES:
+            return number
+    return len(steps)

@@ -39,7 +39,7 @@ from service.xpath.tree import (
 )
 from service.xpath.tree import Sequence as Written
 
-SLICE = 100_000
+SLICE = 10_000
 """Candidates of a predicate that are looked at together."""
 
 Value: TypeAlias = NodeSets | Floats | Bools | Strings
