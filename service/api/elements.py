@@ -21,7 +21,7 @@ from schemas.elements import (
 )
 from schemas.elements import Edit as AnyEdit
 from schemas.examples import ADDRESS, FRAME_BONE, NODE
-from schemas.queries import NodeItem, QueryRequest
+from schemas.queries import QueryRequest
 from service.actions.describe_problem import PreconditionError
 from service.actions.edit_element import Change, read_element
 from service.actions.edit_elements import (
@@ -230,20 +230,11 @@ def _addresses(queries: Queries, uuid: str, xpath: str, many: bool, revision: in
     """The canonical addresses of what an expression selects: one node, or several."""
     if _ADDRESS.fullmatch(xpath):
         return [xpath]
-    found: list[str] = []
-    cursor: str | None = None
-    while True:
-        limit = 1000 if many else 2
-        request = QueryRequest(q=xpath, document=[uuid], revision=revision, limit=limit, cursor=cursor)
-        answer = queries.answer(request)
-        if answer.type != "nodes":
-            raise DocumentError("The expression gives a value, not an element.", remedy="Write a path to one element.")
-        found += [item.address.removesuffix("/text()") for item in answer.items or [] if isinstance(item, NodeItem)]
-        cursor = answer.next_cursor
-        if cursor is None or not many:
-            break
-        if len(found) > MOST_ELEMENTS:
-            raise LimitError(f"The expression selects more than {MOST_ELEMENTS} nodes.", remedy="Edit them in parts.")
+    limit = MOST_ELEMENTS + 1 if many else 2
+    request = QueryRequest(q=xpath, document=[uuid], revision=revision, limit=limit)
+    found = [address.removesuffix("/text()") for address in queries.addresses(request)]
+    if len(found) > MOST_ELEMENTS:
+        raise LimitError(f"The expression selects more than {MOST_ELEMENTS} nodes.", remedy="Edit them in parts.")
     if not found:
         raise NotFoundError("The expression selects nothing.", remedy="Try it with GET /xpath first.")
     if len(found) > 1 and not many:

@@ -21,6 +21,7 @@ from service.xpath.columnar import Columnar
 from service.xpath.columns import Columns, Context
 from service.xpath.complete import Completion, complete
 from service.xpath.cursors import Cursor, question, read_cursor
+from service.xpath.describe import describe_nodes
 from service.xpath.evaluate import Evaluator
 from service.xpath.explain import steps_of
 from service.xpath.forest import Forest
@@ -106,6 +107,17 @@ class Queries:
             except (TooWideError, TooLongError, NotOnColumnsError):
                 return Shown(asking.on_xml(request.limit))
         return Answer(self.database, self.shared, commit, parts)
+
+    def addresses(self, request: QueryRequest) -> list[str]:
+        """The canonical addresses of all nodes of an answer (or the first `limit`). Raises as `answer` does, and
+        QueryError for an expression that gives values."""
+        if type_of(parse(request.q, request.variables).tree) not in ("nodes", "sequence"):
+            raise QueryError("The expression gives a value, not an element.", remedy="Write a path to one element.")
+        found = self.stream(request)
+        if isinstance(found, Shown):
+            return [node.address for nodes in found.nodes() for node in nodes]
+        shown = found.shown(lambda forest, nodes: list(describe_nodes(forest, nodes)))
+        return [address for some in shown for _, address in some]
 
     def _commit(self, request: QueryRequest) -> int:
         """The state of the store that is asked: the newest, or that which a revision of the document left."""

@@ -250,6 +250,15 @@ def test_too_much_is_refused_with_what_to_narrow(database: Database) -> None:
         refused = client.get(f"{API}/xpath", params={"q": "/mcml"})
         assert refused.status_code == 422
         assert "Export the document" in refused.json()["remedy"]
+        (document,) = client.get(f"{API}/documents").json()["items"]
+        for text in ("/mcml | /mcml/motion", "//motion | //mcml"):
+            edited = client.patch(
+                f"{API}/documents/{document['id']}/elements",
+                params={"xpath": text},
+                json={"attributes": {"version": "1.0"}},
+                headers={"if-match": "*"},
+            )
+            assert "more than one node" in edited.json()["detail"]
         streamed = client.get(f"{API}/xpath", params={"q": "/mcml", "as": "xml"})
         assert streamed.content.count(b"<frame id=") == 600
         assert client.get(f"{API}/xpath", params={"q": "count(//frame[motion_name='walk'])"}).json()["value"] == 600

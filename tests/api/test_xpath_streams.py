@@ -80,6 +80,8 @@ def test_streams_hold_what_pages_hold(library: TestClient, text: str) -> None:
     assert [(found.get("document"), found.get("address"), content(found)) for found in results] == [
         (item["document"], item["address"], canonical(item)) for item in wanted
     ]
+    queries: Queries = library.app.state.queries  # type: ignore[attr-defined]
+    assert queries.addresses(QueryRequest(q=text)) == [item["address"] for item in wanted]
 
 
 def test_frames_without_samples_are_shown(client: TestClient) -> None:

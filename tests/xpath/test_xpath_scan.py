@@ -16,11 +16,13 @@ from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import DocumentFilter, StoredDocument
 from service.xpath import forest, run, scan, shared, streams
+from service.xpath.nodes import Node
 from service.xpath.parse import parse
 from service.xpath.rules import normal
 from service.xpath.run import Queries
 from service.xpath.scan import plan_scan
 from service.xpath.shared import OfDocuments, Shared
+from service.xpath.sources import described
 from service.xpath.tracks import Tracks
 from service.xpath.zones import read_zones
 from tests.builders import HTR, MCML, bvh, store
@@ -188,8 +190,14 @@ def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: p
         assert [shown(forgetful.answer(request)) for request in requests] == usual
         for request, first in zip(requests, usual, strict=True):
             if first[1]:
-                found = [node for nodes in forgetful.stream(request).nodes() for node in nodes]
+                found = streamed(forgetful, request)
                 assert [(node.stored.uuid, node.address, node.value) for node in found] == first[1]
+
+
+def streamed(queries: Queries, request: QueryRequest) -> list[Node]:
+    answer = queries.stream(request)
+    assert isinstance(answer, streams.Answer)
+    return [node for nodes in answer.shown(described) for node in nodes]
 
 
 def test_all_of_an_answer_is_of_the_revision_that_is_asked(engine: Queries) -> None:
@@ -201,11 +209,11 @@ def test_all_of_an_answer_is_of_the_revision_that_is_asked(engine: Queries) -> N
         change_element(tx, tx.documents.get(uuid), "/mcml/motion/frame[2]/frame_bone[1]", Change({"Rx": "77"}))
         change_element(tx, tx.documents.get(uuid), "/mcml/motion/frame[40]/frame_bone[1]", Change({"Rx": "78"}))
     later = Queries(engine.database, Settings())
-    streamed = [node.value for nodes in later.stream(request).nodes() for node in nodes]
+    values = [node.value for node in streamed(later, request)]
     again = Queries(engine.database, Settings()).answer(request)
     assert again.next_cursor is not None
     following = later.answer(request.model_copy(update={"cursor": again.next_cursor, "revision": None}))
-    assert streamed == [value for *_, value in shown(first)[1]]
+    assert values == [value for *_, value in shown(first)[1]]
     assert shown(again) == shown(first)
     assert "78.0" not in [value for *_, value in shown(following)[1]]
     assert "78.0" in [
