@@ -11,10 +11,9 @@ from typing import Literal, TypeVar
 
 import numpy as np
 
-from schemas.queries import Explain, NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem, ValueItem
+from schemas.queries import Explain, QueryAnswer, QueryRequest, ValueItem
 from service.errors import LimitError, QueryError
 from service.settings import Settings
-from service.storage.columns import Listed
 from service.storage.database import LATEST, Database, Transaction
 from service.xpath import aggregates, sources
 from service.xpath.columnar import Columnar
@@ -25,9 +24,9 @@ from service.xpath.describe import describe_nodes
 from service.xpath.evaluate import Evaluator
 from service.xpath.explain import steps_of
 from service.xpath.forest import Forest
-from service.xpath.frame_runs import IdRuns
 from service.xpath.functions import NotOnColumnsError
 from service.xpath.hints import unknown_names
+from service.xpath.items import Kind, kind_of_value, node_item, plain, run_items, scalars
 from service.xpath.limits import Limits
 from service.xpath.listing import Scope
 from service.xpath.nodes import Node, Run
@@ -50,7 +49,6 @@ from service.xpath.values import TooLongError
 MAX_RUNS = 100_000
 DEFAULT_LIMIT = 100
 MAX_ON_XML = 100_000
-Kind = Literal["nodes", "runs", "number", "string", "boolean", "strings", "values"]
 Item = TypeVar("Item")
 
 
@@ -343,23 +341,6 @@ class _Page:
         return str(Cursor(commit, following, question(self.request)))
 
 
-def scalars(kind: Kind, documents: Sequence[Listed], found: Sequence[float | str | bool]) -> QueryAnswer:
-    """One value of one document, or a value of each."""
-    if len(documents) == 1:
-        return QueryAnswer(type=kind, value=plain(found[0]))
-    items = [
-        ScalarItem(document=listed.uuid, revision=listed.revision, value=plain(value))
-        for listed, value in zip(documents, found, strict=True)
-    ]
-    return QueryAnswer(type=kind, items=list(items))
-
-
-def kind_of_value(value: float | str | bool) -> Kind:
-    if isinstance(value, bool):
-        return "boolean"
-    return "string" if isinstance(value, str) else "number"
-
-
 def without_index(tree: Expression) -> tuple[Expression, int | None]:
     """`(…)[n]` around the whole counts over all documents: the expression inside, and n."""
     if isinstance(tree, Filter) and len(tree.predicates) == 1 and isinstance(tree.predicates[0], Constant):
@@ -367,45 +348,6 @@ def without_index(tree: Expression) -> tuple[Expression, int | None]:
         if isinstance(value, float) and value >= 1 and value.is_integer():
             return tree.operand, int(value)
     return tree, None
-
-
-def run_items(tx: Transaction, shared: Shared, runs: Sequence[Run]) -> list[RunItem]:
-    """Runs as an answer shows them, their frame ids read together."""
-    documents = {run.stored.key: run.stored for run in runs}
-    place = {key: number for number, key in enumerate(documents)}
-    ends = [(place[run.stored.key] << 48) | (end << 24) for run in runs for end in (run.first, run.last)]
-    numbers, others = IdRuns(shared.ids.read(tx, list(documents.values()))).numbers(np.array(ends, np.int64))
-    ids = [others.get(index, str(number)) for index, number in enumerate(numbers.tolist())]
-    return [
-        RunItem(
-            document=run.stored.uuid,
-            name=run.stored.name,
-            revision=run.stored.revision,
-            first=run.first,
-            last=run.last,
-            first_id=first_id,
-            last_id=last_id,
-            frames=run.last - run.first + 1,
-        )
-        for run, first_id, last_id in zip(runs, ids[::2], ids[1::2], strict=True)
-    ]
-
-
-def node_item(node: Node) -> NodeItem:
-    return NodeItem.model_construct(
-        kind=node.kind,  # type: ignore[arg-type]
-        document=node.stored.uuid,
-        revision=node.stored.revision,
-        address=node.address,
-        value=node.value,
-    )
-
-
-def plain(value: float | str | bool) -> float | str | bool:
-    """JSON has no NaN and no infinities: they are the texts that XPath's string() gives."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
-    return value
 
 
 def _kind(tree: Expression) -> Kind:
