@@ -174,6 +174,16 @@ MCML = b"""<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
+def mcml_of(ids: Sequence[int | str]) -> bytes:
+    """A document of one bone that turns by a degree a frame, and frames with these ids."""
+    head, _, rest = MCML.decode().partition("    <frames>3</frames>")
+    frames = [
+        f'<frame id="{one}"><frame_bone name="left_up_leg" Rx="{n}"/></frame>\n' for n, one in enumerate(ids, start=1)
+    ]
+    time = "<frametime>0.0333</frametime>"
+    return f"{head}<frames>{len(ids)}</frames>{time}{''.join(frames)}{rest[rest.index('  </motion>') :]}".encode()
+
+
 def source(name: str, content: bytes) -> SourceFile:
     return SourceFile(name, io.BytesIO(content))
 

@@ -112,6 +112,11 @@ def unpack_shape(data: bytes) -> Shape:
     return tuple(zip(numbers[::2], numbers[1::2], strict=True))
 
 
+def is_plain_integer(text: str) -> bool:
+    """Whether an id is kept as an integer: in the one spelling that the number has, and of at most 18 characters."""
+    return text.isascii() and text.removeprefix("-").isdigit() and len(text) < 19 and str(int(text)) == text
+
+
 class FrameIdRuns:
     """Frame ids as runs of equal steps; texts that are no plain integers are kept as they are."""
 

@@ -23,6 +23,7 @@ from service.storage.encoding import (
     TrackRow,
     channels_of,
     decompress,
+    is_plain_integer,
     pack_shape,
     track_row,
     unpack_shape,
@@ -150,7 +151,7 @@ class Tracks:
         """Replace the ids of all frames from this commit on. Texts that are plain integers are kept as such."""
         runs = FrameIdRuns()
         for part in parts:
-            plain = isinstance(part, np.ndarray) or all(_is_plain(text) for text in part)
+            plain = isinstance(part, np.ndarray) or all(is_plain_integer(text) for text in part)
             runs.add(np.array(part, dtype=np.int64) if plain else part)
         self.close(frame_run, document_key)
         self.write_frame_runs(document_key, runs.rows, self._tx.commit)
@@ -317,14 +318,10 @@ class Tracks:
         for first, count, first_id, step, texts in self._tx.connection.execute(query.order_by(frame_run.c.first)):
             if texts is not None:
                 found += [first + i for i, other in enumerate(json.loads(texts)) if other == text]
-            elif _is_plain(text):
+            elif is_plain_integer(text):
                 ids = first_id + step * np.arange(count, dtype=np.int64)
                 found += [first + int(i) for i in np.flatnonzero(ids == int(text))]
         return found
-
-
-def _is_plain(text: str) -> bool:
-    return text.isascii() and text.removeprefix("-").isdigit() and str(int(text)) == text and len(text) < 19
 
 
 def _every(block: FrameBlock, skip: int, step: int) -> FrameBlock:

@@ -27,6 +27,7 @@ from service.xpath.forest import Forest
 from service.xpath.functions import NotOnColumnsError
 from service.xpath.hints import unknown_names
 from service.xpath.items import Kind, kind_of_value, node_item, plain, run_items, scalars
+from service.xpath.labels import without_index
 from service.xpath.limits import Limits
 from service.xpath.listing import Scope
 from service.xpath.nodes import Node, Run
@@ -42,8 +43,7 @@ from service.xpath.sequences import Sequences
 from service.xpath.shared import Shared
 from service.xpath.sources import Nth, Source
 from service.xpath.streams import Answer, Shown, collect
-from service.xpath.tree import Expression, Filter, is_constant, type_of
-from service.xpath.tree import Literal as Constant
+from service.xpath.tree import Expression, is_constant, type_of
 from service.xpath.values import TooLongError
 
 MAX_RUNS = 100_000
@@ -339,15 +339,6 @@ class _Page:
         commit = min(tx.newest_commit(), tx.at)
         following = self.offset + (self.limit if shown is None else shown)
         return str(Cursor(commit, following, question(self.request)))
-
-
-def without_index(tree: Expression) -> tuple[Expression, int | None]:
-    """`(…)[n]` around the whole counts over all documents: the expression inside, and n."""
-    if isinstance(tree, Filter) and len(tree.predicates) == 1 and isinstance(tree.predicates[0], Constant):
-        value = tree.predicates[0].value
-        if isinstance(value, float) and value >= 1 and value.is_integer():
-            return tree.operand, int(value)
-    return tree, None
 
 
 def _kind(tree: Expression) -> Kind:

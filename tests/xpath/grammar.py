@@ -9,15 +9,23 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from random import Random
 from typing import Any
 
+from service.xpath.tokens import Token, tokens
 from service.xpath.tree import AXES
 from tests.xpath.witness import Witness, child, element, move
 
 CHANNELS = ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz")
 WANTED = 0.05
 """Share of the expressions below which a feature is preferred."""
+BEYOND = (
+    "99999999999999999999", "1000000000000", "-1", "0", "-0", "0.5", "1.5", "1 div 0", "-1 div 0", "0 div 0",
+    "position() = 99999999999999999999", "position() < 1000000000000", "position() > -1000000000000",
+    "position() != -1", "last() + 1", "position() <= 9223372036854775808", "last() - 1e18", "2147483648",
+)  # fmt: skip
+"""Positions that no list has, or all lists."""
 MOST_WORK = 200_000
 """Nodes that libxml2 may look at, about, when a witness is asked."""
 
@@ -40,7 +48,8 @@ class Grammar:
             name = self.random.choice(list(self.trees))
             self._size = self._sizes[name]
             self._budget = self.random.choice([2, 4, 4, 6, 6, 8, 10, 14, 25, 40])
-            yield name, self.top(Witness("document", self.trees[name].getroot()))
+            text = self.top(Witness("document", self.trees[name].getroot()))
+            yield name, without_space(text) if self.chance(0.15) else text
 
     def used(self, found: set[str]) -> None:
         self.made += 1
@@ -193,6 +202,8 @@ class Grammar:
     def position_test(self) -> str:
         """A condition on the position that some node of most lists meets."""
         number = self.random.choice([1, 1, 1, 2, 3, 5, 10])
+        if self.chance(0.06):
+            return self.random.choice(BEYOND)
         return self.random.choice([
             "1", str(number), "last()", f"position() <= {number}", f"position() mod {number + 1} = 1",
             "position()=last()", f"position() >= {number} and position() <= {number + 5}", f"last() - {number - 1}",
@@ -209,8 +220,15 @@ class Grammar:
             if known is not None:
                 return known
         text = f"{self.string(node)} != 'no-such'" if self.chance(0.12) else self.boolean(node)
+        if self.chance(0.05):
+            text = self.nested(text)
         held = self.evaluate(node, f"boolean({text})")
         return f"not({text})" if held is False and self.chance(0.9) else text
+
+    def nested(self, condition: str) -> str:
+        """The condition in predicates of predicates."""
+        depth = self.random.choice([2, 3, 8, 20])
+        return "self::node()[" * depth + condition + "]" * depth
 
     def usual(self, node: Witness) -> str | None:
         """What animators ask of a frame, a bone or a sample."""
@@ -226,8 +244,12 @@ class Grammar:
                     f"not(motion_name='nothing') and {name}=motion_name",
                 ])  # fmt: skip
             if self.chance(0.3):
-                own = node.element.get("id")
-                return random.choice([f"@id={self.quoted(own)}", f"@id={own}" if own.isdigit() else "@id", "@id >= 2"])
+                own = random.choice(node.element.getparent().findall("frame")).get("id")
+                near = own if own.isdigit() and self.chance(0.7) else str(random.choice([-2, 0, 1, 4, 5, 6, 8]))
+                return random.choice([
+                    f"@id={self.quoted(own)}", f"@id={near}", f"{near} = @id", f"@id={self.quoted(near)}",
+                    f"@id >= {near}", f"@id != {near}", f"not(@id={near})", "@id=../frame[last()]/@id",
+                ])  # fmt: skip
             bone = child(node, random, "frame_bone")
             if bone is None:
                 return "not(frame_bone)"
@@ -265,10 +287,9 @@ class Grammar:
              "starts-with()", "lang()", "test comment()", "test processing-instruction()", "id()", "path"],
             [5, 5, 3, 1, 1, 0.8, 1.5, 1.3, 1.5, 1.2, 1.2, 1.6, 1, 2],
         )  # fmt: skip
-        if kind == "operator <":
-            return self.relation(node)
-        if kind == "operator =":
-            return self.equality(node)
+        if kind in ("operator <", "operator ="):
+            text = self.relation(node) if kind == "operator <" else self.equality(node)
+            return self.chained(text, node) if self.chance(0.12) else text
         if kind == "operator and":
             operator = self.random.choice(["and", "or"])
             operands = [self.condition(node) for _ in range(self.random.choice([2, 2, 3]))]
@@ -292,6 +313,13 @@ class Grammar:
 
     def path(self, node: Witness) -> str:
         return self.nodes(node)[0]
+
+    def chained(self, comparison: str, node: Witness) -> str:
+        """The truth of a comparison compared again, as `1 < 2 = true()` and `3 > 2 > 1` do."""
+        for _ in range(self.random.choice([1, 1, 2, 4])):
+            other = self.random.choice(["true()", "false()", "1", "0", self.number(node), self.string(node)])
+            comparison = f"{comparison} {self.random.choice(['=', '!=', '<', '<=', '>', '>='])} {other}"
+        return f"({comparison})"
 
     def relation(self, node: Witness) -> str:
         operator = self.pick(["<", "<=", ">", ">="], form="operator {}")
@@ -391,3 +419,14 @@ class Grammar:
     def number_text(self, value: float) -> str:
         digits = self.random.choice([0, 1, 2, 6])
         return f"{value:.{digits}f}" if self.chance(0.8) else str(round(value))
+
+
+def without_space(text: str) -> str:
+    """The expression with the white space alone that it cannot do without."""
+    parts = tokens(text)
+    result = ""
+    for before, token in pairwise([Token("end", "", 0, 0), *parts]):
+        grows = before.kind == "name" and token.text[:1] not in "<>=!+*/|()[],@$'\":"
+        grows |= before.kind == "number" and (token.kind == "number" or token.text[:1] in (".", "e", "E"))
+        result += " " * (grows and token.kind != "end") + token.text
+    return result

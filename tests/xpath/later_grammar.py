@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from elementpath import XPath2Parser
 from elementpath.tdop import Parser
 
-from service.xpath.parse import readable
+from service.xpath.later import readable
 from tests.xpath.grammar import CHANNELS, Grammar
 from tests.xpath.witness import Witness, element
 

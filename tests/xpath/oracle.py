@@ -17,8 +17,9 @@ from typing import Any
 from lxml import etree
 
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
+from service.xpath.labels import without_index
 from service.xpath.parse import Query, parse
-from service.xpath.run import Queries, without_index
+from service.xpath.run import Queries
 from service.xpath.texts import to_number
 from service.xpath.tree import Call, Expression, Literal, Operation, Path, children, is_constant, type_of, with_children
 from service.xpath.unparse import unparse
