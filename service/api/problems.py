@@ -12,6 +12,7 @@ from fastapi import FastAPI, Request
 from fastapi.encoders import jsonable_encoder
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
 from schemas.problem import Problem
@@ -43,8 +44,10 @@ def install(app: FastAPI) -> None:
     def _ours(_request: Request, error: errors.McmlError) -> JSONResponse:
         return respond(problem_of(error))
 
+    @app.exception_handler(ValidationError)
     @app.exception_handler(RequestValidationError)
-    def _invalid(_request: Request, error: RequestValidationError) -> JSONResponse:
+    def _invalid(_request: Request, error: RequestValidationError | ValidationError) -> JSONResponse:
+        # A ValidationError comes from a model that an endpoint makes of what it was sent.
         faults: list[dict[str, Any]] = [
             {"in": ".".join(str(part) for part in fault["loc"]), "what": fault["msg"]} for fault in error.errors()
         ]

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import orjson
-from sqlalchemy import Select, and_, bindparam, select
+from sqlalchemy import ColumnElement, Select, and_, bindparam, select
 
 from service.motion.skeleton import CHANNELS
 from service.storage.encoding import unpack_shape
 from service.storage.lists import OneOf
-from service.storage.moments import valid
+from service.storage.moments import there, valid
 from service.storage.rows import to_elements
 from service.storage.selected import listed_documents
 from service.storage.tables import (
@@ -117,6 +117,17 @@ _SKELETONS = (
 )
 
 
+_NAMED: dict[str, ColumnElement[bool]] = {
+    table.name: and_(table.c.document == document.c.id, valid(table), there()) for table in (bone, span)
+}
+_NAMES = {table.name: select(table.c.name).where(_NAMED[table.name]).distinct() for table in (bone, span)}
+_HOLDERS = {
+    table.name: select(document.c.id).where(_NAMED[table.name], table.c.name == bindparam("name")).limit(1)
+    for table in (bone, span)
+}
+_OF_KEYS = OneOf(document.c.id, "keys")
+_NAMES_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _NAMES.items()}
+_HOLDERS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _HOLDERS.items()}
 _DOCUMENTS = {past: listed_documents(past=past) for past in (False, True)}
 _DOCUMENTS_OF_KEYS = {past: query.where(OneOf(document.c.id, "keys")) for past, query in _DOCUMENTS.items()}
 
@@ -154,13 +165,17 @@ class Columns:
         """The name of each bone by (document, number)."""
         return {(row[0], row[1]): row[2] for row in self._rows(_BONE_NAMES, keys)}
 
-    def used_bone_names(self, keys: Sequence[int]) -> list[str]:
-        """The names of all bones of the documents."""
-        return sorted({row[2] for row in self._rows(_BONE_NAMES, keys)})
+    def used_names(self, kind: Literal["bone", "span"], keys: Sequence[int] | None) -> list[str]:
+        """The different names of bones, or motion names of spans, in the documents (in all, if no keys are given)."""
+        if keys is None:
+            return sorted(row[0] for row in self._tx.rows(_NAMES[kind], {"at": self._tx.at}))
+        return sorted({row[0] for row in self._rows(_NAMES_OF_KEYS[kind], keys)})
 
-    def used_motion_names(self, keys: Sequence[int]) -> list[str]:
-        """The names of all spans of the documents."""
-        return sorted({row[3] for row in self._rows(_SPANS, keys)})
+    def is_used(self, kind: Literal["bone", "span"], name: str, keys: Sequence[int] | None) -> bool:
+        """Whether a bone has the name, or a frame the motion name, in one of the documents."""
+        if keys is None:
+            return bool(self._tx.rows(_HOLDERS[kind], {"at": self._tx.at, "name": name}))
+        return any(True for _ in self._rows(_HOLDERS_OF_KEYS[kind], keys, name=name))
 
     def spans(self, keys: Sequence[int]) -> list[Any]:
         """Rows (document, first, last, name) in order of document and of the motion_names in a frame."""

@@ -32,6 +32,13 @@ MAX_DEPTH = 150
 """Of expressions in expressions; what evaluates them calls itself for each."""
 _OF_STRINGS = frozenset({"string-length", "contains", "starts-with", "ends-with"})
 _WHOLE = frozenset({"count", "position", "last", "string-length"})
+_OF_XPATH_3 = (
+    (r"\blet\s+\$", "`let` is XPath 3. Write `for $x in … return …`, or the expression in place of the variable."),
+    (r"\|\|", "`||` is XPath 3. Write concat(…) to join texts, `or` between conditions."),
+    (r"=>", "`=>` is XPath 3. Write the function around its first argument."),
+    (r"!(?!=)", "`!` is XPath 3. Write a slash, or `for $x in … return …`; not(…) negates."),
+)
+"""What a text may hold that only XPath 3 has, and what to write instead."""
 _LONG_NUMBER = re.compile(r"""'[^']*'|"[^"]*"|([0-9]{301})""")
 
 
@@ -184,6 +191,9 @@ def _hint(text: str, what: str) -> str:
     for opening, closing in ("[]", "()"):
         if text.count(opening) != text.count(closing):
             return f"The brackets {opening} {closing} do not match."
+    for sign, instead in _OF_XPATH_3:
+        if re.search(sign, text):
+            return instead
     unknown = re.search(r"unknown function '(?:fn:)?([\w.-]+)'", what)
     near = get_close_matches(unknown[1], sorted(SAFE_FUNCTIONS), 1, 0.5) if unknown else []
     if near:
@@ -192,6 +202,6 @@ def _hint(text: str, what: str) -> str:
         return "MCML has no namespaces: leave the prefix out."
     if "==" in text:
         return "Compare with a single = sign."
-    if "&&" in text or "||" in text:
+    if "&&" in text:
         return "Write `and` and `or`."
     return "Write XPath, such as //frame[motion_name='walk']."

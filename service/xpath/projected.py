@@ -97,12 +97,7 @@ class Projected:
 
     def _evaluate(self, stored: Listed, offset: int, limit: int) -> Nodes | Scalar:
         self.limits.check()
-        left = self.limits.seconds_left
-        try:
-            return self.evaluator.evaluate(self.query, self._xml.of(stored), limit=limit, offset=offset, seconds=left)
-        except LimitError as error:
-            # The time that was left is not the time that the query had.
-            raise self.limits.timeout() if error.details.get("code") == "query-timeout" else error from None
+        return self.evaluator.evaluate(self.query, self._xml.of(stored), limit=limit, offset=offset, limits=self.limits)
 
 
 class Xml:

@@ -73,29 +73,34 @@ class Queries:
         for a document or project that does not exist, LimitError for what exceeds the limits.
         """
         start = time.perf_counter()
+        limits = limits or self.limits()
         query = parse(request.q, request.variables)
         cursor = read_cursor(request)
         kind = type_of(query.tree)
         if request.as_ != "json" and kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
-        limits = limits or self.limits()
         with self.database.read(self._commit(request) if cursor is None else cursor.commit) as tx:
             scope = Scope(tx, self.shared.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=request.explain)
             page = _Page(self.shared, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
-            answer = asking.answer(page)
+            try:
+                answer = asking.answer(page)
+            except LimitError as error:
+                if request.explain:
+                    error.details["explain"] = asking.explained((time.perf_counter() - start) * 1000).model_dump()
+                raise
             if request.explain:
                 answer.explain = asking.explained((time.perf_counter() - start) * 1000)
-        answer.warnings += [*query.warnings, *unknown_names(query.tree)]
+            answer.warnings += [*query.warnings, *unknown_names(query.tree), *scope.unused_names(query.tree)]
         return answer
 
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
         """All nodes of an answer (or the first `limit`), to be shown bit by bit. Raises as `answer` does."""
+        limits = limits or self.limits()
         query = parse(request.q, request.variables)
         kind = type_of(query.tree)
         if kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
-        limits = limits or self.limits()
         with self.database.read(self._commit(request)) as tx:
             scope = Scope(tx, self.shared.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=False)
@@ -131,13 +136,12 @@ class Queries:
     ) -> tuple[int, list[Completion]]:
         """(first character that is replaced, completions) at a place in an expression, over a scope."""
         with self.database.read() as tx:
-            keys = [listed.key for listed in Scope(tx, self.shared.listing, documents, project).documents()]
-            columns = tx.columns
-            return complete(text, at, lambda: columns.used_motion_names(keys), lambda: columns.used_bone_names(keys))
+            scope = Scope(tx, self.shared.listing, documents, project)
+            return complete(text, at, lambda: scope.used_names("span"), lambda: scope.used_names("bone"))
 
-    def limits(self) -> Limits:
-        """The limits of one query."""
-        return Limits(self.settings.query_seconds, self.settings.query_elements)
+    def limits(self, client: str = "") -> Limits:
+        """The limits of one query that begins now. client: who asks."""
+        return Limits(self.settings.query_seconds, self.settings.query_elements, client)
 
 
 class _Asking:

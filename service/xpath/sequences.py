@@ -136,7 +136,7 @@ class Sequences:
             variables=self.variables,
             offset=offset,
             limit=limit,
-            seconds=self.limits.seconds_left,
+            limits=self.limits,
         )
 
 

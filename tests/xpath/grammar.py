@@ -9,23 +9,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
 from random import Random
 from typing import Any
 
-from service.xpath.tokens import Token, tokens
 from service.xpath.tree import AXES
+from tests.xpath.spelling import nested, position_test, without_space
 from tests.xpath.witness import Witness, child, element, move
 
 CHANNELS = ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz")
 WANTED = 0.05
 """Share of the expressions below which a feature is preferred."""
-BEYOND = (
-    "99999999999999999999", "1000000000000", "-1", "0", "-0", "0.5", "1.5", "1 div 0", "-1 div 0", "0 div 0",
-    "position() = 99999999999999999999", "position() < 1000000000000", "position() > -1000000000000",
-    "position() != -1", "last() + 1", "position() <= 9223372036854775808", "last() - 1e18", "2147483648",
-)  # fmt: skip
-"""Positions that no list has, or all lists."""
 MOST_WORK = 200_000
 """Nodes that libxml2 may look at, about, when a witness is asked."""
 
@@ -200,16 +193,7 @@ class Grammar:
         return text
 
     def position_test(self) -> str:
-        """A condition on the position that some node of most lists meets."""
-        number = self.random.choice([1, 1, 1, 2, 3, 5, 10])
-        if self.chance(0.06):
-            return self.random.choice(BEYOND)
-        return self.random.choice([
-            "1", str(number), "last()", f"position() <= {number}", f"position() mod {number + 1} = 1",
-            "position()=last()", f"position() >= {number} and position() <= {number + 5}", f"last() - {number - 1}",
-            f"position() < {number + 1}", f"not(position() > {number})", f"round(last() div {number})",
-            f"ceiling(last() * 0.{number})", "floor(last() div 2) + 1",
-        ])  # fmt: skip
+        return position_test(self.random)
 
     # -- conditions ------------------------------------------------------------------------------------------------
 
@@ -221,14 +205,9 @@ class Grammar:
                 return known
         text = f"{self.string(node)} != 'no-such'" if self.chance(0.12) else self.boolean(node)
         if self.chance(0.05):
-            text = self.nested(text)
+            text = nested(self.random, text)
         held = self.evaluate(node, f"boolean({text})")
         return f"not({text})" if held is False and self.chance(0.9) else text
-
-    def nested(self, condition: str) -> str:
-        """The condition in predicates of predicates."""
-        depth = self.random.choice([2, 3, 8, 20])
-        return "self::node()[" * depth + condition + "]" * depth
 
     def usual(self, node: Witness) -> str | None:
         """What animators ask of a frame, a bone or a sample."""
@@ -419,14 +398,3 @@ class Grammar:
     def number_text(self, value: float) -> str:
         digits = self.random.choice([0, 1, 2, 6])
         return f"{value:.{digits}f}" if self.chance(0.8) else str(round(value))
-
-
-def without_space(text: str) -> str:
-    """The expression with the white space alone that it cannot do without."""
-    parts = tokens(text)
-    result = ""
-    for before, token in pairwise([Token("end", "", 0, 0), *parts]):
-        grows = before.kind == "name" and token.text[:1] not in "<>=!+*/|()[],@$'\":"
-        grows |= before.kind == "number" and (token.kind == "number" or token.text[:1] in (".", "e", "E"))
-        result += " " * (grows and token.kind != "end") + token.text
-    return result
