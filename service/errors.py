@@ -100,6 +100,10 @@ class StoreError(McmlError):
     """The store is damaged or not at the schema this program needs."""
 
 
+class DamageError(StoreError):
+    """What the store holds is not what was written: a checksum differs."""
+
+
 class SpaceError(StoreError):
     """The disk is full. Nothing of the request was stored."""
 

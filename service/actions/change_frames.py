@@ -18,7 +18,7 @@ from service.motion.skeleton import CHANNEL_INDEX, Array
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.motion_names import names_of_frames
-from service.storage.tables import CHUNK
+from service.storage.schema import CHUNK
 
 
 def edit_frames(tx: Transaction, stored: StoredDocument, request: FrameEdits) -> StoredDocument:

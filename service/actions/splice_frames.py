@@ -14,8 +14,9 @@ from service.motion.clip import FrameBlock
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.encoding import ClipEncoder
+from service.storage.schema import CHUNK
 from service.storage.spans import StoredSpan
-from service.storage.tables import CHUNK, timeline
+from service.storage.tables import timeline
 from service.storage.tracks import Piece
 
 COMPRESSORS = 2

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import and_, insert, literal, select, update
+from sqlalchemy import and_, literal, select, update
 
 from service.errors import ConflictError
 from service.storage.moments import valid
-from service.storage.restoring import REVISIONED
-from service.storage.tables import CLOSED_TRACK, CURRENT, content, frame_run, header, span, timeline, track
+from service.storage.restoring import REVISIONED, copy_rows, show_copies
+from service.storage.schema import CURRENT
+from service.storage.seals import closing
+from service.storage.tables import CLOSED_TRACK, content, frame_run, header, span, timeline, track
 
 if TYPE_CHECKING:
     from sqlalchemy import ColumnElement, Table
@@ -96,14 +98,10 @@ def _take_back(tx: Transaction, table: Table, stored: StoredDocument, at: int) -
         if {_key(row, keys) for row in closed} & {_key(row, keys) for row in later}:
             raise _touched(f"{what} it took away were set")
     of_document = table.c.document == stored.key
-    names = [column.name for column in table.columns if column.name not in ("from_commit", "to_commit", "id")]
-    copies = select(
-        *(table.c[name] for name in names), literal(tx.commit).label("from_commit"), literal(-1).label("to_commit")
-    ).where(of_document, *_closed_at(table, at))
-    tx.connection.execute(insert(table).from_select([*names, "from_commit", "to_commit"], copies))
+    copy_rows(tx, table, of_document, *_closed_at(table, at))
     mine = and_(of_document, table.c.from_commit == at, table.c.to_commit == CURRENT)
-    tx.connection.execute(update(table).where(mine).values(to_commit=tx.commit))
-    tx.connection.execute(update(table).where(of_document, table.c.to_commit == -1).values(to_commit=CURRENT))
+    tx.connection.execute(update(table).where(mine).values(closing(table, tx.commit)))
+    show_copies(tx, table, stored)
 
 
 def _key(row: Row, names: list[str]) -> tuple[Any, ...]:
