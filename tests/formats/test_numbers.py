@@ -52,7 +52,7 @@ def test_accepts_numbers_and_nothing_else(text: str) -> None:
         assert text.encode()[bad[1] :].startswith(bad[2].encode())
 
 
-@given(st.lists(doubles, min_size=1, max_size=30), st.sampled_from(["shortest", "fixed:0", "fixed:6", "general:6"]))
+@given(st.lists(doubles, min_size=1, max_size=30), st.sampled_from(["shortest", "fixed:0", "fixed:6", "fixed:80", "fixed:99", "general:6", "general:99"]))
 def test_every_style_reads_back_as_the_same_double(values: list[float], style: str) -> None:
     array = np.array(values)
     assert bits(parse_numbers(b" ".join(number_tokens(array, style)))) == bits(array)
@@ -74,6 +74,9 @@ def test_any_finite_bit_pattern_survives(patterns: list[int]) -> None:
         ("0.10 1.25 3.00 10.50", "fixed:2"),
         ("12.3902 0.0490239 -2.65014 3.97569e-05 7", "general:6"),
         ("0.1 1.0 1e-5 123.456789", "shortest"),
+        (" ".join(f"{number:.80f}" for number in (0.5, 1.25)), "fixed:80"),
+        (" ".join(f"{number:.100f}" for number in (0.5, 1.25)), "shortest"),
+        (f"0.5 1.{'3' * 150} 2.{'7' * 380}", "shortest"),
         ("", "shortest"),
         ("no numbers", "shortest"),
     ],
