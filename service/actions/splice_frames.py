@@ -146,6 +146,12 @@ def _write_spans(tx: Transaction, stored: StoredDocument, first: int, removed: i
             rows.append(_row(span, span.first, min(span.last, first - 1)))
         if span.last >= behind:
             rows.append(_row(span, max(span.first, behind) + shift, span.last + shift))
+    tx.spans.close([span.key for span in old])
+    tx.spans.write(stored.key, merged_spans(rows), tx.commit)
+
+
+def merged_spans(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Spans ({name, rank, first, last}) in their order, those of a name and rank that touch as one."""
     merged: list[dict[str, Any]] = []
     for row in sorted(rows, key=lambda row: (row["rank"], row["name"], row["first"])):
         last = merged[-1] if merged else None
@@ -153,8 +159,7 @@ def _write_spans(tx: Transaction, stored: StoredDocument, first: int, removed: i
             last["last"] = row["last"]
         else:
             merged.append(row)
-    tx.spans.close([span.key for span in old])
-    tx.spans.write(stored.key, sorted(merged, key=lambda row: (row["first"], row["rank"])), tx.commit)
+    return sorted(merged, key=lambda row: (row["first"], row["rank"]))
 
 
 def _row(span: StoredSpan, first: int, last: int) -> dict[str, Any]:
