@@ -309,4 +309,4 @@ def _store_head(tx: Transaction, stored: StoredDocument, document: Element, befo
             for name in names:
                 if name not in before:
                     tx.heads.add_bone(stored.key, unescape(name))
-    _write_content(tx, stored, skeleton=skeleton, version=document.attributes.get("version", stored.version))
+    _write_content(tx, stored, skeleton=skeleton, version=document.attributes.get("version", ""))

@@ -11,6 +11,7 @@ import numpy as np
 from service.errors import DocumentError, NotFoundError
 from service.mcml.elements import refresh_counts
 from service.motion.clip import FrameBlock
+from service.motion.extremes import check_numbers
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.encoding import ClipEncoder
@@ -86,9 +87,11 @@ def write_counts(tx: Transaction, stored: StoredDocument, frames: int) -> None:
 def _store(tx: Transaction, stored: StoredDocument, blocks: Iterable[FrameBlock]) -> tuple[ClipEncoder, int]:
     """The frames as rows in chunks of their own; answers the encoder that made them and their first slot."""
     chunk = -(-stored.next_slot // CHUNK)
+    names = tx.heads.bone_names(stored.key)
     with ThreadPoolExecutor(COMPRESSORS) as executor:
         encoder = ClipEncoder(executor)
         for block in blocks:
+            check_numbers(block, names, encoder.frames + 1)
             for rows in encoder.add(block):
                 tx.tracks.write_chunks(stored.key, rows, tx.commit, chunk)
         encoder.close()

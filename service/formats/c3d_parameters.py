@@ -47,8 +47,7 @@ class Machine:
     def floats(self, data: bytes) -> Array:
         """Single precision numbers as double ones; NaN for what DEC reserves."""
         if self.processor != DEC:
-            with np.errstate(invalid="ignore"):  # NaN of the signalling kind
-                return np.frombuffer(data, dtype=">f4" if self.processor == MIPS else "<f4").astype(np.float64)
+            return np.frombuffer(data, dtype=">f4" if self.processor == MIPS else "<f4").astype(np.float64)
         # VAX F: the word of sign, exponent and high bits first; 0.1mmm × 2^(e - 128), and e = 0 is zero.
         pairs = np.frombuffer(data, dtype="<u2").reshape(-1, 2).astype(np.int64)
         sign, exponent = pairs[:, 0] >> 15, pairs[:, 0] >> 7 & 0xFF

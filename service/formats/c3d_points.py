@@ -43,16 +43,15 @@ class Points:
         size = 4 if layout.real else 2
         data = np.ascontiguousarray(rows[:, : 4 * layout.points * size]).tobytes()
         scale = np.float32(self.scale)
-        with np.errstate(over="ignore"):
-            if layout.real:
-                values = self.machine.floats(data).reshape(count, layout.points, 4)
-                coordinates, words = values[..., :3], _whole(values[..., 3])
-            else:
-                integers = self.machine.integers(data).reshape(count, layout.points, 4)
-                coordinates = (integers[..., :3].astype(np.float32) * scale).astype(np.float64)
-                words = integers[..., 3].astype(np.int64)
-            # The fourth word: a sign for a missing sample, a byte of cameras, a byte of residual.
-            residuals = ((words & 0xFF).astype(np.float32) * scale).astype(np.float64)
+        if layout.real:
+            values = self.machine.floats(data).reshape(count, layout.points, 4)
+            coordinates, words = values[..., :3], _whole(values[..., 3])
+        else:
+            integers = self.machine.integers(data).reshape(count, layout.points, 4)
+            coordinates = (integers[..., :3].astype(np.float32) * scale).astype(np.float64)
+            words = integers[..., 3].astype(np.int64)
+        # The fourth word: a sign for a missing sample, a byte of cameras, a byte of residual.
+        residuals = ((words & 0xFF).astype(np.float32) * scale).astype(np.float64)
         missing = (words < 0) | ~np.isfinite(coordinates).all(axis=2) | ~np.isfinite(residuals)
         return coordinates, np.where(missing, -1.0, residuals)
 

@@ -33,6 +33,8 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
     if seconds is None:
         raise ConversionError("C3D says how fast frames follow, and the document does not", remedy="State it first.")
     rate = float(head.fields.get("dataframe_rate") or 1 / seconds)
+    if not 1e-38 < rate < 3e38:
+        raise ConversionError(f"C3D cannot hold {rate:g} frames a second", remedy="State another frame time first.")
     sections = dict(head.sources[0].sections) if head.sources and head.sources[0].part == "c3d" else {}
     scale = abs(float(sections.get("POINT:SCALE", "1")) or 1.0)
     labels = [_label(joint.source_name, clip.notices) for joint in head.skeleton.joints]
@@ -42,7 +44,13 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
         if not frames and not isinstance(block.ids, list):
             first = int(block.ids[0]) if 0 < block.ids[0] < _CAPPED else 1
         coordinates, residuals = _points(block, head.skeleton)
-        worst = max(worst, _rounding(coordinates, residuals >= 0))
+        error = _rounding(coordinates, residuals >= 0)
+        if not math.isfinite(error):
+            raise ConversionError(
+                "C3D holds numbers in single precision, up to 3.4e38; those of the motion are larger",
+                remedy="Export it as TRC or MCML.",
+            )
+        worst = max(worst, error)
         data.append(to_floats(coordinates, residuals, scale))
         frames += len(block)
     if not frames:
@@ -148,6 +156,5 @@ def _points(block: FrameBlock, skeleton: Skeleton) -> tuple[Array, Array]:
 
 def _rounding(coordinates: Array, there: NDArray[np.bool_]) -> float:
     """The largest error of rounding to single precision."""
-    with np.errstate(over="ignore"):
-        error = np.abs(coordinates.astype(np.float32).astype(np.float64) - coordinates)[there]
+    error = np.abs(coordinates.astype(np.float32).astype(np.float64) - coordinates)[there]
     return float(error.max(initial=0.0))

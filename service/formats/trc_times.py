@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -58,7 +59,7 @@ def decide_rate(times: Times, stated: str, usable: bool, notices: list[Notice]) 
 def first_time(times: Times, rate: float | None) -> float:
     """When the first frame is, seconds: 0.083 at 120 Hz is ten frames, rounded, and so are the times that follow."""
     first = float(times.seconds[0])
-    if rate is None:
+    if rate is None or not math.isfinite(first * rate):
         return first
     whole = round(first * rate) / rate
     return whole if abs(whole - first) <= _HALF * 10.0**-times.decimals else first
@@ -66,7 +67,7 @@ def first_time(times: Times, rate: float | None) -> float:
 
 def follows(seconds: Array, rate: float, allowed: float) -> bool:
     """Whether times (F,) are those of a rate, each within `allowed`, whatever the first one is."""
-    return bool(_spread(seconds, 1 / rate) <= 2 * allowed + 2e-9 * np.abs(seconds).max())
+    return bool(_spread(seconds, float(np.float64(1) / rate)) <= 2 * allowed + 2e-9 * np.abs(seconds).max())
 
 
 def even_rate(seconds: Array, allowed: float) -> str | None:
@@ -78,6 +79,8 @@ def even_rate(seconds: Array, allowed: float) -> str | None:
     if count < 3 or not np.isfinite(seconds).all():
         return None
     step = float(seconds[-1] - seconds[0]) / (count - 1)
+    if not np.isfinite(step):
+        return None
     reach = 2 * allowed / (count - 1)
     low, high = step - reach, step + reach
     best = _least(seconds, low, high)
