@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import BigInteger, and_, bindparam, delete, func, or_, select, update
 
-from service.mcml.elements import Element
+from service.mcml.elements import Element, mcml_attributes
 from service.storage.damage import damage, named
 from service.storage.moments import of_document
 from service.storage.rows import ELEMENT_COLUMNS, SkeletonRows, to_elements, to_rows, to_skeleton
@@ -59,7 +59,7 @@ class Heads:
     def document(self, stored: StoredDocument | Listed) -> Element:
         """The `mcml` element without its motion: header, root, skeleton."""
         children = [self.header(stored.key), *self.skeleton(stored.skeleton)]
-        return Element("mcml", {"version": stored.version}, "", children)
+        return Element("mcml", mcml_attributes(stored.version), "", children)
 
     def bone_names(self, document_key: int) -> dict[int, str]:
         """Name of each bone number, the root's among them."""

@@ -163,6 +163,11 @@ class Tracks:
         self.close(frame_run, document_key)
         self.write_frame_runs(document_key, runs.rows, self._tx.commit)
 
+    def shapes(self, document_key: int) -> dict[int, Shape]:
+        """Every shape that a frame of the document has had, by its number."""
+        query = select(shape.c.shape, shape.c.bones).where(shape.c.document == document_key)
+        return {number: unpack_shape(packed) for number, packed in self._tx.connection.execute(query)}
+
     def shapes_in_use(self, document_key: int) -> list[Shape]:
         """Every distinct shape that a current frame has."""
         query = (

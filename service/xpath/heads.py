@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from service.mcml.elements import Element
+from service.mcml.elements import Element, mcml_attributes
 from service.mcml.vocabulary import MCML, MOTION
 from service.mcml.writer import attribute_bytes, text_bytes
 from service.storage.columns import Listed
@@ -190,7 +190,7 @@ def _assemble(version: str, parts: Sequence[Part], frames: int, frame_time: str 
 @lru_cache(maxsize=16)
 def _frame_of_parts(version: str) -> Part:
     """Document node and `mcml`."""
-    mcml = flatten([Element(MCML, {"version": version}, "", [])])
+    mcml = flatten([Element(MCML, mcml_attributes(version), "", [])])
     document = Part(np.array([IS_DOCUMENT], np.int8), np.zeros(1, np.int16), np.array([-1]), np.zeros(1, int), [""])
     moved = _moved(mcml, 1, parent=0)
     return Part(

@@ -74,6 +74,38 @@ def test_elements(run: Run, walk: str) -> None:
     assert json.loads(run("show", walk, "--json"))["frames"] == 28
 
 
+@pytest.mark.parametrize(
+    ("label", "right"),
+    [
+        ("walk:0-2", "Frames are counted from 1"),
+        ("walk:5-2", "begins at frame 5 and ends at 2"),
+        ("jump:2", "such as jump:2-2"),
+        ("jump:0", "NAME:FIRST-LAST"),
+        ("walk:x-y", "NAME:FIRST-LAST"),
+        ("walk:1-", "NAME:FIRST-LAST"),
+        ("walk:", "NAME:FIRST-LAST"),
+        (":1-2", "NAME:FIRST-LAST"),
+        ("walk:29-31", "not in a document of 30 frames"),
+    ],
+)
+def test_a_label_that_is_none_is_refused(run: Run, walk: str, label: str, right: str) -> None:
+    before = run("labels", "list", walk, "--json")
+    assert right in run("label", walk, label, code=1)
+    assert run("labels", "list", walk, "--json") == before
+    if "29" not in label:
+        assert right in run("import", "walk.bvh", "--again", "--label", label, code=1)
+
+
+def test_names_may_hold_a_colon_where_frames_follow(run: Run, walk: str) -> None:
+    run("label", walk, "kim:walk:3-4", "turn : 5-6")
+    items = json.loads(run("labels", "list", walk, "--json"))["items"]
+    assert [(item["name"], item["first"], item["last"]) for item in items][1:] == [("kim:walk", 3, 4), ("turn", 5, 6)]
+
+
+def test_a_range_to_compose_is_no_xpath_expression(run: Run, walk: str) -> None:
+    assert "is not ID:FIRST-LAST" in run("compose", f"{walk}:5", "--name", "part", code=2)
+
+
 def test_labels(run: Run, walk: str) -> None:
     run("label", walk, "hop:5-9")
     first, hop = (item["id"] for item in json.loads(run("labels", "list", walk, "--json"))["items"])
