@@ -54,13 +54,19 @@ class ExpressionParameters(BaseModel):
         description="Faces up to so many mm apart may follow each other; found by tau_rule if left out",
         examples=[230.0],
     )
-    tau_rule: Literal["published", "best", "smallest"] | None = Field(
+    tau_rule: Literal["published", "best", "unbroken"] | None = Field(
         None,
         description="published: 2.3 mm for each marker (paper); best: where map and geodesics correlate most; "
-        "smallest: the smallest that connects all frames and comes within 0.01 of that (robust)",
-        examples=["smallest"],
+        "unbroken: with a margin, the smallest at which near faces are near on the graph (robust)",
+        examples=["unbroken"],
     )
-    tau_count: int = Field(12, ge=0, le=50, description="Thresholds tried for the curve", examples=[12])
+    tau_count: int = Field(
+        12,
+        ge=0,
+        le=50,
+        description="Thresholds tried for the curve; at least 24 where the rule unbroken decides",
+        examples=[12],
+    )
     on_disconnected: Literal["bridge", "largest", "error"] | None = Field(
         None,
         description="Where the graph falls into parts: join them by their closest frames (robust), keep the largest "
@@ -101,7 +107,9 @@ class ExpressionParameters(BaseModel):
         "left out",
         examples=[40.0],
     )
-    neighbours: int = Field(12, ge=2, le=100, description="Neighbours of a frame in a large space", examples=[12])
+    neighbours: int = Field(
+        12, ge=2, le=100, description="Frames of the space that an added one is joined to", examples=[12]
+    )
     landmarks: int = Field(300, ge=20, le=2000, description="Landmarks of a large space", examples=[300])
     seed: int = Field(0, ge=0, le=2**31 - 1, description="Of what is random: the paper's start", examples=[0])
 

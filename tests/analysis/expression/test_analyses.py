@@ -104,7 +104,10 @@ def test_the_summary_says_what_was_built() -> None:
     assert summary["components"] == [summary["frames"]]
     paper = result("paper")["space"].data["summary"]
     assert paper["tau_mm"] == pytest.approx(2.3 * 25)
-    assert len(result()["tau"].data["rows"]) == 13
+    assert len(result()["tau"].data["rows"]) == 25
+    assert len(result("paper")["tau"].data["rows"]) == 13
+    assert 0.8 < summary["trustworthiness"] <= 1
+    assert 0.9 < summary["continuity"] <= 1
 
 
 def test_the_speed_of_capture_is_not_that_of_noise() -> None:
@@ -311,7 +314,7 @@ def test_methods_are_sets_of_options() -> None:
     robust, paper = (options_from(ExpressionParameters(method=method)) for method in ("robust", "paper"))
     assert (robust.smooth_s, robust.tau_rule, robust.on_disconnected, robust.cluster_dimensions, robust.links) == (
         pytest.approx(1 / 30),
-        "smallest",
+        "unbroken",
         "bridge",
         10,
         "voronoi",
