@@ -24,6 +24,8 @@ _ORDER = text("SELECT pg_advisory_xact_lock(:key)")
 class PostgreSQL(Dialect):
     """A server, through psycopg 3. Reads are repeatable, writes read committed rows and lock what they change."""
 
+    personal = False
+
     tracks_by_key = text(
         "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data "
         "FROM jsonb_array_elements(CAST(:keys AS jsonb)) AS k JOIN track AS t "

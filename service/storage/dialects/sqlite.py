@@ -21,6 +21,8 @@ BUSY_SECONDS = 60
 class SQLite(Dialect):
     """One file. Writers of one process queue on a lock, writers of several on SQLite's own."""
 
+    personal = True
+
     # Of a cross join SQLite keeps the order: for each key, look for its track.
     tracks_by_key = text(
         "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data "
