@@ -22,10 +22,12 @@ from schemas.analyses.expression import (
     ExpressionCandidateChoice,
     ExpressionLevelChoice,
     ExpressionParameters,
+    ExpressionStride,
+)
+from schemas.analyses.expression_paths import (
     ExpressionPathWish,
     ExpressionPlayback,
     ExpressionRefinement,
-    ExpressionStride,
 )
 from service.analysis.expression_space.analyses import EXPRESSION
 from service.analysis.interface import Motion, Parts, silent

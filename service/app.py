@@ -6,13 +6,14 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from importlib.metadata import PackageNotFoundError, version
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from fastapi.middleware.gzip import GZipMiddleware
 
 from service.actions.use_result import Results
 from service.api import ROUTERS, description, problems
 from service.api.doors import Doors
 from service.api.guard import Guard
+from service.api.parameters import known_parameters
 from service.jobs.runner import Runner
 from service.local_secret import keep_secret, read_secret
 from service.settings import Settings, data_folder
@@ -73,7 +74,8 @@ def create_app(
     problems.install(app)
     description.install(app)
     for router, prefix in ROUTERS:
-        app.include_router(router, prefix=prefix)
+        # Pages and health checks are asked with what others append.
+        app.include_router(router, prefix=prefix, dependencies=[Depends(known_parameters)] if prefix else [])
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1)
     app.add_middleware(Guard, settings=settings, doors=Doors(settings, store, secret), counts=app.state.requests)
     return app

@@ -13,6 +13,7 @@ from starlette.exceptions import HTTPException
 from service.actions.describe_problem import problem_of
 from service.api.doors import Doors, foreign_name
 from service.api.forwarded import as_the_client_sent_it
+from service.api.policy import DEFAULTS
 from service.api.problems import plain, respond
 from service.errors import McmlError
 from service.settings import Settings
@@ -58,6 +59,7 @@ class Guard:
                 key = (method if method in COUNTED_METHODS else "other", message["status"])
                 self.counts[key] = self.counts.get(key, 0) + 1
                 _tag_compressed(message)
+                _protect(message)
             elif method == "HEAD":
                 message = {**message, "body": b""}
             await send(message)
@@ -100,9 +102,15 @@ class Guard:
         return None
 
 
+def _protect(message: MutableMapping[str, Any]) -> None:
+    headers = MutableHeaders(raw=message["headers"])
+    for name, value in DEFAULTS:
+        headers.setdefault(name, value)
+
+
 def _tag_compressed(message: MutableMapping[str, Any]) -> None:
     """A strong tag names one sequence of bytes: the compressed answer has its own (RFC 9110, 8.8.1)."""
     headers = MutableHeaders(raw=message["headers"])
-    tag = headers.get("etag", "")
-    if headers.get("content-encoding") == "gzip" and not tag.startswith("W/") and not tag.endswith('-gzip"'):
+    tag = headers.get("etag")
+    if tag and headers.get("content-encoding") == "gzip" and not tag.startswith("W/") and not tag.endswith('-gzip"'):
         headers["etag"] = re.sub(r'"$', '-gzip"', tag)

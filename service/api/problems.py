@@ -13,6 +13,7 @@ from fastapi.encoders import jsonable_encoder
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
 
 from schemas.problem import Problem
 from service import errors
@@ -34,6 +35,16 @@ def plain(
     title = HTTPStatus(status).phrase
     problem = Problem(type="about:blank", title=title, status=status, detail=detail, remedy=remedy)
     return respond(problem, None if headers is None else dict(headers))
+
+
+def _allowed(app: FastAPI, request: Request) -> list[str]:
+    """Every method that the address of a request has; Starlette names those of the first endpoint alone."""
+    asked = [
+        method
+        for method in ("GET", "POST", "PUT", "PATCH", "DELETE")
+        if any(route.matches({**request.scope, "method": method})[0] is Match.FULL for route in app.router.routes)
+    ]
+    return ["GET", "HEAD", *asked[1:]] if "GET" in asked else asked
 
 
 def install(app: FastAPI) -> None:
@@ -60,10 +71,14 @@ def install(app: FastAPI) -> None:
         return respond(problem)
 
     @app.exception_handler(HTTPException)
-    def _http(_request: Request, error: HTTPException) -> JSONResponse:
+    def _http(request: Request, error: HTTPException) -> JSONResponse:
         if isinstance(error.__cause__, OSError) and errors.is_full(error.__cause__):
             # FastAPI says 400 for whatever goes wrong while it keeps the parts of an upload.
             return respond(problem_of(errors.SpaceError()))
+        if error.status_code == 405:
+            allowed = ", ".join(_allowed(app, request))
+            detail = f"{request.method} is not allowed here."
+            return plain(405, detail, f"Use {allowed}.", {"allow": allowed})
         return plain(error.status_code, str(error.detail), headers=error.headers)
 
     @app.exception_handler(OSError)

@@ -10,7 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from schemas.analyses.expression import ExpressionParameters, ExpressionPathWish, ExpressionPlayback
+from schemas.analyses.expression import (
+    ExpressionParameters,
+)
+from schemas.analyses.expression_paths import (
+    ExpressionPathWish,
+    ExpressionPlayback,
+)
 from service.analysis.expression_space.analyses import EXPRESSION
 from service.analysis.interface import AnalysisError, silent
 from service.demo.face_takes import face_takes
