@@ -22,10 +22,12 @@ from schemas.analyses.expression import (
     ExpressionCandidateChoice,
     ExpressionLevelChoice,
     ExpressionParameters,
+    ExpressionStride,
+)
+from schemas.analyses.expression_paths import (
     ExpressionPathWish,
     ExpressionPlayback,
     ExpressionRefinement,
-    ExpressionStride,
 )
 from service.analysis.expression_space.analyses import EXPRESSION
 from service.analysis.interface import Motion, Parts, silent
@@ -160,7 +162,13 @@ def tables() -> None:
         print(f"\n{name}: tau {summary['tau_mm']:.1f}, connecting {summary['connecting_tau_mm']:.1f}")
         print(f"speed {summary['speed_mm_s']:.0f}, warnings {summary['warnings']}")
         for row in parts["tau"].data["rows"]:
-            cells = [f"{row['tau']:.1f}", f"{row['r']:.4f}", f"{row['stress']:.3f}", row["components"]]
+            cells = [
+                f"{row['tau']:.1f}",
+                f"{row['broken']:.4f}",
+                f"{row['r']:.4f}",
+                f"{row['stress']:.3f}",
+                row["components"],
+            ]
             print("|", " | ".join(map(str, [*cells, f"{row['degree']:.0f}", f"{row['stretch']:.3f}"])), "|")
         for part in ("levels", "fit"):
             print(part, [column["name"] for column in parts[part].data["columns"]])

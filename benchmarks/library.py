@@ -27,7 +27,8 @@ from service.formats.bvh_hierarchy import shared_hierarchy
 from service.formats.format import SourceFile
 from service.formats.number_text import detect_style, rows_of_text
 from service.formats.numbers import parse_numbers
-from service.settings import Settings
+from service.local_secret import read_secret
+from service.settings import Settings, data_folder
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 
@@ -129,8 +130,11 @@ def load(database: Database, files: list[tuple[str, bytes]], *, labelled: bool) 
 @contextmanager
 def served(url: str) -> Iterator[httpx.Client]:
     """A server process on the store, and a client that keeps its connection."""
-    with serving(url) as (_, port), httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60) as client:
-        yield client
+    with serving(url) as (_, port):
+        # A store in PostgreSQL is open to nobody; whoever runs the server owns this secret.
+        headers = {"authorization": f"Bearer {read_secret(data_folder())}"}
+        with httpx.Client(base_url=f"http://127.0.0.1:{port}", headers=headers, timeout=60) as client:
+            yield client
 
 
 @contextmanager

@@ -46,7 +46,7 @@ _CLIP = {
 class Property(BaseModel):
     """An attribute of the clip, such as the age of the actor."""
 
-    model_config = ConfigDict(json_schema_extra=shown(PROPERTY))
+    model_config = ConfigDict(json_schema_extra=shown(PROPERTY), extra="forbid")
 
     name: str = Field(min_length=1, max_length=256)
     value: str = Field(max_length=262_144)

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from importlib.metadata import PackageNotFoundError, version
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 from fastapi.middleware.gzip import GZipMiddleware
 
 from service.actions.use_result import Results
 from service.api import ROUTERS, description, problems
+from service.api.doors import Doors
 from service.api.guard import Guard
+from service.api.parameters import known_parameters
 from service.jobs.runner import Runner
-from service.settings import Settings
+from service.local_secret import keep_secret, read_secret
+from service.settings import Settings, data_folder
 from service.storage.database import Database
 from service.xpath.run import Queries
 
@@ -32,8 +35,14 @@ def program_version() -> str:
         return "0+checkout"
 
 
-def create_app(settings: Settings, database: Database | None = None) -> FastAPI:
-    """The service on a store whose schema is current. database: given by tests; default from the settings."""
+def create_app(
+    settings: Settings, database: Database | None = None, secret: Callable[[], str | None] = lambda: None
+) -> FastAPI:
+    """The service on a store whose schema is current.
+
+    database: of whoever uses the service in its own process; default from the settings. secret: what is read each time
+    that it is asked for; who sends it from this machine may come in as the owner of the store.
+    """
     store = database or Database(settings.database_url)
 
     @asynccontextmanager
@@ -65,12 +74,15 @@ def create_app(settings: Settings, database: Database | None = None) -> FastAPI:
     problems.install(app)
     description.install(app)
     for router, prefix in ROUTERS:
-        app.include_router(router, prefix=prefix)
+        # Pages and health checks are asked with what others append.
+        app.include_router(router, prefix=prefix, dependencies=[Depends(known_parameters)] if prefix else [])
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1)
-    app.add_middleware(Guard, settings=settings, database=store, counts=app.state.requests)
+    app.add_middleware(Guard, settings=settings, doors=Doors(settings, store, secret), counts=app.state.requests)
     return app
 
 
 def app_from_environment() -> FastAPI:
     """The service as the environment describes it: what `uvicorn --factory service.app:app_from_environment` serves."""
-    return create_app(Settings())
+    folder = data_folder()
+    keep_secret(folder)
+    return create_app(Settings(), secret=lambda: read_secret(folder))

@@ -104,6 +104,10 @@ class DamageError(StoreError):
     """What the store holds is not what was written: a checksum differs."""
 
 
+class UnavailableError(StoreError):
+    """The store cannot be reached now, and may be soon: its server is down or starts, or all connections are taken."""
+
+
 class SpaceError(StoreError):
     """The disk is full. Nothing of the request was stored."""
 

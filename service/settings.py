@@ -6,8 +6,9 @@ import ipaddress
 import os
 import sys
 from pathlib import Path
+from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 MIB = 1 << 20
@@ -33,6 +34,10 @@ def is_loopback(host: str) -> bool:
         return False
 
 
+def _networks_in(text: str) -> list[ipaddress.IPv4Network | ipaddress.IPv6Network]:
+    return [ipaddress.ip_network(part.strip(), strict=False) for part in text.split(",") if part.strip()]
+
+
 class Settings(BaseSettings):
     """Every setting: environment variable `MCML_` and the name in capitals."""
 
@@ -40,6 +45,13 @@ class Settings(BaseSettings):
 
     database: str | None = Field(None, description="SQLAlchemy URL; default: an SQLite file in the user's data folder")
     host: str = Field("127.0.0.1", description="Address to listen on; any other than loopback needs a token")
+    login: Literal["auto", "always"] = Field(
+        "auto",
+        description="always: every request needs a token; auto: but those on this machine to a fresh SQLite store",
+    )
+    trusted_proxies: str = Field(
+        "", description="Addresses or networks, separated by commas, of proxies whose X-Forwarded- headers count"
+    )
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on")
     token: str | None = Field(None, description="Token that the command line sends to a server (`--server`)")
     max_upload_bytes: int = Field(2048 * MIB, ge=1, description="Largest upload, all files of a request together")
@@ -61,6 +73,21 @@ class Settings(BaseSettings):
         None, description="Address of a team's Dask scheduler to run jobs on; needs PostgreSQL"
     )
     page_limit: int = Field(1000, ge=1, description="Most items on one page of a list")
+
+    @field_validator("trusted_proxies")
+    @classmethod
+    def _networks(cls, text: str) -> str:
+        _networks_in(text)
+        return text
+
+    @property
+    def proxies(self) -> list[ipaddress.IPv4Network | ipaddress.IPv6Network]:
+        return _networks_in(self.trusted_proxies)
+
+    @property
+    def knows_host(self) -> bool:
+        """Whether somebody said what is listened on. An application that another program serves cannot see it."""
+        return "host" in self.model_fields_set
 
     @property
     def jobs_at_a_time(self) -> int:

@@ -12,7 +12,9 @@ from fastapi.testclient import TestClient
 from service.actions import import_workers
 from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions
+from service.app import create_app
 from service.formats.format import SourceFile
+from service.local_secret import PREFIX
 from service.settings import Settings
 from service.storage.database import Database
 from tests.c3d_writer import c3d_bytes
@@ -244,4 +246,19 @@ def c3d_file(frames: int = 6, points: int = 3, rate: float = 120.0, first: int =
     labels = [f"marker {number}" for number in range(points)]
     return c3d_bytes(
         places, residuals, scale=-0.25, rate=rate, first=first, labels=labels, analog=np.zeros((frames, 2)), samples=2
+    )
+
+
+SECRET = PREFIX + "of-the-tests"
+
+
+def served(
+    database: Database, settings: Settings | None = None, *, base_url: str = "http://127.0.0.1:8000"
+) -> TestClient:
+    """The service on a store, asked in process by the owner of the store."""
+    return TestClient(
+        create_app(settings or Settings(), database, lambda: SECRET),
+        base_url=base_url,
+        headers={"authorization": f"Bearer {SECRET}"},
+        client=("127.0.0.1", 50_000),
     )

@@ -11,10 +11,10 @@ import pytest
 from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, settings
 
-from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
 from tests import postgres
+from tests.builders import served
 
 settings.register_profile(
     "default", deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), print_blob=True
@@ -110,6 +110,5 @@ def limits() -> Settings:
 @pytest.fixture
 def client(database: Database) -> Iterator[TestClient]:
     """The service on the store, asked in process."""
-    app = create_app(Settings(), database)
-    with TestClient(app, base_url="http://127.0.0.1:8000") as client:
+    with served(database) as client:
         yield client

@@ -1,4 +1,4 @@
-"""The space of facial expressions: how it is built, and what operations on it take and give.
+"""The space of facial expressions: how it is built, and what operations on it take and give; paths: `expression_paths`.
 
 A frame is named by the document it is in and its position there, from 1. Lengths are mm between faces: the paper's
 distance of matrices of all marker distances.
@@ -6,9 +6,9 @@ distance of matrices of all marker distances.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from schemas.examples import DOCUMENT, shown
 
@@ -17,9 +17,6 @@ _OTHER = {"document": DOCUMENT, "frame": 183}
 _CANDIDATE = {**_FRAME, "id": 3, "x": 412.5, "y": -80.2, "size": 214}
 _NEIGHBOUR = {**_OTHER, "id": 4, "x": 520.0, "y": 11.9, "size": 97, "length_mm": 310.2, "bridge": False}
 _LINK = {"a": 3, "b": 4, "length_mm": 310.2, "bridge": False}
-_STEP = {**_FRAME, "position_mm": 0.0, "key": True}
-_OFFER = {**_OTHER, "segment": 0, "position_mm": 151.4, "apart_mm": 4.8, "accepted": True}
-_SAMPLE = {"frame_a": _FRAME, "frame_b": _OTHER, "alpha": 0.25, "position_mm": 77.1}
 _TAKE = {"document": DOCUMENT, "name": "face_001_joy"}
 
 
@@ -54,13 +51,19 @@ class ExpressionParameters(BaseModel):
         description="Faces up to so many mm apart may follow each other; found by tau_rule if left out",
         examples=[230.0],
     )
-    tau_rule: Literal["published", "best", "smallest"] | None = Field(
+    tau_rule: Literal["published", "best", "unbroken"] | None = Field(
         None,
         description="published: 2.3 mm for each marker (paper); best: where map and geodesics correlate most; "
-        "smallest: the smallest that connects all frames and comes within 0.01 of that (robust)",
-        examples=["smallest"],
+        "unbroken: with a margin, the smallest at which near faces are near on the graph (robust)",
+        examples=["unbroken"],
     )
-    tau_count: int = Field(12, ge=0, le=50, description="Thresholds tried for the curve", examples=[12])
+    tau_count: int = Field(
+        12,
+        ge=0,
+        le=50,
+        description="Thresholds tried for the curve; at least 24 where the rule unbroken decides",
+        examples=[12],
+    )
     on_disconnected: Literal["bridge", "largest", "error"] | None = Field(
         None,
         description="Where the graph falls into parts: join them by their closest frames (robust), keep the largest "
@@ -101,7 +104,9 @@ class ExpressionParameters(BaseModel):
         "left out",
         examples=[40.0],
     )
-    neighbours: int = Field(12, ge=2, le=100, description="Neighbours of a frame in a large space", examples=[12])
+    neighbours: int = Field(
+        12, ge=2, le=100, description="Frames of the space that an added one is joined to", examples=[12]
+    )
     landmarks: int = Field(300, ge=20, le=2000, description="Landmarks of a large space", examples=[300])
     seed: int = Field(0, ge=0, le=2**31 - 1, description="Of what is random: the paper's start", examples=[0])
 
@@ -213,12 +218,37 @@ class ExpressionLevel(BaseModel):
     coverage_mm: float = Field(description="No frame is farther from its candidate on the map", examples=[396.6])
 
 
-class ExpressionCandidateChoice(ExpressionFrame):
-    """Which candidate's neighbours."""
+class ExpressionKey(ExpressionFrame):
+    """A captured frame that is a candidate."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"level": 0, **_FRAME}))
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_FRAME))
+
+
+Key = Annotated[int, Field(ge=0, description="Its id, as `level` shows it")] | ExpressionKey
+"""A candidate of a level, by its id there or by the frame that it is."""
+
+
+class ExpressionCandidateChoice(BaseModel):
+    """Which candidate's neighbours: by its id, or by the frame that it is."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"level": 0, "id": 3}))
 
     level: int = Field(0, ge=0, le=20, description="0 is the coarsest", examples=[0])
+    id: int | None = Field(None, ge=0, description="Its id, as `level` shows it", examples=[3])
+    document: str | None = Field(None, description="Id of the take, in place of the id", examples=[DOCUMENT])
+    frame: int | None = Field(None, ge=1, description="Position in the take, from 1", examples=[120])
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if (self.id is None) == (self.document is None) or (self.document is None) != (self.frame is None):
+            raise ValueError("give the id of a candidate, or document and frame")
+        return self
+
+    @property
+    def key(self) -> Key:
+        if self.document is None or self.frame is None:
+            return self.id or 0
+        return ExpressionKey(document=self.document, frame=self.frame)
 
 
 class ExpressionNeighbour(ExpressionCandidate):
@@ -237,146 +267,3 @@ class ExpressionNeighbours(BaseModel):
 
     candidate: ExpressionCandidate = Field(description="As asked for")
     neighbours: list[ExpressionNeighbour] = Field(description="The nearest first")
-
-
-class ExpressionPathWish(BaseModel):
-    """A path over key frames."""
-
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"level": 0, "keys": [_FRAME, _OTHER]}))
-
-    level: int = Field(0, ge=0, le=20, description="Whose candidates the keys are", examples=[0])
-    keys: list[ExpressionFrame] = Field(
-        max_length=1000,
-        description="Candidates in the order of the path, each linked to the next",
-        examples=[[_FRAME, _OTHER]],
-    )
-    auto_route: bool = Field(
-        False, description="Put the candidates between two keys in where these are not linked", examples=[False]
-    )
-
-
-class ExpressionStep(ExpressionFrame):
-    """A frame of a walk."""
-
-    model_config = ConfigDict(json_schema_extra=shown(_STEP))
-
-    position_mm: float = Field(description="How far from the start", examples=[0.0])
-    key: bool = Field(description="Whether it is a key frame", examples=[True])
-
-
-class ExpressionOffer(ExpressionFrame):
-    """A candidate that the path may lead over."""
-
-    model_config = ConfigDict(json_schema_extra=shown(_OFFER))
-
-    segment: int = Field(description="It lies between this key and the next, from 0", examples=[0])
-    position_mm: float = Field(description="Where along the walk", examples=[151.4])
-    apart_mm: float = Field(
-        description="How far it is from the walk on the map (paper), or how much longer the way over it is (robust)",
-        examples=[4.8],
-    )
-    accepted: bool = Field(description="Whether it is a key of the refined path", examples=[True])
-
-
-class ExpressionPath(BaseModel):
-    """A path, and the walk of captured frames that it is."""
-
-    model_config = ConfigDict(
-        json_schema_extra=shown(
-            {"version": 1, "level": 0, "keys": [_FRAME, _OTHER], "walk": [_STEP], "length_mm": 310.2,
-             "largest_hop_mm": 152.0, "bridges": 0, "offered": [_OFFER], "warnings": []}
-        )
-    )  # fmt: skip
-
-    version: int = Field(description="1 for a new path, one more with every refinement", examples=[1])
-    level: int = Field(description="Level of the keys that were added last", examples=[0])
-    keys: list[ExpressionFrame] = Field(description="In the order of the path")
-    walk: list[ExpressionStep] = Field(description="All frames of the walk; each is near enough to the next")
-    length_mm: float = Field(description="Sum of its steps", examples=[310.2])
-    largest_hop_mm: float = Field(description="Its longest step", examples=[152.0])
-    bridges: int = Field(description="Steps over edges that were added to join parts", examples=[0])
-    offered: list[ExpressionOffer] = Field(description="Candidates that the path may lead over, in its order")
-    warnings: list[ExpressionWarning] = Field(description="bridge-crossed, keys-lost")
-
-
-class ExpressionRefinement(BaseModel):
-    """How a path is refined. With neither keys nor auto nothing is kept: the answer says what is offered."""
-
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"level": 3, "auto": True}))
-
-    level: int = Field(ge=0, le=20, description="Whose candidates are offered", examples=[3])
-    keys: list[ExpressionFrame] = Field(
-        [],
-        max_length=1000,
-        description="Candidates of the level to lead over too; each is put where it costs least",
-        examples=[[_OTHER]],
-    )
-    auto: bool = Field(False, description="Take those of small detour", examples=[True])
-    rule: Literal["paper", "robust"] | None = Field(
-        None,
-        description="Offered are candidates near the walk on the map (paper) or of small detour (robust); as the space "
-        "was built if left out",
-        examples=["robust"],
-    )
-    delta: FiniteFloat = Field(
-        0.1, ge=0, le=10, description="auto: share by which the path may grow; robust: also of a detour", examples=[0.1]
-    )
-    radius_mm: FiniteFloat | None = Field(
-        None,
-        ge=0,
-        description="paper: how near on the map; the median distance of the level's candidates to the nearest if left "
-        "out",
-        examples=[40.0],
-    )
-
-
-class ExpressionPlayback(BaseModel):
-    """How a path is played."""
-
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"fps": 60}))
-
-    fps: FiniteFloat = Field(60.0, gt=0, le=1000, description="Frames a second", examples=[60])
-    speed_mm_s: FiniteFloat | None = Field(
-        None,
-        gt=0,
-        description="Along the path; three quarters of the captured frames are slower than the speed used if left out",
-        examples=[300.0],
-    )
-    duration_s: FiniteFloat | None = Field(
-        None, gt=0, le=86_400, description="Seconds of one way, in place of a speed", examples=[4.0]
-    )
-    loop: bool = Field(False, description="Append the way back", examples=[False])
-    smooth: bool = Field(False, description="Smooth the markers over 2 frames, the ends fixed", examples=[False])
-    most_samples: int = Field(1000, ge=0, le=36_000, description="Most samples that the answer lists", examples=[1000])
-
-
-class ExpressionSample(BaseModel):
-    """A frame of the playback: (1 - alpha) of one captured frame and alpha of another."""
-
-    model_config = ConfigDict(json_schema_extra=shown(_SAMPLE))
-
-    frame_a: ExpressionFrame = Field(description="The one")
-    frame_b: ExpressionFrame = Field(description="The other")
-    alpha: float = Field(description="0 at the one, 1 at the other", examples=[0.25])
-    position_mm: float = Field(description="How far from the start", examples=[77.1])
-
-
-class ExpressionMotion(BaseModel):
-    """A path as a motion of markers."""
-
-    model_config = ConfigDict(
-        json_schema_extra=shown(
-            {"frames": 241, "fps": 60.0, "duration_s": 4.0, "speed_mm_s": 77.6, "length_mm": 310.2,
-             "samples": [_SAMPLE], "missing": 0}
-        )
-    )  # fmt: skip
-
-    frames: int = Field(description="How many frames the motion has", examples=[241])
-    fps: float = Field(description="Frames a second", examples=[60.0])
-    duration_s: float = Field(description="From the first frame to the last", examples=[4.0])
-    speed_mm_s: float = Field(
-        description="Along the path, as used: a whole number of frames has to fit", examples=[77.6]
-    )
-    length_mm: float = Field(description="Of one way", examples=[310.2])
-    samples: list[ExpressionSample] = Field(description="The first of them, as many as asked for")
-    missing: int = Field(description="Samples of markers that neither captured frame has", examples=[0])

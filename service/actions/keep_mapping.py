@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from schemas.retarget import JointPair, Mapping
-from service.actions.describe_problem import PreconditionError
 from service.actions.fit_skeleton import JointMapping
+from service.actions.preconditions import check_match
 from service.errors import DocumentError
 from service.storage.database import Transaction
 from service.storage.mappings import StoredMapping
@@ -21,24 +21,8 @@ def keep_mapping(
     tx.dialect.order_commits(tx.connection)
     present = tx.mappings.find(project, name)
     if present is not None:
-        check_version(present, if_match)
+        check_match(if_match, present.version, "mapping", "version")
     return tx.mappings.put(project, name, tuple((pair.source, pair.target) for pair in pairs), author)
-
-
-def check_version(stored: StoredMapping, if_match: str | None) -> None:
-    """PreconditionError unless the request was made for this version."""
-    if if_match is None:
-        raise PreconditionError(
-            f"There is a mapping {stored.name!r}, and the request does not say which version it was made for.",
-            428,
-            f'Send the header If-Match: "{stored.version}", or If-Match: * to change whatever is current.',
-        )
-    if not {tag.strip().strip('"') for tag in if_match.split(",")} & {"*", str(stored.version)}:
-        raise PreconditionError(
-            f"The mapping is at version {stored.version}, the request was made for another one.",
-            412,
-            "Read the mapping again and repeat the change.",
-        )
 
 
 def mapping_of(tx: Transaction, project: str, wanted: list[JointPair] | str | None) -> JointMapping | None:

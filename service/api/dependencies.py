@@ -11,7 +11,7 @@ import orjson
 from fastapi import Depends, Header, Path, Query, Request
 
 from schemas.examples import CURSOR, DOCUMENT, PROJECT
-from service.actions.describe_problem import PreconditionError
+from service.actions.preconditions import check_match
 from service.errors import NotFoundError, QueryError
 from service.settings import Settings
 from service.storage.database import Database, Transaction
@@ -119,19 +119,7 @@ def checked_for_write(tx: Transaction, uuid: str, if_match: str | None, *, delet
         raise NotFoundError(f"There is no document {uuid}.", remedy="List the documents to see their ids.")
     tx.documents.lock(found.key)
     stored = tx.documents.get(uuid, deleted=deleted)
-    if if_match is None:
-        raise PreconditionError(
-            "This request changes a document and must say which revision it was made for.",
-            428,
-            f'Send the header If-Match: "{stored.revision}", or If-Match: * to change whatever is current.',
-        )
-    wanted = {tag.strip().removeprefix("W/").strip('"').split("-")[0] for tag in if_match.split(",")}
-    if "*" not in wanted and str(stored.revision) not in wanted:
-        raise PreconditionError(
-            f"The document is at revision {stored.revision}, the request was made for another one.",
-            412,
-            "Read the document again and repeat the change.",
-        )
+    check_match(if_match, stored.revision, "document", "revision")
     return stored
 
 

@@ -141,7 +141,7 @@ class Edit:
     @property
     def base(self) -> int | None:
         """The revision that edits are made for where they are to be merged, None for the current one."""
-        said = re.fullmatch(r'(?:W/)?"(\d{1,9})(?:-[a-z-]+)?"', (self.if_match or "").strip())
+        said = re.fullmatch(r'"(\d{1,9})(?:-[a-z-]+)?"', (self.if_match or "").strip())
         return int(said[1]) if self.merge and said is not None else None
 
 

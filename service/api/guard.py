@@ -1,19 +1,21 @@
-"""Who may ask: loopback names without login, any other address with a token; no writes from foreign pages."""
+"""What every request passes first: bounds, no writes from foreign pages, and the doors."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
-from urllib.parse import urlsplit
 
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 
-from service.api.problems import plain
-from service.settings import Settings, is_loopback
-from service.storage.database import Database
+from service.api.doors import Doors, foreign_name
+from service.api.forwarded import as_the_client_sent_it
+from service.api.policy import DEFAULTS
+from service.api.problems import answer, plain
+from service.errors import McmlError
+from service.settings import Settings
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
@@ -25,12 +27,12 @@ OPEN_PATHS = {"/healthz", "/readyz"}
 
 
 class Guard:
-    """ASGI middleware. Notes the author of a request in `scope["mcml.author"]` and counts answers."""
+    """ASGI middleware. Counts answers."""
 
-    def __init__(self, app: Any, settings: Settings, database: Database, counts: dict[tuple[str, int], int]) -> None:
+    def __init__(self, app: Any, settings: Settings, doors: Doors, counts: dict[tuple[str, int], int]) -> None:
         self.app = app
-        self.local = is_loopback(settings.host)
-        self.database = database
+        self.doors = doors
+        self.proxies = settings.proxies
         self.max_bytes = settings.max_upload_bytes
         self.counts = counts
 
@@ -38,11 +40,15 @@ class Guard:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
+        scope = as_the_client_sent_it(scope, self.proxies)
         headers = Headers(scope=scope)
         refusal = self._refusal(scope, headers)
-        if refusal is None and not self.local and scope["path"] not in OPEN_PATHS:
-            # Off the event loop: a store whose connections are all in use must not stop the streams that hold them.
-            refusal = await run_in_threadpool(self._token_refusal, scope, headers)
+        if refusal is None and scope["path"] not in OPEN_PATHS:
+            if self.doors.stand_open(scope, headers):
+                refusal = foreign_name(headers)
+            else:
+                # Off the event loop: a store whose connections are all in use must not stop the streams that hold them.
+                refusal = await run_in_threadpool(self._entry, scope, headers)
         method = scope["method"]
         if method == "HEAD":
             scope = {**scope, "method": "GET"}
@@ -52,11 +58,18 @@ class Guard:
                 key = (method if method in COUNTED_METHODS else "other", message["status"])
                 self.counts[key] = self.counts.get(key, 0) + 1
                 _tag_compressed(message)
+                _protect(message)
             elif method == "HEAD":
                 message = {**message, "body": b""}
             await send(message)
 
         await (refusal or self.app)(scope, self._bounded(receive), answered)
+
+    def _entry(self, scope: Scope, headers: Headers) -> Any:
+        try:
+            return self.doors.refusal(scope, headers)
+        except McmlError as error:
+            return answer(error)
 
     def _bounded(self, receive: Receive) -> Receive:
         """Bodies without a length count as well."""
@@ -77,7 +90,7 @@ class Guard:
             return None
         if b"%00" in scope.get("query_string", b"") or "\0" in scope["path"]:
             return plain(400, "An address cannot hold the character U+0000.", "Leave %00 out.")
-        host, origin = _host_of(f"//{headers.get('host', '')}"), headers.get("origin")
+        origin = headers.get("origin")
         if origin and scope["method"] not in SAFE_METHODS and origin.partition("://")[2] != headers.get("host"):
             return plain(
                 403, f"Pages of {origin} may not write here.", "Send the request from this server's own pages."
@@ -85,36 +98,18 @@ class Guard:
         length = headers.get("content-length", "0")
         if length.isdigit() and (len(length) > 18 or int(length) > self.max_bytes):
             return plain(413, f"The request has {length} bytes, the limit is {self.max_bytes}.", "Send it in parts.")
-        if self.local and not is_loopback(host):
-            # A foreign name that resolves to this machine would let any page read the repository (DNS rebinding).
-            return plain(403, f"{host!r} is not a name of this machine.", "Use http://127.0.0.1 or http://localhost.")
-        return None
-
-    def _token_refusal(self, scope: Scope, headers: Headers) -> Any:
-        kind, _, secret = headers.get("authorization", "").partition(" ")
-        owner = None
-        if kind.lower() == "bearer" and secret:
-            with self.database.read() as tx:
-                owner = tx.tokens.owner(secret.strip())
-        if owner is None:
-            answer = plain(401, "This server needs a token.", "Send `Authorization: Bearer mcml_…`; see `mcml token`.")
-            answer.headers["www-authenticate"] = "Bearer"
-            return answer
-        scope["mcml.author"] = owner
         return None
 
 
-def _host_of(address: str) -> str:
-    """The host's name in lower case, "" where there is none or it makes no sense."""
-    try:
-        return urlsplit(address).hostname or ""
-    except ValueError:
-        return ""
+def _protect(message: MutableMapping[str, Any]) -> None:
+    headers = MutableHeaders(raw=message["headers"])
+    for name, value in DEFAULTS:
+        headers.setdefault(name, value)
 
 
 def _tag_compressed(message: MutableMapping[str, Any]) -> None:
     """A strong tag names one sequence of bytes: the compressed answer has its own (RFC 9110, 8.8.1)."""
     headers = MutableHeaders(raw=message["headers"])
-    tag = headers.get("etag", "")
-    if headers.get("content-encoding") == "gzip" and not tag.startswith("W/") and not tag.endswith('-gzip"'):
+    tag = headers.get("etag")
+    if tag and headers.get("content-encoding") == "gzip" and not tag.startswith("W/") and not tag.endswith('-gzip"'):
         headers["etag"] = re.sub(r'"$', '-gzip"', tag)

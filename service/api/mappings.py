@@ -8,7 +8,8 @@ from fastapi import APIRouter, Path, Query, Response
 
 from schemas.examples import PROJECT
 from schemas.retarget import Mapping, MappingPage, SavedMapping
-from service.actions.keep_mapping import check_version, keep_mapping, mapping_answer
+from service.actions.keep_mapping import keep_mapping, mapping_answer
+from service.actions.preconditions import check_match
 from service.api.dependencies import (
     AuthorDep,
     DatabaseDep,
@@ -86,7 +87,7 @@ def delete_mapping(
     with database.write(author) as tx:
         tx.dialect.order_commits(tx.connection)
         stored = tx.mappings.get(project, name)
-        check_version(stored, if_match)
+        check_match(if_match, stored.version, "mapping", "version")
         tx.mappings.remove(stored)
     return Response(status_code=204)
 

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import fastapi_offline
 from fastapi import APIRouter, Request
-from fastapi.responses import FileResponse, HTMLResponse, Response
+from fastapi.responses import FileResponse, HTMLResponse
 
 from service.actions.describe_problem import STATUS_OF, slug
 from service.api.dependencies import DatabaseDep
+from service.api.policy import page_policy
 from service.errors import NotFoundError
 from service.resources import dtd_path
 from service.storage.documents import DocumentFilter, StoredDocument
@@ -20,6 +21,8 @@ router = APIRouter(include_in_schema=False)
 _SWAGGER = Path(fastapi_offline.__file__).parent / "static"
 _ASSETS = ("swagger-ui-bundle.js", "swagger-ui.css", "favicon.png")
 _SHOWN = 200
+
+_REFERENCE = 'SwaggerUIBundle({url:"/openapi.json",dom_id:"#swagger-ui",deepLinking:true,validatorUrl:null})'
 
 _STYLE = """
 :root { color-scheme: dark light; --bg: #10141A; --panel: #171C24; --text: #E9EDF3; --dim: #97A3B3; --accent: #3FD0BC;
@@ -42,8 +45,8 @@ pre { background: var(--panel); padding: 12px; overflow: auto; border-radius: 6p
 """
 
 
-@router.get("/", response_class=HTMLResponse)
-def front_page(request: Request, database: DatabaseDep) -> str:
+@router.get("/")
+def front_page(request: Request, database: DatabaseDep) -> HTMLResponse:
     """What is stored, and where to go from here."""
     with database.read() as tx:
         found = tx.documents.page(DocumentFilter(), after=None, limit=_SHOWN, newest_first=True)
@@ -54,9 +57,9 @@ def front_page(request: Request, database: DatabaseDep) -> str:
     rows = "".join(_row(stored, list(names[stored.key])) for stored in found)
     more = "" if total <= _SHOWN else f"<p>The newest {_SHOWN} of {total:,} documents.</p>"
     example = counts[0][0] if counts else "walk"
-    return f"""<!doctype html><html lang="en"><head><meta charset="utf-8"><title>MCML Repository</title>
-<meta name="viewport" content="width=device-width,initial-scale=1"><style>{_STYLE}</style></head><body><main>
-<h1>MCML Repository</h1>
+    return _page(
+        "MCML Repository",
+        f"""<h1>MCML Repository</h1>
 <p>Motion capture in one open XML language. <a href="/docs">API reference</a> · <a href="/mcml.dtd">mcml.dtd</a> ·
 <a href="/api/v1/formats">formats</a> · <a href="/api/v1/motion-names">motion names</a> ·
 <a href="/api/v1/joint-names">joint names</a></p>
@@ -67,8 +70,18 @@ mcml import walk.bvh --label walk --server {base}</pre>
 <h2>Library ({total:,})</h2>{more}
 <table><thead><tr><th>Name</th><th>Project</th><th>Format</th><th class="n">Frames</th><th>Motion names</th>
 <th>Get</th></tr></thead>
-<tbody>{rows or '<tr><td colspan="6">Nothing is stored yet.</td></tr>'}</tbody></table>
-</main></body></html>"""
+<tbody>{rows or '<tr><td colspan="6">Nothing is stored yet.</td></tr>'}</tbody></table>""",
+    )
+
+
+def _page(title: str, body: str) -> HTMLResponse:
+    return HTMLResponse(
+        f"""<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>
+<meta name="viewport" content="width=device-width,initial-scale=1"><style>{_STYLE}</style></head><body><main>
+{body}
+</main></body></html>""",
+        headers=page_policy(styles=[_STYLE]),
+    )
 
 
 def _row(stored: StoredDocument, names: list[str]) -> str:
@@ -84,14 +97,17 @@ def _row(stored: StoredDocument, names: list[str]) -> str:
     )
 
 
-@router.get("/docs", response_class=HTMLResponse)
-def reference() -> str:
+@router.get("/docs")
+def reference() -> HTMLResponse:
     """The API reference; nothing is loaded from elsewhere."""
-    return """<!doctype html><html lang="en"><head><meta charset="utf-8"><title>MCML Repository: API reference</title>
+    return HTMLResponse(
+        f"""<!doctype html><html lang="en"><head><meta charset="utf-8"><title>MCML Repository: API reference</title>
 <link rel="stylesheet" href="/docs/assets/swagger-ui.css"><link rel="icon" href="/docs/assets/favicon.png"></head>
 <body><div id="swagger-ui"></div><script src="/docs/assets/swagger-ui-bundle.js"></script>
-<script>SwaggerUIBundle({url:"/openapi.json",dom_id:"#swagger-ui",deepLinking:true,validatorUrl:null})</script>
-</body></html>"""
+<script>{_REFERENCE}</script>
+</body></html>""",
+        headers=page_policy(["'self'"], ["'self'", _REFERENCE], "connect-src 'self'; img-src 'self' data:"),
+    )
 
 
 @router.get("/docs/assets/{name}")
@@ -102,18 +118,14 @@ def asset(name: str) -> FileResponse:
 
 
 @router.get("/docs/problems")
-def problems_page() -> Response:
+def problems_page() -> HTMLResponse:
     """The kinds of problems, as `type` of a problem names them."""
     rows = "".join(
         f'<tr id="{slug(kind)}"><td>{html.escape(kind.__name__)}</td><td>{status}</td>'
         f"<td>{html.escape(kind.__doc__ or '')}</td></tr>"
         for kind, status in STATUS_OF.items()
     )
-    return HTMLResponse(
-        '<!doctype html><html lang="en"><head><meta charset="utf-8"><title>Problems</title>'
-        f"<style>{_STYLE}</style></head>"
-        f"<body><main><h1>Problems</h1><table>{rows}</table></main></body></html>"
-    )
+    return _page("Problems", f"<h1>Problems</h1><table>{rows}</table>")
 
 
 @router.get("/mcml.dtd")

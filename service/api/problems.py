@@ -14,10 +14,14 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import ValidationError
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
 
 from schemas.problem import Problem
 from service import errors
 from service.actions.describe_problem import problem_of
+
+RETRY_SECONDS = "5"
+"""After these a store that could not be reached may be asked again."""
 
 log = logging.getLogger("mcml.api")
 
@@ -26,6 +30,12 @@ def respond(problem: Problem, headers: dict[str, str] | None = None) -> JSONResp
     return JSONResponse(
         problem.model_dump(exclude_none=True), problem.status, headers, media_type="application/problem+json"
     )
+
+
+def answer(error: errors.McmlError) -> JSONResponse:
+    """An error of ours."""
+    away = isinstance(error, errors.UnavailableError)
+    return respond(problem_of(error), {"retry-after": RETRY_SECONDS} if away else None)
 
 
 def plain(
@@ -37,12 +47,22 @@ def plain(
     return respond(problem, None if headers is None else dict(headers))
 
 
+def _allowed(app: FastAPI, request: Request) -> list[str]:
+    """Every method that the address of a request has; Starlette names those of the first endpoint alone."""
+    asked = [
+        method
+        for method in ("GET", "POST", "PUT", "PATCH", "DELETE")
+        if any(route.matches({**request.scope, "method": method})[0] is Match.FULL for route in app.router.routes)
+    ]
+    return ["GET", "HEAD", *asked[1:]] if "GET" in asked else asked
+
+
 def install(app: FastAPI) -> None:
     """Let every error leave as a problem."""
 
     @app.exception_handler(errors.McmlError)
     def _ours(_request: Request, error: errors.McmlError) -> JSONResponse:
-        return respond(problem_of(error))
+        return answer(error)
 
     @app.exception_handler(ValidationError)
     @app.exception_handler(RequestValidationError)
@@ -63,10 +83,14 @@ def install(app: FastAPI) -> None:
         return respond(problem)
 
     @app.exception_handler(HTTPException)
-    def _http(_request: Request, error: HTTPException) -> JSONResponse:
+    def _http(request: Request, error: HTTPException) -> JSONResponse:
         if isinstance(error.__cause__, OSError) and errors.is_full(error.__cause__):
             # FastAPI says 400 for whatever goes wrong while it keeps the parts of an upload.
             return respond(problem_of(errors.SpaceError()))
+        if error.status_code == 405:
+            allowed = ", ".join(_allowed(app, request))
+            detail = f"{request.method} is not allowed here."
+            return plain(405, detail, f"Use {allowed}.", {"allow": allowed})
         return plain(error.status_code, str(error.detail), headers=error.headers)
 
     @app.exception_handler(OSError)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import queue
+import secrets
 import threading
 from collections.abc import Iterator, MutableMapping
 from contextlib import contextmanager
@@ -12,7 +13,8 @@ from typing import Any
 import httpx
 
 from service.errors import AccessError, McmlError, NotFoundError, Place, StoreError
-from service.settings import Settings
+from service.local_secret import PREFIX, read_secret
+from service.settings import Settings, data_folder, is_loopback
 from service.storage.database import Database
 
 LOCAL = "http://127.0.0.1"
@@ -48,7 +50,9 @@ class Api:
 
 
 def remote_api(address: str, token: str | None) -> Api:
-    """A server's API."""
+    """A server's API. Without a token, a server on this machine is sent the secret that it keeps for its owner."""
+    if token is None and is_loopback(httpx.URL(address).host):
+        token = read_secret(data_folder())
     headers = {"authorization": f"Bearer {token}"} if token else {}
     return Api(httpx.Client(base_url=address.rstrip("/") + "/api/v1", headers=headers, timeout=600))
 
@@ -58,8 +62,10 @@ def local_api(database: Database, settings: Settings) -> Api:
     # Imported late: a second, which short commands need not wait.
     from service.app import create_app
 
-    app = create_app(settings.model_copy(update={"host": "127.0.0.1"}), database)
-    return Api(httpx.Client(base_url=f"{LOCAL}/api/v1", transport=_InProcess(app)))
+    secret = PREFIX + secrets.token_urlsafe(32)
+    app = create_app(settings, database, lambda: secret)
+    headers = {"authorization": f"Bearer {secret}"}
+    return Api(httpx.Client(base_url=f"{LOCAL}/api/v1", headers=headers, transport=_InProcess(app)))
 
 
 def error_of(answer: httpx.Response) -> McmlError:

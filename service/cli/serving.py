@@ -19,6 +19,8 @@ from service.resources import dtd_path, migrations_path
 from service.settings import is_loopback
 from service.storage.documents import DocumentFilter
 
+OPEN = "Open to everything on this machine, a proxy included, until the first token is made: mcml token add NAME"
+
 
 def add_to(app: typer.Typer) -> None:
     app.command()(serve)
@@ -33,9 +35,13 @@ def serve(
     with_demo: Annotated[bool, typer.Option("--demo", help="Load the demo library if the store is empty")] = False,
 ) -> None:
     """Serve the repository over HTTP."""
+    # Imported late: other commands need not wait for the web.
     import uvicorn
 
-    settings = chosen_settings(database, host=host, port=port)
+    from service.api.doors import why_closed
+
+    settings = chosen_settings(database, port=port)
+    settings = settings.model_copy(update={"host": host or settings.host})
     store = open_database(settings)
     if not is_loopback(settings.host):
         with store.read() as tx:
@@ -49,9 +55,13 @@ def serve(
             empty = not tx.documents.page(DocumentFilter(), after=None, limit=1)
         if empty:
             _load_demo(database)
+    reason = why_closed(settings, store)
+    with store.read() as tx:
+        has_token = tx.tokens.exist()
     store.close()
     name = f"[{settings.host}]" if ":" in settings.host else settings.host
     console.print(Text.assemble("MCML Repository on ", (f"http://{name}:{settings.port}/", "bold"), "  (Ctrl+C stops)"))
+    console.print(Text("Closed: requests need a token." if reason or has_token else OPEN, style="dim"))
     os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
     os.environ["MCML_DATABASE"] = settings.database_url
     uvicorn.run(
@@ -61,6 +71,8 @@ def serve(
         port=settings.port,
         log_level="warning",
         timeout_graceful_shutdown=2,
+        # The service reads such headers itself, of proxies that it trusts.
+        proxy_headers=False,
     )
 
 

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 from rich.console import Console
 from rich.table import Table
 
 from service.cli.access import Library, LocalLibrary, RemoteLibrary
 from service.cli.api import Api, local_api, remote_api
+from service.errors import McmlError
 from service.settings import Settings
 from service.storage.database import Database
 
@@ -29,9 +30,14 @@ console = Console(highlight=False, markup=False, soft_wrap=True, width=None if s
 
 
 def chosen_settings(database: str | None = None, **changes: Any) -> Settings:
-    """Settings from the environment, with what the command line says."""
+    """Settings from the environment, with what the command line says. McmlError for a variable that makes no sense."""
     given = {key: value for key, value in {"database": database, **changes}.items() if value is not None}
-    return Settings().model_copy(update=given)
+    try:
+        return Settings().model_copy(update=given)
+    except ValidationError as error:
+        fault = error.errors()[0]
+        name = f"MCML_{'_'.join(map(str, fault['loc'])).upper()}"
+        raise McmlError(f"{name}: {fault['msg']}.", remedy="See docs/settings.md for what it may be.") from None
 
 
 def open_database(settings: Settings, *, migrate: bool = True) -> Database:

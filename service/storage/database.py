@@ -16,12 +16,23 @@ from contextlib import contextmanager
 from functools import cached_property
 from typing import Any
 
-from sqlalchemy import ClauseElement, Connection, CursorResult, Table, func, inspect, make_url, select, text
+from sqlalchemy import (
+    ClauseElement,
+    Connection,
+    CursorResult,
+    PoolProxiedConnection,
+    Table,
+    func,
+    inspect,
+    make_url,
+    select,
+    text,
+)
 from sqlalchemy.exc import ArgumentError, DBAPIError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.sql import ColumnElement
 
-from service.errors import ConflictError, DamageError, DocumentError, SpaceError, StoreError
+from service.errors import ConflictError, DamageError, DocumentError, SpaceError, StoreError, UnavailableError
 from service.resources import migrations_path
 from service.storage import tables
 from service.storage.columns import Columns
@@ -230,6 +241,7 @@ class Database:
             raise StoreError(f"Unknown kind of database {name!r}.", remedy=f"Use one of: {', '.join(DIALECTS)}.")
         self.url = url
         self.dialect = DIALECTS[name](DIALECTS[name].create_engine(url))
+        self._watch: PoolProxiedConnection | None = None
 
     @property
     def name(self) -> str:
@@ -256,7 +268,7 @@ class Database:
         try:
             yield
         except PoolTimeout as error:
-            raise StoreError("All connections to the store are in use.", remedy="Try again soon.") from error
+            raise UnavailableError("All connections to the store are in use.", remedy="Try again soon.") from error
         except UnicodeDecodeError as error:
             # The driver meets texts that are none, even in its own messages.
             raise DamageError("The store is damaged: a text cannot be read.", remedy=REMEDY) from error
@@ -271,6 +283,8 @@ class Database:
                 raise ConflictError("Another write came in between.", remedy="Repeat the request.") from error
             if self.dialect.is_full(cause):
                 raise SpaceError from error
+            if self.dialect.is_away(cause):
+                raise UnavailableError("The store cannot be reached now.", remedy="Try again soon.") from error
             said = str(cause).strip().split("\n")[0]
             if self.dialect.is_damaged(cause):
                 raise DamageError(f"The store is damaged: {said}.", remedy=REMEDY) from error
@@ -347,7 +361,22 @@ class Database:
         with self._in_words(), self.dialect.reading() as connection:
             connection.execute(text("SELECT 1"))
 
+    def has_token(self) -> bool:
+        """Whether there is any token, of an SQLite file, in microseconds: asked before every request to an open one.
+
+        For one thread, over a connection that nothing else uses, so it waits for no other request.
+        """
+        with self._in_words():
+            if self._watch is None:
+                self._watch = self.dialect.engine.raw_connection()
+                self._watch.detach()
+            driver: Any = self._watch.dbapi_connection
+            return bool(driver.execute("SELECT 1 FROM token LIMIT 1").fetchall())
+
     def close(self) -> None:
+        if self._watch is not None:
+            self._watch.close()
+            self._watch = None
         self.dialect.engine.dispose()
 
 

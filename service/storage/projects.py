@@ -56,6 +56,9 @@ class Projects:
         return self._tx.insert_row(project, name=stored_form(name), created=now())
 
 
+_ANY = select(token.c.name).limit(1)
+
+
 @dataclass(frozen=True)
 class TokenSummary:
     """A token as it is listed. hint: its first characters; the token itself is not kept."""
@@ -84,6 +87,10 @@ class Tokens:
     def all(self) -> list[TokenSummary]:
         rows = self._tx.connection.execute(select(token).order_by(token.c.name))
         return [TokenSummary(row.name, row.hint, row.created, row.expires) for row in rows]
+
+    def exist(self) -> bool:
+        """Whether there is any token, an expired one too."""
+        return bool(self._tx.rows(_ANY))
 
     def remove(self, name: str) -> None:
         if not self._tx.connection.execute(delete(token).where(token.c.name == name)).rowcount:

@@ -9,10 +9,9 @@ from collections.abc import Iterator
 import pytest
 from fastapi.testclient import TestClient
 
-from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import bvh, upload
+from tests.builders import bvh, served, upload
 
 API = "/api/v1"
 
@@ -75,13 +74,13 @@ def test_numbers_and_texts_that_no_store_holds_are_refused(client: TestClient, a
     assert wrong.status_code == 422
 
 
-@pytest.mark.parametrize("headers", [{"origin": "http://["}, {"host": "[::1"}, {"host": ""}, {"origin": "null"}])
-def test_broken_hosts_and_origins_are_refused(client: TestClient, address: str, headers: dict[str, str]) -> None:
+@pytest.mark.parametrize("headers", [{"origin": "http://["}, {"origin": "null"}])
+def test_broken_origins_are_refused(client: TestClient, address: str, headers: dict[str, str]) -> None:
     assert client.post(f"{address}/restore", headers=headers | {"if-match": "*"}).status_code == 403
 
 
 def test_a_body_without_a_length_is_bounded(database: Database) -> None:
-    with TestClient(create_app(Settings(max_upload_bytes=100_000), database), base_url="http://127.0.0.1") as client:
+    with served(database, Settings(max_upload_bytes=100_000)) as client:
         edge = b"--x\r\ncontent-disposition: form-data; name=file; filename=a.bvh\r\n\r\n"
         answer = client.post(
             f"{API}/documents",

@@ -10,10 +10,9 @@ import pytest
 from fastapi.testclient import TestClient
 from lxml import etree
 
-from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import ASF, HTR, MCML, amc, bvh, upload
+from tests.builders import ASF, HTR, MCML, amc, bvh, served, upload
 
 API = "/api/v1"
 PARSER = etree.XMLParser(remove_blank_text=True)
@@ -228,7 +227,7 @@ def test_errors_have_a_column_and_a_hint(client: TestClient, expression: str, co
 
 def test_hostile_expressions_end_within_the_limit(database: Database) -> None:
     settings = Settings(query_seconds=2, query_memory_mib=400)
-    with TestClient(create_app(settings, database), base_url="http://127.0.0.1:8000") as client:
+    with served(database, settings) as client:
         upload(client, {"a.bvh": bvh(2000)})
         for expression in (
             "//*//*//*//*//*[.//*[.//*]]/following::*[preceding::*]",
@@ -246,7 +245,7 @@ def test_hostile_expressions_end_within_the_limit(database: Database) -> None:
 
 
 def test_too_much_is_refused_with_what_to_narrow(database: Database) -> None:
-    with TestClient(create_app(Settings(query_elements=1000), database), base_url="http://127.0.0.1:8000") as client:
+    with served(database, Settings(query_elements=1000)) as client:
         upload(client, {"a.bvh": bvh(600)}, label="walk")
         refused = client.get(f"{API}/xpath", params={"q": "/mcml"})
         assert refused.status_code == 422
@@ -267,7 +266,7 @@ def test_too_much_is_refused_with_what_to_narrow(database: Database) -> None:
 
 def test_a_page_of_large_documents_is_short(database: Database) -> None:
     """Whole documents share the room of a page; what has none left is on the next one."""
-    with TestClient(create_app(Settings(query_elements=1000), database), base_url="http://127.0.0.1:8000") as client:
+    with served(database, Settings(query_elements=1000)) as client:
         upload(client, {f"{name}.bvh": bvh(100) for name in "abcde"})
         for text in ("/mcml", "/mcml/motion | //source"):
             pages, cursor = [], None
@@ -366,7 +365,7 @@ def test_positions_that_no_frame_has(library: tuple[TestClient, object], text: s
 
 
 def test_what_ends_for_its_time_shows_the_plan_and_the_limit(database: Database) -> None:
-    with TestClient(create_app(Settings(query_seconds=0.5), database), base_url="http://127.0.0.1:8000") as client:
+    with served(database, Settings(query_seconds=0.5)) as client:
         upload(client, {"a.bvh": bvh(3)})
         text = f"//frame[matches('{'a' * 60}!', '^(a+)+$')]"
         problem = client.get(f"{API}/xpath", params={"q": text, "explain": "true"}).json()

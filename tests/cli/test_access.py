@@ -5,22 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from fastapi.testclient import TestClient
 
-from service.app import create_app
 from service.cli.access import RemoteLibrary
 from service.cli.api import Api
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.documents import DocumentFilter
-from tests.builders import bvh, store
+from tests.builders import bvh, served, store
 
 
 @pytest.fixture
 def library(database: Database) -> Iterator[RemoteLibrary]:
     """Five documents, the last one deleted, on a server whose pages hold two."""
     uuids = [store(database, {f"{name}.bvh": bvh(2 + number)})[0] for number, name in enumerate("abcde")]
-    with TestClient(create_app(Settings(page_limit=2), database), base_url="http://127.0.0.1:8000/api/v1/") as client:
+    with served(database, Settings(page_limit=2), base_url="http://127.0.0.1:8000/api/v1/") as client:
         client.delete(f"documents/{uuids[-1]}", headers={"if-match": "*"}).raise_for_status()
         yield RemoteLibrary(Api(client))  # type: ignore[arg-type]
 

@@ -16,7 +16,7 @@ from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
 from tests.actions.test_import_failures import rows
-from tests.builders import bvh
+from tests.builders import SECRET, bvh
 
 BOUNDARY = "end-of-part"
 CONTENT = bvh(20_000)
@@ -51,7 +51,7 @@ class Watched:
 @pytest.fixture
 def served(database: Database) -> Iterator[tuple[Watched, int]]:
     """The watched service, and the port it listens on."""
-    watched = Watched(create_app(Settings(), database))
+    watched = Watched(create_app(Settings(), database, lambda: SECRET))
     listener = socket.create_server(("127.0.0.1", 0))
     server = uvicorn.Server(uvicorn.Config(watched, log_level="error"))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
@@ -68,7 +68,7 @@ def request(announced: int | None) -> bytes:
     """An upload; announced: the length it says its body has, None for a body in chunks."""
     length = "Transfer-Encoding: chunked" if announced is None else f"Content-Length: {announced}"
     return (
-        f"POST /api/v1/documents HTTP/1.1\r\nHost: 127.0.0.1\r\n{length}\r\n"
+        f"POST /api/v1/documents HTTP/1.1\r\nHost: 127.0.0.1\r\nAuthorization: Bearer {SECRET}\r\n{length}\r\n"
         f"Content-Type: multipart/form-data; boundary={BOUNDARY}\r\n\r\n"
     ).encode()
 
@@ -103,7 +103,8 @@ def test_a_client_that_goes_away_leaves_nothing(
     assert watched.ended.get(timeout=30) != 201
     assert rows(database) == {}
 
-    with httpx.Client(base_url=f"http://127.0.0.1:{port}/api/v1") as other:
+    owner = {"authorization": f"Bearer {SECRET}"}
+    with httpx.Client(base_url=f"http://127.0.0.1:{port}/api/v1", headers=owner) as other:
         assert other.post("/documents", files={"file": ("long.bvh", CONTENT)}).status_code == 201
         assert other.get("/documents").json()["total"] == 1
     assert database.check() == []

@@ -9,10 +9,9 @@ import zipfile
 import pytest
 from fastapi.testclient import TestClient
 
-from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import ASF, HTR, MCML, amc, bvh
+from tests.builders import ASF, HTR, MCML, amc, bvh, served
 
 API = "/api/v1"
 
@@ -102,7 +101,7 @@ def packed(members: dict[str, bytes]) -> bytes:
 
 def test_zip_bombs_are_refused(database: Database) -> None:
     settings = Settings(max_upload_bytes=30_000_000, max_zip_files=50, max_zip_ratio=100)
-    with TestClient(create_app(settings, database), base_url="http://127.0.0.1:8000") as client:
+    with served(database, settings) as client:
         for name, content in {
             "ratio.zip": packed({"zeros.bvh": b"\0" * 20_000_000}),
             "sum.zip": packed({f"{n}.bvh": random.Random(n).randbytes(50_000) * 40 for n in range(20)}),

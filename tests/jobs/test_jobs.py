@@ -19,12 +19,12 @@ from fastapi.testclient import TestClient
 import service.jobs.runner
 from service.actions.load_demo import REACHES, add_clips
 from service.analysis.interface import Part
-from service.app import create_app
 from service.demo.reach_clips import reach_clips
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.documents import DocumentFilter
 from service.storage.jobs import ENDED
+from tests.builders import served
 
 API = "/api/v1"
 SETTINGS = Settings(job_workers=1)
@@ -39,7 +39,7 @@ def fill(database: Database) -> None:
 @pytest.fixture
 def server(database: Database) -> Iterator[TestClient]:
     fill(database)
-    with TestClient(create_app(SETTINGS, database), base_url="http://127.0.0.1:8000") as client:
+    with served(database, SETTINGS) as client:
         yield client
 
 
@@ -272,7 +272,7 @@ def test_a_job_whose_server_was_killed_is_taken_up(database: Database, monkeypat
             tx.projects.get(REACHES), "reach", "a model", "kim", inputs, {"components": 4}, runner="a dead one"
         )
     monkeypatch.undo()
-    with TestClient(create_app(SETTINGS, database), base_url="http://127.0.0.1:8000") as server:
+    with served(database, SETTINGS) as server:
         done = wait(server, {"id": uuid})
     assert (done["state"], done["attempt"], done["owner"]) == ("done", 2, "kim")
 
@@ -280,11 +280,11 @@ def test_a_job_whose_server_was_killed_is_taken_up(database: Database, monkeypat
 def test_a_server_that_stops_leaves_its_jobs(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     fill(database)
     instead(monkeypatch, endless)
-    with TestClient(create_app(SETTINGS, database), base_url="http://127.0.0.1:8000") as server:
+    with served(database, SETTINGS) as server:
         job = start(server)
         wait(server, job, lambda found: found["stage"] == "for ever")
     monkeypatch.undo()
     with database.read() as tx:
         assert (tx.jobs.get(job["id"]).state, tx.jobs.get(job["id"]).attempt) == ("waiting", 0)
-    with TestClient(create_app(SETTINGS, database), base_url="http://127.0.0.1:8000") as server:
+    with served(database, SETTINGS) as server:
         assert wait(server, job)["state"] == "done"

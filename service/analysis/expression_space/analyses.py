@@ -10,24 +10,28 @@ from schemas.analyses.expression import (
     ExpressionCandidate,
     ExpressionCandidateChoice,
     ExpressionFrame,
+    ExpressionKey,
     ExpressionLevel,
     ExpressionLevelChoice,
     ExpressionLink,
-    ExpressionMotion,
     ExpressionNeighbour,
     ExpressionNeighbours,
-    ExpressionOffer,
     ExpressionParameters,
-    ExpressionPath,
-    ExpressionPathWish,
-    ExpressionPlayback,
     ExpressionPoints,
-    ExpressionRefinement,
-    ExpressionSample,
-    ExpressionStep,
     ExpressionStride,
     ExpressionTake,
     ExpressionWarning,
+    Key,
+)
+from schemas.analyses.expression_paths import (
+    ExpressionMotion,
+    ExpressionOffer,
+    ExpressionPath,
+    ExpressionPathWish,
+    ExpressionPlayback,
+    ExpressionRefinement,
+    ExpressionSample,
+    ExpressionStep,
 )
 from service.analysis.expression_space.extension import extend
 from service.analysis.expression_space.navigation import (
@@ -141,7 +145,7 @@ def level(space: Stored, choice: ExpressionLevelChoice) -> Answer:
 def neighbours(space: Stored, choice: ExpressionCandidateChoice) -> Answer:
     """The candidates that are linked to one."""
     number = space.check_level(choice.level)
-    frame = space.number(choice.document, choice.frame)
+    frame = _named(space, number, choice.key)
     place = _place_of(space, number, frame)
     links, graph = space.ground.links[number], space.ground.graph
     found: list[tuple[float, int, bool]]
@@ -174,7 +178,7 @@ def neighbours(space: Stored, choice: ExpressionCandidateChoice) -> Answer:
 def path(space: Stored, wish: ExpressionPathWish) -> Answer:
     """A new path over candidates of a level."""
     number = space.check_level(wish.level)
-    keys = [space.number(key.document, key.frame) for key in wish.keys]
+    keys = [_named(space, number, key) for key in wish.keys]
     try:
         routed = linked_keys(space.ground, number, keys, auto_route=wish.auto_route)
     except AnalysisError as error:
@@ -189,7 +193,7 @@ def refine(space: Stored, wish: ExpressionRefinement) -> Answer:
     number = space.check_level(wish.level)
     rule = wish.rule or space.values["method"]
     ground, walk = space.ground, old.walk
-    picks = [space.number(key.document, key.frame) for key in wish.keys]
+    picks = [_named(space, number, key) for key in wish.keys]
     near = rule == "paper"
     offers = (
         offers_near(ground, walk, number, wish.radius_mm)
@@ -269,6 +273,20 @@ def _candidates(space: Stored, level: int, places: Sequence[int]) -> list[Expres
         ExpressionCandidate(document=documents[take], frame=frame, id=place, x=x, y=y, size=size)
         for place, take, frame, size, (x, y) in zip(places, *(c.tolist() for c in columns), plane, strict=True)
     ]
+
+
+def _named(space: Stored, level: int, key: Key) -> int:
+    """The number of the frame that a candidate is. Raises AnalysisError `unknown-frame`, `not-a-candidate`."""
+    if isinstance(key, ExpressionKey):
+        return space.number(key.document, key.frame)
+    candidates = space.ground.candidates[level]
+    if key >= len(candidates):
+        raise AnalysisError(
+            "not-a-candidate",
+            f"Level {level} has no candidate {key}.",
+            remedy=f"Its ids are 0 to {len(candidates) - 1}; the operation `level` lists them.",
+        )
+    return int(candidates[key])
 
 
 def _place_of(space: Stored, level: int, frame: int) -> int:

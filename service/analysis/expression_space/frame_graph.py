@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial.distance import cdist
 
 from service.analysis.expression_space.neighbours import nearest
 from service.analysis.expression_space.states import SAME
@@ -17,6 +18,7 @@ from service.motion.skeleton import Array
 Places = NDArray[np.int32]
 TINY = 1e-9
 """Length of an edge between equal frames: a stored zero would mean that there is none."""
+HUBS_OF_A_FRAME = 4
 
 
 @dataclass(frozen=True)
@@ -97,33 +99,46 @@ def spanning_tree(apart: Array) -> tuple[NDArray[np.intp], Array]:
     n = len(apart)
     edges, lengths = np.empty((n - 1, 2), dtype=np.intp), np.empty(n - 1)
     closest, parent = apart[0].copy(), np.zeros(n, dtype=np.intp)
-    closest[0] = np.nan
+    outside = np.ones(n, dtype=bool)
+    outside[0] = False
     for step in range(n - 1):
-        new = int(np.nanargmin(closest))
+        waiting = np.flatnonzero(outside)
+        new = waiting[closest[waiting].argmin()]
         edges[step], lengths[step] = (parent[new], new), closest[new]
+        outside[new] = False
         closer = apart[new] < closest
         closest[closer], parent[closer] = apart[new][closer], new
-        closest[new] = np.nan
     return edges, lengths
 
 
-def neighbour_graph(states: Array, take: NDArray[np.int32], frame: NDArray[np.int32], neighbours: int) -> FrameGraph:
-    """Edges to the nearest frames of each and between consecutive frames of a take. states: (n, d) reduced."""
-    n = len(states)
-    found, near = nearest(states, states, neighbours + 1)
-    rows = np.repeat(np.arange(n), near.shape[1])
-    pairs = np.stack([rows, near.reshape(-1)], axis=1)
+def hub_graph(
+    states: Array, hubs: NDArray[np.integer], tau: float, take: NDArray[np.int32], frame: NDArray[np.int32]
+) -> FrameGraph:
+    """Edges between hubs at most tau apart, from each frame to its 4 nearest hubs within tau, and between consecutive
+    frames of a take. states: (n, d) reduced. hubs: (h,) frames. take, frame: (n,)."""
+    between = cdist(states[hubs], states[hubs])
+    one, other = np.nonzero(np.triu(between <= tau, 1))
+    found, near = nearest(states[hubs], states, HUBS_OF_A_FRAME)
+    row, column = np.nonzero(found <= tau)
     chain = np.flatnonzero((np.diff(take) == 0) & (np.diff(frame) == 1))
+    pairs = np.concatenate(
+        [
+            np.stack([hubs[one], hubs[other]], axis=1),
+            np.stack([row, hubs[near[row, column]]], axis=1),
+            np.stack([chain, chain + 1], axis=1),
+        ]
+    )
     after = np.linalg.norm(states[chain + 1] - states[chain], axis=1)
-    pairs = np.sort(np.concatenate([pairs, np.stack([chain, chain + 1], axis=1)]), axis=1)
-    length = np.concatenate([found.reshape(-1), after])
-    other = pairs[:, 0] != pairs[:, 1]
-    key, place = np.unique(pairs[other, 0] * n + pairs[other, 1], return_index=True)
+    length = np.concatenate([between[one, other], found[row, column], after])
+    pairs = np.sort(pairs.astype(np.int64), axis=1)
+    different = pairs[:, 0] != pairs[:, 1]
+    n = len(states)
+    key, place = np.unique(pairs[different, 0] * n + pairs[different, 1], return_index=True)
     return FrameGraph(
         n,
         (key // n).astype(np.int32),
         (key % n).astype(np.int32),
-        length[other][place],
+        length[different][place],
         np.zeros(len(key), dtype=bool),
     )
 

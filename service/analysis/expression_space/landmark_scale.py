@@ -14,7 +14,7 @@ from service.motion.skeleton import Array
 
 BLOCK = 2000
 BASIS_FRAMES = 1500
-VARIANCE = 0.99
+VARIANCE = 0.999
 MOST = 16
 
 
@@ -44,7 +44,7 @@ class Basis:
 
 
 def basis_of(positions: Array, seed: int) -> Basis:
-    """From 1,500 random frames, as many components as hold 99 % of the variance, at most 16.
+    """From 1,500 random frames, as many components as hold 99.9 % of the variance, at most 16.
 
     positions: (n, M, 3). Frames with missing markers are used only where there are not enough others.
     """

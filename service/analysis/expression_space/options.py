@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 MARKER_MM = 2.3
 """The paper's threshold of 230 mm for each of its 100 markers: mm root mean square per pair of markers."""
@@ -12,18 +12,21 @@ FULL_FRAMES = 5000
 FLOYD_FRAMES = 3000
 MOST_FRAMES = 100_000
 
+TauRule: TypeAlias = Literal["published", "best", "unbroken"]
+
 
 @dataclass(frozen=True)
 class Options:
     """smooth_s: deviation of the Gaussian in time, s. gap_s: longest gap that is filled, s. tau_mm: threshold, mm;
     None: found by `tau_rule`. tau_count: thresholds tried. dimensions: kept of the map; cluster_dimensions: of these,
     those in which frames are grouped. first_level: candidates of the coarsest level. rho: radius of the paper's links,
-    map units; None: half the median distance of candidates to the nearest. neighbours, landmarks: of large spaces.
+    map units; None: half the median distance of candidates to the nearest. neighbours: old frames that an added one is
+    joined to. landmarks: of large spaces.
     """
 
     method: Literal["paper", "robust"]
     smooth_s: float
-    tau_rule: Literal["published", "best", "smallest"]
+    tau_rule: TauRule
     on_disconnected: Literal["bridge", "largest", "error"]
     cluster_dimensions: int
     grouping: Literal["fcm", "fps"]
@@ -45,7 +48,7 @@ class Options:
     seed: int = 0
 
 
-_ROBUST = Options("robust", 1 / 30, "smallest", "bridge", 10, "fcm", "voronoi")
+_ROBUST = Options("robust", 1 / 30, "unbroken", "bridge", 10, "fcm", "voronoi")
 _PAPER = Options("paper", 0.0, "published", "largest", 2, "fcm", "paper")
 
 

@@ -78,6 +78,8 @@ def _values(space: Space) -> dict[str, Any]:
             "bridges": int(space.graph.bridge.sum()),
             "r": plain(space.agreements[0].r),
             "stress": plain(space.agreements[0].stress),
+            "trustworthiness": space.neighbourhoods[0],
+            "continuity": space.neighbourhoods[1],
             "eigenvalues": [float(value) for value in space.scaling.eigenvalues],
             "negative_share": plain(space.scaling.negative),
             "levels": len(space.levels),
@@ -227,7 +229,7 @@ def _links(space: Space) -> Part:
 
 
 def _tau(space: Space) -> Part:
-    names = ("tau", "r", "stress", "components", "giant", "degree", "stretch")
+    names = ("tau", "broken", "r", "stress", "components", "giant", "degree", "stretch")
     data: Mapping[str, Any] = {
         "x": {"name": "tau", "unit": "mm"},
         "y": {"name": "r", "unit": ""},

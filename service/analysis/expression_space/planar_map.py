@@ -9,11 +9,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh
+from scipy.spatial.distance import cdist
 
 from service.motion.skeleton import Array
 
 SAMPLE = 600
+NEIGHBOURS = 10
 
 
 @dataclass(frozen=True)
@@ -126,3 +129,30 @@ def _agreement(pairs: Iterator[tuple[Array, Array]], dimensions: int) -> Agreeme
     level = 1e-12 * sums[2:4]
     r = (sums[4] - sums[0] * sums[1] / count) / np.sqrt(spread.prod()) if (spread > level).all() else float("nan")
     return Agreement(dimensions, float(r), float(np.sqrt(missed / sums[2])) if sums[2] > 0 else 0.0)
+
+
+def neighbourhoods(apart: Array, coordinates: Array) -> tuple[float, float]:
+    """Trustworthiness and continuity of a map: how far frames near on it are near, and near ones stay so; 1 at best.
+
+    Venna and Kaski (2001), over the 10 nearest of each (fewer where there are under 40 frames).
+    apart: (n, n). coordinates: (n, p).
+    """
+    n = len(apart)
+    count = max(1, min(NEIGHBOURS, n // 4))
+    ranks = [_ranks(apart), _ranks(cdist(coordinates, coordinates))]
+    most = n * count * (2 * n - 3 * count - 1) / 2
+    found = [
+        1.0 - float((of_all - count)[(of_near <= count) & (of_all > count)].sum()) / most
+        for of_all, of_near in (ranks, ranks[::-1])
+    ]
+    return found[0], found[1]
+
+
+def _ranks(apart: Array) -> NDArray[np.intp]:
+    """(n, n) place of each frame among the others by distance, from 1; the frame itself: 0."""
+    apart = apart.copy()
+    np.fill_diagonal(apart, -1.0)
+    order = np.argsort(apart, axis=1, kind="stable")
+    ranks = np.empty_like(order)
+    np.put_along_axis(ranks, order, np.broadcast_to(np.arange(len(apart)), order.shape), axis=1)
+    return ranks

@@ -7,20 +7,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from scipy.spatial.distance import cdist
 
 from service.analysis.expression_space.frame_graph import (
     FrameGraph,
     closest_bridges,
-    neighbour_graph,
-    spanning_tree,
+    hub_graph,
     threshold_graph,
 )
 from service.analysis.expression_space.geodesics import all_pairs
 from service.analysis.expression_space.landmark_scale import Basis, basis_of, landmark_geodesics
 from service.analysis.expression_space.levels import Level, farthest_order, level_sizes, make_levels
 from service.analysis.expression_space.links import Links, edge_links, half_nearest, paper_links, voronoi_links
+from service.analysis.expression_space.neighbours import nearest
 from service.analysis.expression_space.options import FLOYD_FRAMES, FULL_FRAMES, MARKER_MM, MOST_FRAMES, Options
 from service.analysis.expression_space.planar_map import (
     Agreement,
@@ -28,16 +27,20 @@ from service.analysis.expression_space.planar_map import (
     agreement,
     agreement_between,
     classical_scaling,
+    neighbourhoods,
 )
 from service.analysis.expression_space.states import SAME, distances, state_vectors, step_lengths
 from service.analysis.expression_space.takes import Frames, frames_of, part_of, smoothed
-from service.analysis.expression_space.threshold import Tried, candidates, choose, try_threshold
+from service.analysis.expression_space.threshold import STEPS, Chosen, choose
+from service.analysis.expression_space.trials import Trials, Tried
 from service.analysis.interface import AnalysisError, Motion, Progress, silent
 from service.errors import SizeError
 from service.motion.skeleton import Array
 
 SAMPLE = 2000
 SPEED_SMOOTHING = 1 / 30
+POOR = 0.9
+HUBS = 1000
 SHOWN_DIMENSIONS = (2, 3, 5, 10)
 
 
@@ -54,19 +57,21 @@ class Reduced:
 @dataclass(frozen=True)
 class Space:
     """coordinates: (n, p) mm on the map. scaling: of all frames, or of the landmarks. geodesics: (n, n) in single
-    precision, None where there are landmarks. tau, connecting: mm; connecting is None for landmarks. speed: mm of
-    path per second in which faces were captured, three quarters of the frames slower."""
+    precision, None where there are landmarks. tau: mm. connecting: mm, the smallest threshold that joins all frames (or
+    all hubs and what they stand for, where there are landmarks). neighbourhoods: trustworthiness and continuity of the
+    plane. speed: mm of path per second in which faces were captured, three quarters of the frames slower."""
 
     options: Options
     frames: Frames
     graph: FrameGraph
     tau: float
-    connecting: float | None
+    connecting: float
     tried: tuple[Tried, ...]
     components: tuple[int, ...]
     coordinates: Array
     scaling: Scaling
     agreements: tuple[Agreement, ...]
+    neighbourhoods: tuple[float, float]
     levels: tuple[Level, ...]
     links: tuple[Links, ...]
     radii: tuple[float, ...]
@@ -103,31 +108,11 @@ def _with_all(frames: Frames, options: Options, progress: Progress) -> Space:
     progress("distances", 0.08)
     apart = distances(states)
     del states
-    finite = apart[np.isfinite(apart)]
-    longest = float(finite.max())
-    _varied(longest)
-    progress("tau", 0.2)
-    edges, lengths = spanning_tree(apart)
-    connecting, total = float(lengths.max()), len(apart)
-
-    def parts(tau: float) -> NDArray[np.intp]:
-        near = edges[lengths <= tau]
-        square = (total, total)
-        graph = coo_array((np.ones(len(near)), (near[:, 0], near[:, 1])), shape=square).tocsr()
-        return connected_components(graph, directed=False)[1].astype(np.intp)
-
-    published = MARKER_MM * len(frames.markers)
-    low = float(lengths[np.isfinite(lengths)].max(initial=SAME))
-    also = [published] if options.tau_mm is None else [published, options.tau_mm]
-    tried = []
-    taus = candidates(low, longest, options.tau_count, also).tolist()
-    for number, tau in enumerate(taus):
-        progress("tau", 0.2 + 0.25 * number / len(taus))
-        tried.append(try_threshold(apart, tau, parts))
-    warnings = []
-    tau, why = (options.tau_mm, None) if options.tau_mm else choose(tried, options.tau_rule, len(frames.markers))
-    if why:
-        warnings.append(("tau-undefined", why))
+    trials = Trials(apart)
+    _varied(trials.longest)
+    tried, tau, warnings = _threshold(trials, len(frames.markers), options, progress, (0.2, 0.45))
+    edges, lengths = trials.tree
+    connecting = float(lengths.max())
     progress("graph", 0.45)
     graph = threshold_graph(apart, tau)
     cut = (lengths > tau) & np.isfinite(lengths)
@@ -139,6 +124,8 @@ def _with_all(frames: Frames, options: Options, progress: Progress) -> Space:
     paths = all_pairs(graph.matrix)
     progress("map", 0.75)
     scaling = classical_scaling(paths, options.dimensions)
+    sample = trials.spread if kept.all() else Trials(apart).spread
+    near = neighbourhoods(apart[np.ix_(sample, sample)], scaling.coordinates[sample, :2])
     shown = [size for size in SHOWN_DIMENSIONS if size <= options.dimensions]
     agreements = tuple(agreement(paths, scaling.coordinates[:, :size]) for size in shown)
     # Noise of single frames is no speed: where frames were not smoothed, they are for this.
@@ -147,8 +134,8 @@ def _with_all(frames: Frames, options: Options, progress: Progress) -> Space:
     kept_paths = paths.astype(np.float32)
     del apart, paths
     return _with_levels(
-        frames, options, progress, graph, tau, connecting, tuple(tried), sizes, scaling.coordinates, scaling,
-        agreements, kept_paths, None, speed, warnings,
+        frames, options, progress, graph, tau, connecting, tried, sizes, scaling.coordinates, scaling,
+        agreements, near, kept_paths, None, speed, warnings,
     )  # fmt: skip
 
 
@@ -160,10 +147,16 @@ def _with_landmarks(frames: Frames, options: Options, progress: Progress) -> Spa
         progress("states", 0.05 + 0.35 * start / len(states))
         states[start : start + step] = basis.reduce(frames.positions[start : start + step])
     _varied(float(np.ptp(states, axis=0).max()))
-    progress("graph", 0.4)
-    graph = neighbour_graph(states, frames.take, frames.frame, options.neighbours)
+    progress("tau", 0.4)
+    hubs = farthest_order(states, min(HUBS, len(states)))
+    radius = float(nearest(states[hubs], states)[0].max())
+    trials = Trials(cdist(states[hubs], states[hubs]), max(2.0 * radius, SAME))
+    tried, tau, warnings = _threshold(trials, len(frames.markers), options, progress, (0.4, 0.43))
+    progress("graph", 0.43)
+    graph = hub_graph(states, hubs, tau, frames.take, frames.frame)
     pairs, lengths = closest_bridges(states, graph.components())
-    graph, kept, sizes, warnings = _connected(graph, pairs, lengths, frames, options, None)
+    graph, kept, sizes, more = _connected(graph, pairs, lengths, frames, options, trials.low)
+    warnings += more
     if not kept.all():
         frames, graph, states = part_of(frames, kept), graph.kept(kept), states[kept]
     progress("geodesics", 0.45)
@@ -181,9 +174,9 @@ def _with_landmarks(frames: Frames, options: Options, progress: Progress) -> Spa
         if size <= options.dimensions
     )
     speed = _speed(frames, lambda first: np.linalg.norm(states[first + 1] - states[first], axis=1))
-    tau = options.tau_mm or MARKER_MM * len(frames.markers)
+    near = neighbourhoods(cdist(states[landmarks], states[landmarks]), coordinates[landmarks, :2])
     return _with_levels(
-        frames, options, progress, graph, tau, None, (), sizes, coordinates, scaling, agreements, None,
+        frames, options, progress, graph, tau, trials.low, tried, sizes, coordinates, scaling, agreements, near, None,
         Reduced(basis, states, landmarks, geodesics), speed, warnings,
     )  # fmt: skip
 
@@ -194,12 +187,13 @@ def _with_levels(
     progress: Progress,
     graph: FrameGraph,
     tau: float,
-    connecting: float | None,
+    connecting: float,
     tried: tuple[Tried, ...],
     components: tuple[int, ...],
     coordinates: Array,
     scaling: Scaling,
     agreements: tuple[Agreement, ...],
+    neighbourhoods: tuple[float, float],
     geodesics: NDArray[np.float32] | None,
     reduced: Reduced | None,
     speed: float,
@@ -232,6 +226,13 @@ def _with_levels(
     if scaling.negative > 0.2:
         what = f"{100 * scaling.negative:.0f} % of the map's spectrum are negative: it cannot keep the distances."
         warnings.append(("poor-embedding", what))
+    if min(neighbourhoods) < POOR:
+        trustworthiness, continuity = neighbourhoods
+        what = (
+            f"The plane keeps what is near badly (trustworthiness {trustworthiness:.2f}, continuity {continuity:.2f}): "
+            "levels, links and paths use more dimensions."
+        )
+        warnings.append(("poor-map", what))
     missing = int((scaling.eigenvalues <= 0).sum())
     if missing:
         warnings.append(("fewer-dimensions", f"{missing} of the map's dimensions are empty."))
@@ -246,6 +247,7 @@ def _with_levels(
         coordinates=coordinates,
         scaling=scaling,
         agreements=agreements,
+        neighbourhoods=neighbourhoods,
         levels=tuple(levels),
         links=tuple(links),
         radii=tuple(radii),
@@ -254,6 +256,22 @@ def _with_levels(
         speed=speed,
         warnings=(*frames.warnings, *warnings),
     )
+
+
+def _threshold(
+    trials: Trials, markers: int, options: Options, progress: Progress, span: tuple[float, float]
+) -> tuple[tuple[Tried, ...], float, list[tuple[str, str]]]:
+    """The curve of thresholds, the one that is taken, warnings. span: shares of the work where this begins and ends."""
+    published, stated = MARKER_MM * markers, options.tau_mm
+    searched = stated is None and options.tau_rule == "unbroken"
+    count = max(options.tau_count, STEPS) if searched else options.tau_count
+    tried = []
+    steps = trials.steps(count, published, *([] if stated is None else [stated]))
+    for number, tau in enumerate(steps):
+        progress("tau", span[0] + (span[1] - span[0]) * number / len(steps))
+        tried.append(trials.tried(tau))
+    chosen = Chosen(stated) if stated is not None else choose(trials, tried, options.tau_rule, markers)
+    return tuple(tried), chosen.tau, list(chosen.warnings)
 
 
 def _varied(longest: float) -> None:
@@ -267,7 +285,7 @@ def _connected(
     lengths: Array,
     frames: Frames,
     options: Options,
-    connecting: float | None,
+    connecting: float,
 ) -> tuple[FrameGraph, NDArray[np.bool_], tuple[int, ...], list[tuple[str, str]]]:
     """The graph made whole as the options say (2.4), the frames that stay, the sizes of its parts before, warnings."""
     sizes = np.bincount(graph.components())
@@ -281,7 +299,7 @@ def _connected(
             f"At this threshold the frames fall into {len(sizes)} parts.",
             remedy='Use a larger threshold, or on_disconnected="bridge".',
             components=list(before[:100]),
-            connecting_tau_mm=connecting if connecting is not None and np.isfinite(connecting) else None,
+            connecting_tau_mm=connecting if np.isfinite(connecting) else None,
         )
     warnings = []
     if options.on_disconnected == "bridge":

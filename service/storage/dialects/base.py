@@ -29,6 +29,9 @@ class Dialect(ABC):
     def create_engine(cls, url: str) -> Engine:
         """An engine whose read transactions see one snapshot and whose commits survive a power cut."""
 
+    personal: ClassVar[bool]
+    """Whether a store is a file of one person, as opposed to a server's for several."""
+
     tracks_by_key: ClassVar[TextClause]
     """Reads the tracks whose keys are in a JSON array `keys` of [document, chunk, bone, from_commit]: one by one from
     the index, however many documents they lie in."""
@@ -98,6 +101,10 @@ class Dialect(ABC):
     @abstractmethod
     def is_full(self, error: BaseException | None) -> bool:
         """Whether the driver's error says that the disk is full."""
+
+    @abstractmethod
+    def is_away(self, error: BaseException | None) -> bool:
+        """Whether the driver's error says that the database cannot be asked now, and may be later."""
 
     @abstractmethod
     def is_damaged(self, error: BaseException | None) -> bool:

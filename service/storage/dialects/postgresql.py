@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
+import psycopg
 from sqlalchemy import Connection, Engine, Table, create_engine, insert, text
 from sqlalchemy.sql.dml import ReturningInsert
 
@@ -17,6 +18,9 @@ COMMIT_LOCK = 0x4D434D4C
 """Key of the advisory lock that orders commits: "MCML" in ASCII."""
 
 DISK_FULL = "53100"
+CONNECTION = "08"
+AWAY = ("53300", "57P01", "57P02", "57P03", "57P05")
+"""Too many connections; shut down by an administrator, after a crash, not ready yet; idle for too long."""
 CORRUPTED = ("XX001", "XX002")
 """A page, or an index."""
 
@@ -25,6 +29,8 @@ _ORDER = text("SELECT pg_advisory_xact_lock(:key)")
 
 class PostgreSQL(Dialect):
     """A server, through psycopg 3. Reads are repeatable, writes read committed rows and lock what they change."""
+
+    personal = False
 
     tracks_by_key = text(
         "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data, t.data_checksum "
@@ -80,6 +86,13 @@ class PostgreSQL(Dialect):
 
     def is_full(self, error: BaseException | None) -> bool:
         return getattr(error, "sqlstate", None) == DISK_FULL
+
+    def is_away(self, error: BaseException | None) -> bool:
+        state = getattr(error, "sqlstate", None)
+        if state is None:
+            # No server answered, or the connection broke.
+            return isinstance(error, psycopg.OperationalError | psycopg.InterfaceError)
+        return state[:2] == CONNECTION or state in AWAY
 
     def is_damaged(self, error: BaseException | None) -> bool:
         return getattr(error, "sqlstate", None) in CORRUPTED

@@ -21,6 +21,8 @@ BUSY_SECONDS = 60
 class SQLite(Dialect):
     """One file. Writers of one process queue on a lock, writers of several on SQLite's own."""
 
+    personal = True
+
     # Of a cross join SQLite keeps the order: for each key, look for its track.
     tracks_by_key = text(
         "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data, t.data_checksum "
@@ -112,6 +114,11 @@ class SQLite(Dialect):
 
     def is_full(self, error: BaseException | None) -> bool:
         return isinstance(error, sqlite3.Error) and getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
+
+    def is_away(self, error: BaseException | None) -> bool:
+        # Another process writes for longer than anybody waits. The low byte is the kind.
+        code = getattr(error, "sqlite_errorcode", None) or 0
+        return isinstance(error, sqlite3.Error) and code & 0xFF in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
 
     def is_damaged(self, error: BaseException | None) -> bool:
         code = getattr(error, "sqlite_errorcode", None)

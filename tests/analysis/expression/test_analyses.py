@@ -13,20 +13,22 @@ import pytest
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from schemas.analyses import expression as models
+from schemas.analyses import expression, expression_paths
 from schemas.analyses.expression import (
     ExpressionCandidateChoice,
     ExpressionLevel,
     ExpressionLevelChoice,
-    ExpressionMotion,
     ExpressionNeighbours,
     ExpressionParameters,
+    ExpressionPoints,
+    ExpressionStride,
+)
+from schemas.analyses.expression_paths import (
+    ExpressionMotion,
     ExpressionPath,
     ExpressionPathWish,
     ExpressionPlayback,
-    ExpressionPoints,
     ExpressionRefinement,
-    ExpressionStride,
 )
 from service.analysis.expression_space.analyses import EXPRESSION, options_from
 from service.analysis.expression_space.stored import Stored
@@ -104,7 +106,10 @@ def test_the_summary_says_what_was_built() -> None:
     assert summary["components"] == [summary["frames"]]
     paper = result("paper")["space"].data["summary"]
     assert paper["tau_mm"] == pytest.approx(2.3 * 25)
-    assert len(result()["tau"].data["rows"]) == 13
+    assert len(result()["tau"].data["rows"]) == 25
+    assert len(result("paper")["tau"].data["rows"]) == 13
+    assert 0.8 < summary["trustworthiness"] <= 1
+    assert 0.9 < summary["continuity"] <= 1
 
 
 def test_the_speed_of_capture_is_not_that_of_noise() -> None:
@@ -244,6 +249,28 @@ def test_a_path_is_made_refined_and_played() -> None:
         assert np.allclose(clip.translations[place][np.isfinite(captured)], captured[np.isfinite(captured)], atol=1e-9)
 
 
+def test_candidates_are_named_by_their_ids_too() -> None:
+    space = ready()
+    level: ExpressionLevel = ask("level", space, level=1).value
+    link = level.links[0]
+    frames = [named(level.candidates[place]) for place in (link.a, link.b)]
+    made = ask("path", space, level=1, keys=[link.a, frames[1]])
+    assert made.value == ask("path", space, level=1, keys=frames).value
+    assert [named(key) for key in made.value.keys] == frames
+    other = next(one.id for one in level.candidates if one.id not in (link.a, link.b))
+    picked = ask("refine", child(made), level=1, keys=[other], rule="robust").value
+    assert named(level.candidates[other]) in [named(key) for key in picked.keys]
+    assert ask("neighbours", space, level=1, id=link.a).value == ask("neighbours", space, level=1, **frames[0]).value
+    for name, wish in (("path", {"keys": [0, 11]}), ("neighbours", {"id": 11})):
+        with pytest.raises(AnalysisError) as error:
+            ask(name, space, level=0, **wish)
+        assert error.value.code == "not-a-candidate"
+        assert "0 to 10" in str(error.value.remedy)
+    for wrong in ({}, {"id": 1, **frames[0]}, {"document": "a"}):
+        with pytest.raises(ValidationError):
+            ExpressionCandidateChoice(level=0, **wrong)
+
+
 def test_the_papers_path_is_refined_over_the_map() -> None:
     made = ask("path", ready("paper"), level=0, keys=keys(ready("paper"), 2))
     space = child(made, "paper")
@@ -311,7 +338,7 @@ def test_methods_are_sets_of_options() -> None:
     robust, paper = (options_from(ExpressionParameters(method=method)) for method in ("robust", "paper"))
     assert (robust.smooth_s, robust.tau_rule, robust.on_disconnected, robust.cluster_dimensions, robust.links) == (
         pytest.approx(1 / 30),
-        "smallest",
+        "unbroken",
         "bridge",
         10,
         "voronoi",
@@ -337,7 +364,8 @@ def test_wrong_parameters_are_refused(wrong: dict[str, Any]) -> None:
 
 
 def test_every_field_is_described() -> None:
-    known = [value for name, value in vars(models).items() if name.startswith("Expression")]
+    found = {**vars(expression), **vars(expression_paths)}
+    known = [value for name, value in found.items() if name.startswith("Expression")]
     assert len(known) > 20
     for model in known:
         for name, field in model.model_fields.items():

@@ -10,7 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from schemas.analyses.expression import ExpressionParameters, ExpressionPathWish, ExpressionPlayback
+from schemas.analyses.expression import (
+    ExpressionParameters,
+)
+from schemas.analyses.expression_paths import (
+    ExpressionPathWish,
+    ExpressionPlayback,
+)
 from service.analysis.expression_space.analyses import EXPRESSION
 from service.analysis.interface import AnalysisError, silent
 from service.demo.face_takes import face_takes
@@ -23,7 +29,7 @@ OPTIONS = st.fixed_dictionaries(
         "grouping": st.sampled_from([None, "fcm", "fps"]),
         "links": st.sampled_from([None, "voronoi", "paper"]),
         "on_disconnected": st.sampled_from([None, "bridge", "largest", "error"]),
-        "tau_rule": st.sampled_from([None, "published", "best", "smallest"]),
+        "tau_rule": st.sampled_from([None, "published", "best", "unbroken"]),
         "first_level": st.integers(2, 30),
         "tau_count": st.integers(0, 4),
         "smooth_s": st.sampled_from([None, 0.0, 0.1]),

@@ -8,12 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra, floyd_warshall, minimum_spanning_tree
-from sklearn.neighbors import kneighbors_graph
 
 from service.analysis.expression_space import geodesics
 from service.analysis.expression_space.frame_graph import (
     closest_bridges,
-    neighbour_graph,
+    hub_graph,
     spanning_tree,
     threshold_graph,
 )
@@ -61,7 +60,8 @@ def test_both_algorithms_agree_on_the_generated_set(monkeypatch: pytest.MonkeyPa
 
 def test_a_sparse_graph_is_left_to_dijkstra(monkeypatch: pytest.MonkeyPatch) -> None:
     points = cloud(0, 200)
-    graph = neighbour_graph(points, np.zeros(200, np.int32), np.arange(200, dtype=np.int32), 4)
+    frames = np.arange(200, dtype=np.int32)
+    graph = hub_graph(points, frames[::10], 15.0, np.zeros(200, np.int32), frames)
     monkeypatch.setattr(geodesics, "floyd", None)
     assert np.allclose(all_pairs(graph.matrix), dijkstra(graph.matrix), rtol=1e-12)
 
@@ -94,6 +94,19 @@ def test_the_spanning_tree_is_scipys(seed: int) -> None:
         assert connected_components(csr_array(apart <= tau), directed=False)[0] == parts
 
 
+def test_the_spanning_tree_of_frames_that_share_no_markers() -> None:
+    """Undefined distances leave parts; within each the tree is whole."""
+    apart = apart_of(cloud(6))
+    apart[:40, 40:] = apart[40:, :40] = np.inf
+    edges, lengths = spanning_tree(apart)
+    near = np.isfinite(lengths)
+    assert near.sum() == 58
+    assert lengths[near].sum() == pytest.approx(
+        sum(minimum_spanning_tree(apart[part, part]).sum() for part in (slice(40), slice(40, None)))
+    )
+    assert set(edges[:, 1].tolist()) == set(range(1, 60))
+
+
 def test_bridges_join_parts_by_their_closest_frames() -> None:
     points = np.concatenate([cloud(3, 20) * 0.1 + offset for offset in ((0, 0, 0), (50, 0, 0), (50, 90, 0))])
     apart = apart_of(points)
@@ -107,15 +120,21 @@ def test_bridges_join_parts_by_their_closest_frames() -> None:
     assert len(graph.bridges) == 2
 
 
-def test_the_neighbour_graph_is_scikit_learns_and_the_chain() -> None:
+def test_the_hub_graph_joins_hubs_frames_to_hubs_and_the_chain() -> None:
     points = cloud(5, 80)
     take = np.repeat([0, 1], 40).astype(np.int32)
     frame = np.concatenate([np.arange(40), np.r_[0:20, 25:45]]).astype(np.int32)
-    graph = neighbour_graph(points, take, frame, 5)
-    wanted = kneighbors_graph(points, 5, mode="distance").toarray()
-    wanted = np.maximum(wanted, wanted.T)
-    for place in range(79):
-        if take[place] == take[place + 1] and frame[place + 1] == frame[place] + 1:
-            wanted[place, place + 1] = wanted[place + 1, place] = np.linalg.norm(points[place + 1] - points[place])
+    hubs = np.random.default_rng(1).permutation(80)[:30]
+    tau, apart = 22.0, apart_of(points)
+    wanted = np.zeros((80, 80))
+    for row in range(80):
+        near = hubs[np.argsort(apart[row, hubs])][:4]
+        for other in hubs if row in hubs else near:
+            if apart[row, other] <= tau:
+                wanted[row, other] = wanted[other, row] = apart[row, other]
+    for row in range(79):
+        if take[row] == take[row + 1] and frame[row + 1] == frame[row] + 1:
+            wanted[row, row + 1] = wanted[row + 1, row] = apart[row, row + 1]
+    graph = hub_graph(points, hubs, tau, take, frame)
     assert np.allclose(graph.matrix.toarray(), wanted)
-    assert wanted[59, 60] == 0 or np.allclose(kneighbors_graph(points, 5).toarray()[[59, 60], [60, 59]].max(), 1)
+    assert (graph.first < graph.second).all()

@@ -8,7 +8,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from schemas.analyses.expression import ExpressionLevelChoice, ExpressionParameters, ExpressionPathWish
+from schemas.analyses.expression import (
+    ExpressionLevelChoice,
+    ExpressionParameters,
+)
+from schemas.analyses.expression_paths import (
+    ExpressionPathWish,
+)
 from service.analysis.expression_space.analyses import EXPRESSION
 from service.analysis.expression_space.extension import extend
 from service.analysis.expression_space.geodesics import from_sources

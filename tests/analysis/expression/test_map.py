@@ -1,20 +1,18 @@
-"""Maps, against whole eigenproblems and scikit-learn; thresholds."""
+"""Maps, against whole eigenproblems and scikit-learn."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.sparse.csgraph import connected_components
-from sklearn.manifold import Isomap
+from sklearn.manifold import Isomap, trustworthiness
 
-from service.analysis.expression_space import threshold
 from service.analysis.expression_space.planar_map import (
     Scaling,
     agreement,
     agreement_between,
     classical_scaling,
+    neighbourhoods,
 )
-from service.analysis.expression_space.threshold import Tried, candidates, choose, sampled_geodesics, try_threshold
 from service.motion.skeleton import Array
 from tests.analysis.expression.face_motions import space
 
@@ -106,61 +104,11 @@ def test_the_negative_share_is_that_of_the_spectrum() -> None:
     assert classical_scaling(apart, 2).negative == pytest.approx(-values[values < 0].sum() / np.abs(values).sum())
 
 
-def test_a_curve_of_thresholds() -> None:
-    found = space()
-    taus = [tried.tau for tried in found.tried]
-    assert taus == sorted(taus)
-    assert found.connecting is not None
-    assert found.tried[0].tau >= found.connecting
-    assert all(tried.components == 1 and tried.giant == 1.0 for tried in found.tried if tried.tau >= found.connecting)
-    assert all(tried.stretch >= 1 - 1e-9 for tried in found.tried)
-    best = max(tried.r for tried in found.tried)
-    assert found.tau == min(tried.tau for tried in found.tried if tried.r >= best - 0.01)
-
-
-def test_the_curve_is_that_of_the_whole_graph() -> None:
-    """On few frames nothing is thinned: r is Pearson's over all geodesics."""
-    apart = np.asarray(geodesics()[::8, ::8])
-
-    def parts(tau: float) -> np.ndarray:
-        return connected_components(apart <= tau, directed=False)[1].astype(np.intp)
-
-    tried = try_threshold(apart, 150.0, parts)
-    giant = np.flatnonzero(parts(150.0) == np.bincount(parts(150.0)).argmax())
-    whole_graph = threshold.floyd(np.where(apart <= 150.0, apart, np.inf))[np.ix_(giant, giant)]
-    coordinates, _ = whole(whole_graph, 2)
-    assert tried.r == pytest.approx(agreement(whole_graph, coordinates).r, abs=1e-3)
-    assert tried.components == parts(150.0).max() + 1
-
-
-def test_thinning_hardly_lengthens_geodesics() -> None:
-    points = np.random.default_rng(3).normal(size=(900, 3)) * (100, 40, 20)
-    apart = apart_of(points)
-    frames = np.arange(900)
-    sample = frames[::9]
-    exact = threshold.floyd(np.where(apart <= 60, apart, np.inf))[np.ix_(sample, sample)]
-    found = sampled_geodesics(apart, 60.0, frames, sample)
-    assert (found >= exact - 1e-9).all()
-    assert found.mean() < 1.01 * exact.mean()
-
-
-def _tried(tau: float, r: float, components: int = 1) -> Tried:
-    return Tried(tau, r, 0.1, components, 1.0, 10.0, 1.0)
-
-
-def test_rules_of_the_threshold() -> None:
-    curve = [_tried(10, 0.985, 2), _tried(20, 0.975), _tried(40, 0.985), _tried(80, 0.991), _tried(160, 0.990)]
-    assert choose(curve, "smallest", 100) == (40, None)
-    assert choose(curve, "best", 100) == (80, None)
-    assert choose(curve, "published", 100) == (pytest.approx(230), None)
-    tau, why = choose([_tried(10, float("nan"))], "smallest", 50)
-    assert tau == pytest.approx(115)
-    assert why is not None
-
-
-def test_thresholds_go_from_the_connecting_one_to_the_longest() -> None:
-    taus = candidates(10.0, 1000.0, 12, [230.0])
-    assert len(taus) == 13
-    assert taus[0] == pytest.approx(10.0)
-    assert taus[0] >= 10.0
-    assert taus[-1] == pytest.approx(1000.0)
+def test_neighbourhoods_are_scikit_learns_trustworthiness() -> None:
+    rng = np.random.default_rng(3)
+    points = rng.normal(size=(90, 4)) * (30, 20, 15, 10)
+    shown = points[:, :2]
+    found = neighbourhoods(apart_of(points), shown)
+    assert found[0] == pytest.approx(trustworthiness(points, shown, n_neighbors=10))
+    assert found[1] == pytest.approx(trustworthiness(shown, points, n_neighbors=10))
+    assert neighbourhoods(apart_of(points), points) == (1.0, 1.0)

@@ -1,0 +1,113 @@
+"""Who may come in. What is kept decides, and where a request comes from; nothing that it says of itself opens a door.
+
+A proxy on the same machine looks like a local client: nginx's bare `proxy_pass` sends `Host: 127.0.0.1:8000` and no
+header that would betray it. So a store of several people is never open, whatever address is listened on.
+"""
+
+from __future__ import annotations
+
+import hmac
+from collections.abc import Callable, Mapping, MutableMapping
+from typing import Any
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers
+
+from service.api.problems import plain
+from service.errors import StoreError
+from service.local_secret import PREFIX
+from service.settings import Settings, is_loopback
+from service.storage.database import Database
+
+FORWARDING = frozenset(
+    {
+        "forwarded",
+        "via",
+        "x-real-ip",
+        "x-client-ip",
+        "x-cluster-client-ip",
+        "x-envoy-external-address",
+        "true-client-ip",
+        "cf-connecting-ip",
+        "fastly-client-ip",
+    }
+)
+"""Headers that proxies add, besides X-Forwarded-…."""
+
+LOGIN = "Send `Authorization: Bearer mcml_…`; `mcml token add NAME` on the server's machine makes one."
+
+PASSED_ON = "This server needs a token from whatever does not come directly from its own machine."
+
+
+def why_closed(settings: Settings, database: Database) -> str | None:
+    """Why a server needs a token from everybody, as far as its settings and the kind of its store say. None: they do
+    not."""
+    if settings.login == "always":
+        return "This server needs a token (MCML_LOGIN=always)."
+    if not database.dialect.personal:
+        return "This server needs a token: its store is one for several people."
+    if not settings.knows_host:
+        return "This server needs a token: it was not told that it listens on this machine alone (MCML_HOST)."
+    if not is_loopback(settings.host):
+        return "This server needs a token: it is open to other machines."
+    return None
+
+
+class Doors:
+    """secret: what commands on this machine send, read anew each time; None where there is none."""
+
+    def __init__(self, settings: Settings, database: Database, secret: Callable[[], str | None]) -> None:
+        self._database = database
+        self._secret = secret
+        self._closed = why_closed(settings, database)
+
+    def stand_open(self, scope: Mapping[str, Any], headers: Headers) -> bool:
+        """Whether who comes from here needs no token. Answers at once."""
+        try:
+            return self._closed is None and _is_direct(scope, headers) and not self._database.has_token()
+        except StoreError:
+            return False
+
+    def refusal(self, scope: MutableMapping[str, Any], headers: Headers) -> Any:
+        """The answer to who has no token and needs one, or None. May wait for the store.
+
+        Notes the author of a request in `scope["mcml.author"]`.
+        """
+        direct = _is_direct(scope, headers)
+        kind, _, given = headers.get("authorization", "").partition(" ")
+        given = given.strip() if kind.lower() == "bearer" else ""
+        if direct and given.startswith(PREFIX):
+            secret = self._secret()
+            if secret is not None and hmac.compare_digest(given.encode(), secret.encode()):
+                return None
+        with self._database.read() as tx:
+            owner = tx.tokens.owner(given) if given else None
+        if owner is None:
+            otherwise = "This server needs a token, since its store has one." if direct else PASSED_ON
+            return plain(401, self._closed or otherwise, LOGIN, {"www-authenticate": "Bearer"})
+        scope["mcml.author"] = owner
+        return None
+
+
+def _is_direct(scope: Mapping[str, Any], headers: Headers) -> bool:
+    """Whether a request comes from this machine, and no proxy says that it passed it on."""
+    client = scope.get("client")
+    passed_on = any(name in FORWARDING or name.startswith("x-forwarded") for name in headers)
+    return client is not None and is_loopback(client[0]) and not passed_on
+
+
+def foreign_name(headers: Headers) -> Any:
+    """The refusal of a name that is not of this machine: one that resolves to it would let any page read the
+    repository (DNS rebinding)."""
+    host = host_of(f"//{headers.get('host', '')}")
+    if is_loopback(host):
+        return None
+    return plain(403, f"{host!r} is not a name of this machine.", "Use http://127.0.0.1 or http://localhost.")
+
+
+def host_of(address: str) -> str:
+    """The host's name in lower case, "" where there is none or it makes no sense."""
+    try:
+        return urlsplit(address).hostname or ""
+    except ValueError:
+        return ""
