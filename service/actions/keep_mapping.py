@@ -21,23 +21,23 @@ def keep_mapping(
     tx.dialect.order_commits(tx.connection)
     present = tx.mappings.find(project, name)
     if present is not None:
-        check_version(present, if_match)
+        check_version(f"a mapping {name!r}", present.version, if_match)
     return tx.mappings.put(project, name, tuple((pair.source, pair.target) for pair in pairs), author)
 
 
-def check_version(stored: StoredMapping, if_match: str | None) -> None:
-    """PreconditionError unless the request was made for this version."""
+def check_version(what: str, version: int, if_match: str | None) -> None:
+    """PreconditionError unless the request was made for this version. what: is there, for messages."""
     if if_match is None:
         raise PreconditionError(
-            f"There is a mapping {stored.name!r}, and the request does not say which version it was made for.",
+            f"There is {what}, and the request does not say which version it was made for.",
             428,
-            f'Send the header If-Match: "{stored.version}", or If-Match: * to change whatever is current.',
+            f'Send the header If-Match: "{version}", or If-Match: * to change whatever is current.',
         )
-    if not {tag.strip().strip('"') for tag in if_match.split(",")} & {"*", str(stored.version)}:
+    if not {tag.strip().strip('"') for tag in if_match.split(",")} & {"*", str(version)}:
         raise PreconditionError(
-            f"The mapping is at version {stored.version}, the request was made for another one.",
+            f"There is {what} at version {version}, and the request was made for another one.",
             412,
-            "Read the mapping again and repeat the change.",
+            "Read it again and repeat the change.",
         )
 
 

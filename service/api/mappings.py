@@ -86,7 +86,7 @@ def delete_mapping(
     with database.write(author) as tx:
         tx.dialect.order_commits(tx.connection)
         stored = tx.mappings.get(project, name)
-        check_version(stored, if_match)
+        check_version(f"a mapping {name!r}", stored.version, if_match)
         tx.mappings.remove(stored)
     return Response(status_code=204)
 

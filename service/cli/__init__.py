@@ -19,6 +19,7 @@ from service.cli import (
     history,
     labels,
     library,
+    names,
     querying,
     retarget,
     serving,
@@ -34,7 +35,7 @@ app = typer.Typer(
     help="Motion capture in one open XML language: convert, store, query.",
     epilog="Exit codes: 0 done, 1 refused or failed (the message says why), 2 wrong usage, 3 done in part.",
 )
-for module in (serving, files, library, facts, labels, elements, frames, history, compose, retarget, querying):
+for module in (serving, files, library, facts, labels, elements, frames, history, compose, retarget, names, querying):
     module.add_to(app)
 for name, about in (
     ("analyse", "Run analyses, and use what they found."),

@@ -106,6 +106,26 @@ def test_a_range_to_compose_is_no_xpath_expression(run: Run, walk: str) -> None:
     assert "is not ID:FIRST-LAST" in run("compose", f"{walk}:5", "--name", "part", code=2)
 
 
+def test_names_of_joints(run: Run) -> None:
+    Path("walk.bvh").write_bytes(bvh(5, names=("Hüfte", "Wirbel", "LeftUpLeg")))
+    walk = json.loads(run("import", "walk.bvh", "--json"))["documents"][0]["id"]
+    assert "version 0" in run("mapping", "aliases")
+    assert "version 1" in run("mapping", "alias", "Hüfte=Root", "Wirbel=waist")
+    assert "version 2" in run("mapping", "alias", "wirbel=torso7", "Kopf=Head", "--remove", "hüfte")
+    items = json.loads(run("mapping", "aliases", "--json"))["items"]
+    assert [(item["source"], item["name"]) for item in items] == [("wirbel", "torso7"), ("Kopf", "Head")]
+    assert "1 of 1 documents would be changed" in run("names", "apply", "--project", "default", "--dry-run")
+    assert "Wirbel: Wirbel -> torso7" in run("names", "apply", walk)
+    assert "0 of 1 documents were changed" in run("names", "apply", walk)
+    assert "torso7" in run("show", walk)
+    run("undo", walk)
+    assert "torso7" not in run("show", walk)
+    run("mapping", "alias", "--remove", "wirbel", "--remove", "kopf")
+    assert "version 0" in run("mapping", "aliases")
+    assert "NAME=JOINT" in run("mapping", "alias", code=2)
+    assert "--project" in run("names", "apply", code=2)
+
+
 HEAP = """HIERARCHY
 ROOT Hips
 {
