@@ -153,7 +153,7 @@ def _stated(clip: ClipStream, field: str, what: str, parameter: str) -> str:
     if not value:
         raise ConversionError(
             f"The document states no {what}, so it cannot be changed to another.",
-            remedy=f"State it once: PATCH the document with `{parameter}`.",
+            remedy=f"State it once: mcml set ID --{parameter}, or PATCH the document with `{parameter}`.",
         )
     return value
 

@@ -23,6 +23,7 @@ class ImportOptions:
 
     name: of the document, if there is one; default the file name's stem. frame_time: seconds, as text.
     skeleton: uuid of a stored document whose skeleton motion without one shall use.
+    aliases: (name in files, MCML's name) that the project adds; `import_files` looks them up.
     movements: name anatomical movements that are found in the motion with at least this confidence, 0 to 1.
     on_duplicate: "new" (store again, name the twin in the receipt) or "skip" (answer the stored twin).
     """
@@ -41,6 +42,7 @@ class ImportOptions:
     on_duplicate: str = "new"
     strict_names: bool = False
     movements: float | None = None
+    aliases: tuple[tuple[str, str], ...] = ()
 
 
 def parse_label(text: str) -> Label:

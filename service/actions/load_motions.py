@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from service.actions.edit_header import seconds_of
 from service.actions.read_clip import read_clip
 from service.analysis.interface import Motion, Progress, silent
 from service.errors import DocumentError
@@ -35,12 +36,7 @@ def _motion(tx: Transaction, item: Input) -> Motion:
     current = tx.documents.get(item["document"], deleted=True)
     then = tx.at_commit(tx.documents.commit_of(current.key, item["revision"]))
     stored = then.documents.get(item["document"], deleted=True)
-    seconds = stored.seconds_per_frame
-    if seconds is None:
-        raise DocumentError(
-            f"{stored.name} ({stored.uuid}) has no frame time, so nothing can be said of its speed.",
-            remedy="State it: PATCH the document with frame_time, or import it with --frame-time.",
-        )
+    seconds = seconds_of(stored)
     if not stored.frames:
         raise DocumentError(f"{stored.name} ({stored.uuid}) has no frames.", remedy="Leave it out.")
     source = read_clip(then, stored).clip

@@ -43,10 +43,14 @@ def shared_skeleton(clip: ClipStream, aliases: tuple[tuple[str, str], ...] = ())
     aliases: a project's own (name in the source, name to give). Frames are read only where the motion must tell which
     of several joints is the root.
     """
-    source = clip.head.skeleton
-    candidates = joint_names.root_candidates(source)
-    root = first_moving(clip, candidates) if len(candidates) > 1 else None
+    source, root = clip.head.skeleton, moving_root(clip)
     return (kept_skeleton if len(source) <= MOST_JOINTS else _made)(source, aliases, root)
+
+
+def moving_root(clip: ClipStream) -> int | None:
+    """Which of several joints that could be the root moves the figure, None where the skeleton alone tells."""
+    candidates = joint_names.root_candidates(clip.head.skeleton)
+    return first_moving(clip, candidates) if len(candidates) > 1 else None
 
 
 def _made(source: Skeleton, aliases: tuple[tuple[str, str], ...], root: int | None) -> SharedSkeleton:

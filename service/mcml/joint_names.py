@@ -343,6 +343,11 @@ def _key(name: str) -> str:
     return re.sub(r"[\W_]+", "", shorter or bare)
 
 
+def alias_key(name: str) -> str:
+    """What of a name counts where names are compared: no namespace, prefix of a rig, case or punctuation."""
+    return _key(name)
+
+
 @cache
 def _mcml_only() -> frozenset[str]:
     """Names of Table 1 that no other rig writes: those with an underscore after a side."""

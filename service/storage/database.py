@@ -5,7 +5,7 @@
 
 A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.heads`, `tx.tracks`,
 `tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`, `tx.jobs`, `tx.results`,
-`tx.mappings`.
+`tx.mappings` `tx.aliases`.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ from sqlalchemy.sql import ColumnElement
 from service.errors import ConflictError, DamageError, DocumentError, SpaceError, StoreError, UnavailableError
 from service.resources import migrations_path
 from service.storage import tables
+from service.storage.aliases import Aliases
 from service.storage.columns import Columns
 from service.storage.damage import REMEDY, describe_damage
 from service.storage.dialects import DIALECTS, Dialect
@@ -215,6 +216,10 @@ class Transaction:
     @cached_property
     def results(self) -> Results:
         return Results(self)
+
+    @cached_property
+    def aliases(self) -> Aliases:
+        return Aliases(self)
 
     @cached_property
     def mappings(self) -> Mappings:

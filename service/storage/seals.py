@@ -92,6 +92,7 @@ _COVERED: dict[Table, tuple[str, ...]] = {
     tables.upload_block: ("upload", "number", "data"),
     tables.document_upload: ("document", "part", "file_name", "upload"),
     work_tables.joint_mapping: ("project", "name", "version", "author", "changed", "pairs"),
+    work_tables.joint_alias: ("project", "version", "author", "changed", "pairs"),
     work_tables.result: (
         *("uuid", "project", "parent", "analysis", "name", "owner", "inputs", "parameters", "made_with", "created"),
     ),

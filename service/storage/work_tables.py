@@ -33,6 +33,15 @@ joint_mapping = Table(
 )
 """Which joint of a source is which of a target, under a name. `pairs`: JSON, [[source, target], …]."""
 
+joint_alias = Table(
+    "joint_alias",
+    metadata,
+    Column("project", ForeignKey("project.id"), primary_key=True),
+    *(Column(name, joint_mapping.c[name].type, nullable=False) for name in ("version", "author", "changed", "pairs")),
+    checksum(),
+)
+"""What a project calls joints, beside the names that are known. `pairs`: JSON, [[name in files, MCML's name], …]."""
+
 job = Table(
     "job",
     metadata,

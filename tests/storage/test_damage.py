@@ -144,6 +144,7 @@ def as_before_checksums(database: Database) -> None:
                 if "checksum" in column.name:
                     tx.connection.execute(text(f'ALTER TABLE "{table.name}" DROP COLUMN {column.name}'))
         tx.connection.execute(text("DROP TABLE store"))
+        tx.connection.execute(text("DROP TABLE joint_alias"))
         tx.connection.execute(text("UPDATE alembic_version SET version_num = '0005'"))
 
 
