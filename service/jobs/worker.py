@@ -10,7 +10,7 @@ from typing import Any
 from service.actions.describe_problem import problem_of
 from service.actions.load_motions import load_motions
 from service.actions.save_results import load_parts
-from service.actions.start_analysis import EXTENDS, LEFT_OUT, SKELETON, find_analysis
+from service.actions.start_analysis import EXTENDS, LEFT_OUT, SKELETON, checked_parameters, find_analysis
 from service.analysis.interface import Parts, Progress
 from service.errors import McmlError
 from service.storage.database import Database
@@ -50,7 +50,8 @@ def perform(
                 tx, inputs, lambda stage, share: progress(stage, LOADING * share), parameters.get(SKELETON)
             )
         given = {name: value for name, value in parameters.items() if name not in (EXTENDS, LEFT_OUT, SKELETON)}
-        checked = chosen.parameters.model_validate(given)
+        # A job may have waited while the program, and with it what parameters may be, became another.
+        checked = chosen.parameters.model_validate(checked_parameters(chosen.parameters, given))
 
         def told(stage: str, share: float) -> None:
             progress(stage, LOADING + (1 - LOADING) * share)

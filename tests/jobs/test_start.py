@@ -9,7 +9,9 @@ from fastapi.testclient import TestClient
 
 from service.actions.load_demo import add_clips
 from service.analysis.catalogue import ANALYSES
+from service.analysis.interface import silent
 from service.demo.dance_clips import dance_clip
+from service.jobs.worker import Refused, perform
 from service.settings import Settings
 from service.storage.database import Database
 from tests.builders import bvh, upload
@@ -129,3 +131,10 @@ def test_a_skeleton_that_is_none_is_refused(client: TestClient) -> None:
     made: Any = upload(client, {"a.bvh": bvh(20)})
     uuid = made["documents"][0]["id"]
     assert start(client, "beats", {"documents": [uuid]}, 404, skeleton="none")
+
+
+def test_a_job_that_waited_for_another_program_is_refused_in_words(database: Database) -> None:
+    done = perform(database, "expression", [], {"tau_rule": "smallest"}, silent)
+    assert isinstance(done, Refused)
+    assert done.problem["code"] == "invalid-parameters"
+    assert "tau_rule" in done.problem["detail"]

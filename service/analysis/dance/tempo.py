@@ -89,6 +89,8 @@ def body_channels(figure: Figure, translations: Array, rotations: Array, fps: fl
 
     translations: (F, J, 3), rotations: (F, J, 4), Y up, F >= 2. Memory is bounded by blocks of frames. O(F J).
     """
+    if not len(figure.used):
+        return np.zeros((3, 0))
     first = _after_calibration(figure, translations, rotations, fps)
     translations, rotations = translations[first:], rotations[first:]
     every = max(1, round(fps / RATE))

@@ -12,6 +12,7 @@ import pytest
 from schemas.analyses.dance import BeatsParameters
 from service.analysis.dance import tempo as tempi
 from service.analysis.dance.analyses import BEATS
+from service.analysis.dance.figure import figure_of
 from service.analysis.dance.sources import Search, channels_of, read_clip
 from service.analysis.dance.tempo import RATE, TEMPI, Tempo, periodicity, tempo_of
 from service.analysis.interface import Motion, silent
@@ -193,3 +194,6 @@ def test_nothing_in_time_has_no_tempo() -> None:
     assert tempo_of([np.zeros((3, 600))]) is None
     assert tempo_of([channel((100, 0.5))]) is None
     assert tempo_of([]) is None
+    motion, _ = generated("groove", bars=2)
+    figure = replace(figure_of(motion.skeleton, motion.translations), used=np.empty(0, dtype=np.intp))
+    assert tempo_of([tempi.body_channels(figure, motion.translations, motion.rotations, motion.fps)]) is None
