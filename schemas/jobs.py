@@ -36,7 +36,7 @@ _RESULT = {
     "owner": "local",
     "inputs": [_INPUT],
     "parameters": {},
-    "made_with": {"numpy": "2.4.1", "scipy": "1.17.0"},
+    "made_with": {"numpy": "2.4.1", "scipy": "1.17.0", "rule tempo": "2 (of the motion itself)"},
     "created": TIME,
 }
 _ANALYSIS = {
@@ -68,6 +68,11 @@ class Selection(BaseModel):
         description="Documents in which this expression finds something",
         examples=["//frame[motion_name='reach']"],
     )
+    include_made: bool = Field(
+        False,
+        description="Also clips that an analysis made, which are left out where documents are not named by their ids",
+        examples=[False],
+    )
 
 
 class JobInput(BaseModel):
@@ -92,6 +97,7 @@ class Job(BaseModel):
     share: float = Field(ge=0, le=1, description="Of the work, how much is done")
     attempt: int = Field(description="How often it was begun; more than once where a server or worker died")
     inputs: list[JobInput]
+    left_out: int = Field(0, description="Selected clips that an analysis had made, which it does not read")
     parameters: dict[str, Any]
     created: str
     started: str | None = None
@@ -140,7 +146,10 @@ class Result(BaseModel):
     parent: str | None = Field(None, description="The result from which an operation made this one")
     inputs: list[JobInput]
     parameters: dict[str, Any]
-    made_with: dict[str, str] = Field(description="Versions of the libraries that computed it")
+    made_with: dict[str, str] = Field(
+        description="Versions of the libraries that computed it, and as `rule NAME` those of the analysis's rules: "
+        "compare them with its `rules`; a result without them was made by older ones"
+    )
     created: str
     parts: dict[str, PartSummary] = {}
     operations: list[str] = Field([], description="What can be done with it: POST /results/{id}/{operation}")
@@ -196,6 +205,7 @@ class AnalysisInfo(BaseModel):
     parameters: dict[str, Any]
     parts: dict[str, PartKind]
     operations: dict[str, OperationInfo]
+    rules: dict[str, str] = Field({}, description="Versions of its rules, by name, as new results record them")
     fewest: int
     most: int
 

@@ -53,6 +53,17 @@ class BeatsParameters(_Parameters):
         description="Beats a minute that the dancers heard, where known; else the period is found",
         examples=[120.0],
     )
+    tempo: Literal["robust", "paper"] = Field(
+        "robust",
+        title="Tempo",
+        description="robust: of the whole motion, its rests, braking and bounce. paper: of the beats that were found",
+        examples=["robust"],
+    )
+    shared_music: bool = Field(
+        False,
+        description="All clips were danced to the same music: they have one tempo, found in all",
+        examples=[False],
+    )
     beats_from: Literal["auto", "detected", "tracked"] = Field(
         "auto",
         title="Beats",

@@ -15,6 +15,7 @@ from schemas.jobs import (
     Result,
 )
 from schemas.problem import Problem
+from service.actions.start_analysis import LEFT_OUT
 from service.analysis.catalogue import ANALYSES, SUBJECTS
 from service.analysis.interface import Analysis
 from service.storage.jobs import StoredJob
@@ -33,6 +34,7 @@ def job_answer(job: StoredJob) -> Job:
         share=min(1.0, max(0.0, job.share)),
         attempt=job.attempt,
         inputs=[JobInput(**item) for item in job.inputs],
+        left_out=job.parameters.get(LEFT_OUT, 0),
         parameters=job.parameters,
         created=job.created,
         started=job.started,
@@ -88,6 +90,7 @@ def analysis_answer(analysis: Analysis) -> AnalysisInfo:
             )
             for name, operation in analysis.operations.items()
         },
+        rules=dict(analysis.rules),
         fewest=analysis.fewest,
         most=analysis.most,
     )

@@ -3,43 +3,59 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from service.actions.edit_header import seconds_of
+from service.actions.fit_skeleton import are_markers, match_joints, upright, with_body
 from service.actions.read_clip import read_clip
+from service.actions.reshape_motion import Whole, read_whole
 from service.analysis.interface import Motion, Progress, silent
 from service.errors import DocumentError
 from service.motion.clip import ClipStream, FrameBlock
 from service.motion.conventions import convert
 from service.motion.hub import HubReader
+from service.motion.retarget import retarget
 from service.motion.skeleton import Convention, Skeleton
 from service.motion.units import metres_of, reading_of
 from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
 
 Input = dict[str, Any]
 """{"document": uuid, "revision": number}: a clip that an analysis reads, and at which revision."""
 
 
-def load_motions(tx: Transaction, inputs: Sequence[Input], progress: Progress = silent) -> list[Motion]:
-    """The clips in the order of their document ids. DocumentError for a clip without frames or frame time."""
+def load_motions(
+    tx: Transaction, inputs: Sequence[Input], progress: Progress = silent, skeleton: Input | None = None
+) -> list[Motion]:
+    """The clips in the order of their document ids. skeleton: a document on whose skeleton all of them are brought.
+
+    DocumentError for a clip without frames or frame time, and with a skeleton for markers; ConversionError where no
+    joints match.
+    """
     motions: list[Motion] = []
+    body = None if skeleton is None else read_whole(*_stored(tx, skeleton), 1, 1)
     for item in sorted(inputs, key=lambda item: str(item["document"])):
         progress("reading clips", len(motions) / len(inputs))
-        motions.append(_motion(tx, item))
+        motions.append(_motion(*_stored(tx, item), body))
     return motions
 
 
-def _motion(tx: Transaction, item: Input) -> Motion:
+def _stored(tx: Transaction, item: Input) -> tuple[Transaction, StoredDocument]:
+    """A document at a revision, and the transaction to read it with."""
     current = tx.documents.get(item["document"], deleted=True)
     then = tx.at_commit(tx.documents.commit_of(current.key, item["revision"]))
-    stored = then.documents.get(item["document"], deleted=True)
+    return then, then.documents.get(item["document"], deleted=True)
+
+
+def _motion(then: Transaction, stored: StoredDocument, body: Whole | None) -> Motion:
     seconds = seconds_of(stored)
     if not stored.frames:
         raise DocumentError(f"{stored.name} ({stored.uuid}) has no frames.", remedy="Leave it out.")
-    source = read_clip(then, stored).clip
+    source = read_clip(then, stored).clip if body is None else _brought(then, stored, seconds, body)
     presence: list[NDArray[np.bool_]] = []
 
     def watched() -> Iterator[FrameBlock]:
@@ -73,6 +89,32 @@ def _motion(tx: Transaction, item: Input) -> Motion:
         properties={name: (value, unit) for name, value, unit in source.head.properties},
         labels=tuple((span.name, span.first - 1, span.last - 1) for span in then.spans.of(stored.key)),
     )
+
+
+def _brought(then: Transaction, stored: StoredDocument, seconds: float, body: Whole) -> ClipStream:
+    """A clip on the skeleton of a body; one that has it already as it is."""
+    whole = read_whole(then, stored)
+    if are_markers(whole.head.skeleton):
+        raise DocumentError(
+            f"{stored.name} ({stored.uuid}) has markers only: it cannot be brought onto a skeleton.",
+            remedy="Leave it out, or do not name a skeleton.",
+        )
+    if whole.head.skeleton == body.head.skeleton:
+        return read_clip(then, stored).clip
+    whole, _ = upright(whole, body.up)
+    one, two = whole.head.skeleton, body.head.skeleton
+    made = retarget(
+        one,
+        whole.block,
+        two,
+        match_joints(one, two, None),
+        seconds,
+        reading=whole.reading,
+        target_reading=body.reading,
+        up=body.up,
+    )
+    head = replace(with_body(whole.head, body.head), frame_time=stored.frame_time)
+    return ClipStream(head, lambda: iter([made.block]), len(made.block))
 
 
 def _present(skeleton: Skeleton, block: FrameBlock) -> NDArray[np.bool_]:

@@ -8,6 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 from service.actions.change_document import add_labels
 from service.actions.store_clip import store_clip
+from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import Part, Parts
 from service.settings import Settings
 from service.storage.database import Database, Transaction
@@ -45,7 +46,7 @@ def save_results(database: Database, settings: Settings, job: StoredJob, runner:
         parent = job.parameters.get("extends")
         inputs = [*(tx.results.get(parent).inputs if parent else ()), *job.inputs]
         key, uuid = tx.results.add(
-            job.project_key, job.analysis, job.name, job.owner, inputs, job.parameters, made_with(), parent
+            job.project_key, job.analysis, job.name, job.owner, inputs, job.parameters, made_with(job.analysis), parent
         )
         add_parts(tx, key, parts, documents)
         tx.jobs.end(job.uuid, runner, "done", result_key=key)
@@ -94,8 +95,9 @@ def load_parts(tx: Transaction, key: int) -> Parts:
     }
 
 
-def made_with() -> dict[str, str]:
-    found = {}
+def made_with(analysis: str) -> dict[str, str]:
+    """Versions of the libraries, and of the rules of an analysis."""
+    found = {f"rule {name}": number for name, number in ANALYSES[analysis].rules.items()}
     for library in LIBRARIES:
         try:
             found[library] = version(library)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from schemas.jobs import Selection
 from schemas.queries import QueryRequest, ScalarItem
 from service.actions.load_motions import Input
+from service.actions.store_clip import PROVENANCE
+from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import AnalysisError
 from service.errors import QueryError
 from service.storage.database import Database
@@ -38,6 +40,21 @@ def select_documents(database: Database, queries: Queries, selection: Selection)
         stored = [item for item in stored if item.uuid in hits]
     inputs: list[Input] = [{"document": item.uuid, "revision": item.revision} for item in stored]
     return sorted(inputs, key=lambda item: str(item["document"])), {item.project for item in stored}
+
+
+def captured(database: Database, selection: Selection, found: list[Input]) -> list[Input]:
+    """Selected documents without those that an analysis made: analysed again, they would count as what was captured.
+
+    All of them, where documents are named by their ids or `include_made` asks for it. What was composed or retargeted
+    of captured motion is captured motion.
+    """
+    if selection.documents or selection.include_made:
+        return found
+    # As `store_stream` writes them.
+    beginnings = [f'{{"analysis":"{name}"' for name in ANALYSES]
+    with database.read() as tx:
+        made = tx.documents.with_property(PROVENANCE, beginnings)
+    return [item for item in found if item["document"] not in made]
 
 
 def _where(queries: Queries, expression: str, documents: list[str]) -> set[str]:

@@ -8,7 +8,9 @@ from pydantic import ValidationError
 
 from schemas.jobs import Selection
 from service.actions.check_names import given_name
-from service.actions.select_documents import select_documents
+from service.actions.fit_skeleton import are_markers
+from service.actions.reshape_motion import read_whole
+from service.actions.select_documents import captured, select_documents
 from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import Analysis, AnalysisError
 from service.errors import NotFoundError, SizeError
@@ -16,8 +18,9 @@ from service.settings import Settings
 from service.storage.database import Database
 from service.xpath.run import Queries
 
-EXTENDS = "extends"
-"""Beside the parameters of a job: the result that its documents are added to."""
+EXTENDS, LEFT_OUT, SKELETON = "extends", "left_out", "skeleton_of"
+"""What stands beside the parameters of a job: the result that its documents are added to, how many selected clips were
+left out, and the document, {"document", "revision"}, on whose skeleton the clips are brought."""
 
 
 def find_analysis(name: str) -> Analysis:
@@ -40,11 +43,13 @@ def start_analysis(
     project: str | None = None,
     runner: str | None = None,
     extends: str | None = None,
+    skeleton: str | None = None,
 ) -> str:
     """A job for an analysis of the selected documents as they are now; its uuid.
 
     project: where the result goes; default the documents' own, if they have one in common.
     runner: who works on it at once; else it waits for one. extends: a result that the documents are added to.
+    skeleton: id of a document; the clips are brought onto its skeleton when they are read.
     Raises AnalysisError for wrong parameters or too few documents, SizeError for too many.
     """
     checked = checked_parameters(analysis.parameters, parameters)
@@ -56,13 +61,27 @@ def start_analysis(
                 "not-extendable", f"{analysis.title} cannot add to this result.", remedy="Run the analysis anew."
             )
         checked |= {EXTENDS: extends}
-    found, projects = select_documents(database, queries, selection)
+    selected, projects = select_documents(database, queries, selection)
+    found = captured(database, selection, selected)
+    if len(found) < len(selected):
+        checked |= {LEFT_OUT: len(selected) - len(found)}
     if len(found) < (1 if extends else analysis.fewest):
         raise AnalysisError(
             "too-few-clips",
-            f"{analysis.title} needs at least {analysis.fewest} documents; the selection has {len(found)}.",
-            remedy="Widen the selection.",
+            f"{analysis.title} needs at least {analysis.fewest} documents; the selection has {len(found)}"
+            + (f", and {len(selected) - len(found)} that an analysis made." if len(found) < len(selected) else "."),
+            remedy="Widen the selection." + (" include_made takes these too." if len(found) < len(selected) else ""),
         )
+    model = analysis.parameters.model_validate(parameters)
+    analysis.check(model, [str(item["document"]) for item in found])
+    if skeleton is not None:
+        with database.read() as tx:
+            body = tx.documents.get(skeleton)
+            if are_markers(read_whole(tx, body, 1, 1).head.skeleton):
+                raise AnalysisError(
+                    "no-skeleton", f"{body.name} has markers only.", remedy="Name a document of a body."
+                )
+        checked |= {SKELETON: {"document": body.uuid, "revision": body.revision}}
     most = min(analysis.most, settings.job_clips)
     if len(found) > most:
         raise SizeError(

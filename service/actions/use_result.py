@@ -87,7 +87,7 @@ class Results:
                     author,
                     stored.inputs,
                     {OPERATION: operation, **checked.model_dump(mode="json")},
-                    made_with(),
+                    made_with(stored.analysis),
                     parent=uuid,
                 )
                 add_parts(tx, key, answer.keep, {})

@@ -163,6 +163,8 @@ class Analysis:
     what is the same.
     extend: (parts of a stored result, motions to add, parameters, progress) -> parts of a new one; None where a result
     cannot grow.
+    check: (parameters, ids of the documents) raises AnalysisError for what is wrong on sight, before there is a job.
+    rules: the versions of its rules, by name, which results record: a rule whose results change gets a new one.
     """
 
     name: str
@@ -175,5 +177,7 @@ class Analysis:
     prepare: Callable[[Parts], Any] = lambda parts: parts
     proceed: Callable[[Any, Parts], Any] = lambda ready, parts: ready
     extend: Callable[[Parts, Sequence[Motion], Any, Progress], Parts] | None = None
+    check: Callable[[Any, Sequence[str]], None] = lambda parameters, documents: None
+    rules: Mapping[str, str] = field(default_factory=dict)
     fewest: int = 1
     most: int = 2000

@@ -55,6 +55,10 @@ def _request(analysis: Analysis) -> type[BaseModel]:
         parameters=(analysis.parameters, Field(default_factory=analysis.parameters)),
         name=(str | None, Field(None, max_length=1024, description="Name of the result")),
         project=(str | None, Field(None, max_length=256, description="Project of the result; default the documents'")),
+        skeleton=(
+            str | None,
+            Field(None, description="Id of a document: clips are brought onto its skeleton when they are read"),
+        ),
         **(grown if analysis.extend else {}),
     )
     return model
@@ -84,6 +88,7 @@ def _offer(analysis: Analysis) -> None:
             name=body.name,
             project=body.project,
             extends=getattr(body, "extends", None),
+            skeleton=body.skeleton,
         )
         http.app.state.runner.wake()
         response.headers["location"] = f"/api/v1/jobs/{uuid}"
@@ -105,3 +110,9 @@ def _offer(analysis: Analysis) -> None:
 
 for _analysis in ANALYSES.values():
     _offer(_analysis)
+
+
+@router.post("/analyses/{name}", include_in_schema=False)
+def start_unknown(name: str) -> None:
+    """The list of analyses, for a name that is none. Behind all of them, so that it is reached by no other."""
+    find_analysis(name)

@@ -85,6 +85,8 @@ def _run(analysis: Analysis) -> Callable[..., None]:
         motion_name: Annotated[str | None, typer.Option(help="Documents with a frame of this name")] = None,
         property: Annotated[list[str] | None, typer.Option(help="Documents with age:20..30 or take:calm")] = None,
         xpath: Annotated[str | None, typer.Option(help="Documents in which this finds something")] = None,
+        include_made: Annotated[bool, typer.Option("--include-made", help="Also clips that an analysis made")] = False,
+        skeleton: Annotated[str | None, typer.Option(help="Document on whose skeleton clips are brought")] = None,
         name: Annotated[str | None, typer.Option(help="Name of the result")] = None,
         into: Annotated[str | None, typer.Option(help="Project of the result; default the documents'")] = None,
         queue: Annotated[bool, typer.Option("--queue", help="Leave it to a server of this store")] = False,
@@ -94,14 +96,19 @@ def _run(analysis: Analysis) -> Callable[..., None]:
         as_json: JsonOption = False,
     ) -> None:
         selection = Selection(
-            documents=document or [], project=project, motion_name=motion_name, property=property or [], xpath=xpath
+            documents=document or [],
+            project=project,
+            motion_name=motion_name,
+            property=property or [],
+            xpath=xpath,
+            include_made=include_made,
         )
         columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
         hidden = as_json or not sys.stderr.isatty()
         with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
             task = bar.add_task("starting", total=1.0)
             job = open_work(database, server).start(
-                Order(analysis.name, selection, assigned(parameters), name, into, queue, extends),
+                Order(analysis.name, selection, assigned(parameters), name, into, queue, extends, skeleton),
                 lambda stage, share: bar.update(task, description=stage[:48], completed=share),
             )
         show_job(job, as_json)
@@ -117,6 +124,8 @@ def show_job(job: Job, as_json: bool) -> None:
         print_json(job)
     else:
         console.print(f"{job.state:<9} {job.name}  {job.id}  {job.share:.0%} {job.stage}")
+        if job.left_out:
+            console.print(f"          without {job.left_out} clips that an analysis made (--include-made)")
         if job.result:
             console.print(f"          result {job.result}")
     if job.problem is not None:

@@ -36,6 +36,7 @@ class Order:
     project: str | None = None
     queue: bool = False
     extends: str | None = None
+    skeleton: str | None = None
 
 
 class Work(ABC):
@@ -103,6 +104,7 @@ class LocalWork(Work):
                 project=order.project,
                 runner=runner,
                 extends=order.extends,
+                skeleton=order.skeleton,
             )
         finally:
             queries.close()
@@ -164,7 +166,11 @@ class RemoteWork(Work):
             "inputs": order.selection.model_dump(exclude_defaults=True),
             "parameters": order.parameters,
         }
-        body |= {key: value for key in ("name", "project", "extends") if (value := getattr(order, key)) is not None}
+        body |= {
+            key: value
+            for key in ("name", "project", "extends", "skeleton")
+            if (value := getattr(order, key)) is not None
+        }
         job = Job(**self._send("POST", f"/analyses/{order.analysis}", json=body).json())
         if order.queue:
             return job

@@ -10,7 +10,7 @@ from typing import Any
 from service.actions.describe_problem import problem_of
 from service.actions.load_motions import load_motions
 from service.actions.save_results import load_parts
-from service.actions.start_analysis import EXTENDS, find_analysis
+from service.actions.start_analysis import EXTENDS, LEFT_OUT, SKELETON, checked_parameters, find_analysis
 from service.analysis.interface import Parts, Progress
 from service.errors import McmlError
 from service.storage.database import Database
@@ -46,9 +46,12 @@ def perform(
     chosen = find_analysis(analysis)
     try:
         with database.read() as tx:
-            motions = load_motions(tx, inputs, lambda stage, share: progress(stage, LOADING * share))
-        given = {name: value for name, value in parameters.items() if name != EXTENDS}
-        checked = chosen.parameters.model_validate(given)
+            motions = load_motions(
+                tx, inputs, lambda stage, share: progress(stage, LOADING * share), parameters.get(SKELETON)
+            )
+        given = {name: value for name, value in parameters.items() if name not in (EXTENDS, LEFT_OUT, SKELETON)}
+        # A job may have waited while the program, and with it what parameters may be, became another.
+        checked = chosen.parameters.model_validate(checked_parameters(chosen.parameters, given))
 
         def told(stage: str, share: float) -> None:
             progress(stage, LOADING + (1 - LOADING) * share)

@@ -64,9 +64,9 @@ def test_all_methods_of_an_address_are_named(asked: TestClient, path: str) -> No
     [
         ("/documents?projekt=a", "project"),
         ("/documents?motion-name=a", "motion_name"),
-        ("/documents/1/frames?lsat=3", "last"),
-        ("/documents/1/export?fromat=bvh", "format"),
-        ("/xpath?querry=//frame", None),
+        ("/documents/1/frames?laast=3", "last"),
+        ("/documents/1/export?formatt=bvh", "format"),
+        ("/xpath?queery=//frame", None),
     ],
 )
 def test_the_nearest_known_parameter_is_named(asked: TestClient, path: str, near: str | None) -> None:
@@ -76,10 +76,10 @@ def test_the_nearest_known_parameter_is_named(asked: TestClient, path: str, near
 
 def test_unknown_fields_of_a_form_are_refused(asked: TestClient) -> None:
     files = [("file", ("a.bvh", bvh(2)))]
-    answer = asked.post("/api/v1/documents", files=files, data={"lable": "walk"})
+    answer = asked.post("/api/v1/documents", files=files, data={"labell": "walk"})
     assert answer.status_code == 422
     assert answer.json()["errors"] == [
-        {"in": "body.lable", "what": "This endpoint has no such parameter. Did you mean label?"}
+        {"in": "body.labell", "what": "This endpoint has no such parameter. Did you mean label?"}
     ]
     assert asked.get("/api/v1/documents").json()["total"] == 0
 

@@ -65,8 +65,13 @@ def test_what_is_no_music_is_refused(client: TestClient) -> None:
         "cut.wav": (clicks(120)[:40], "music-undecodable"),
         "silence.wav": (clicks(120, seconds=0.02), "music-no-beats"),
     }
+    said = {}
     for name, (content, code) in cases.items():
         answer = client.post(f"{API}/music", files={"file": (name, content)})
         assert answer.status_code == 422, (name, answer.text)
         assert answer.json()["code"] == code
         assert answer.json()["remedy"]
+        said[name] = answer.json()["detail"]
+    assert said["text.mp3"] == "text.mp3 is no WAV, FLAC or MP3."
+    assert said["cut.wav"] == "cut.wav begins as sound does, but is cut off or damaged."
+    assert "0 beats" in said["silence.wav"]

@@ -83,7 +83,7 @@ def test_a_model_is_fitted_used_and_deleted(server: TestClient, database: Databa
     result = server.get(f"{API}/results/{done['result']}").json()
     assert result["inputs"] == job["inputs"]
     assert result["parameters"]["components"] == 4
-    assert set(result["made_with"]) == {"mcml-repository", "numpy", "scipy"}
+    assert set(result["made_with"]) == {"mcml-repository", "numpy", "scipy", "rule fit"}
     assert {"synthesize", "phases"} <= set(result["operations"])
     name, part = next((name, part) for name, part in result["parts"].items() if part["arrays"])
     array = next(iter(part["arrays"]))

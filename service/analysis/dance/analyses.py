@@ -11,11 +11,12 @@ from schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParame
 from service.analysis.dance import tables
 from service.analysis.dance.assembly import Dance
 from service.analysis.dance.bar_graph import BarGraph, bar_graph
-from service.analysis.dance.choreography import MOST_OUT, Choice, Plan, Wish, dance_of, plan_dance
+from service.analysis.dance.choreography import MOST_OUT, Choice, Plan, Wish, check_pulse, dance_of, plan_dance
 from service.analysis.dance.figure import laid_back
 from service.analysis.dance.measured import measure
 from service.analysis.dance.music import check_bpm, music_grid
-from service.analysis.dance.sources import Clip, Search, on_one_skeleton, read_clip
+from service.analysis.dance.sources import Clip, Search, channels_of, on_one_skeleton, read_clip, upright_clip
+from service.analysis.dance.tempo import tempo_of
 from service.analysis.dance.time_warp import even_grid
 from service.analysis.interface import Analysis, AnalysisError, MadeClip, Motion, Part, PartInfo, Parts, Progress
 from service.motion.skeleton import Array
@@ -34,6 +35,7 @@ def _search(parameters: BeatsParameters, document: str) -> Search:
         interval_tolerance=parameters.interval_tolerance,
         stride=parameters.stride,
         lead_in=parameters.lead_in,
+        tempo=parameters.tempo,
     )
     for known in parameters.clips:
         if known.document == document:
@@ -47,10 +49,15 @@ def _search(parameters: BeatsParameters, document: str) -> Search:
 
 
 def _read(motions: Sequence[Motion], parameters: BeatsParameters, progress: Progress, share: float) -> list[Clip]:
+    motions = sorted(motions, key=lambda motion: motion.document)
+    shared = None
+    if parameters.shared_music and parameters.tempo == "robust":
+        progress("tempo", 0.0)
+        shared = tempo_of([channels_of(upright_clip(motion)) for motion in motions])
     clips = []
-    for number, motion in enumerate(sorted(motions, key=lambda motion: motion.document)):
+    for number, motion in enumerate(motions):
         progress("speed and beats", share * number / len(motions))
-        clips.append(read_clip(motion, _search(parameters, motion.document)))
+        clips.append(read_clip(motion, _search(parameters, motion.document), shared))
     return clips
 
 
@@ -63,6 +70,7 @@ def run_beats(motions: Sequence[Motion], parameters: BeatsParameters, progress: 
         "candidates": tables.candidates_table(clips),
         "beats": tables.beats_table(clips),
         "bars": tables.bars_table(clips),
+        "warnings": tables.warnings_table([], clips),
     }
     if parameters.labels:
         parts["labels"] = tables.source_labels(clips, parameters.labels)
@@ -93,7 +101,7 @@ def run_graph(motions: Sequence[Motion], parameters: GraphParameters, progress: 
         "clips": tables.clips_table(clips),
         "bars": tables.bars_table(clips),
         "graph": tables.graph_part(clips, graph),
-        "warnings": tables.table(["warning"], [[warning] for warning in warnings]),
+        "warnings": tables.warnings_table(warnings, clips),
     }
     if parameters.labels:
         parts["labels"] = tables.source_labels(clips, parameters.labels)
@@ -120,7 +128,7 @@ def run_dance(motions: Sequence[Motion], parameters: DanceParameters, progress: 
         "path": tables.path_table(clips, graph.bars, plan),
         "transitions": measured.transitions,
         "metrics": measured.metrics,
-        "warnings": tables.table(["warning"], [[warning] for warning in warnings]),
+        "warnings": tables.warnings_table(warnings, clips),
     }
     if not parameters.dry_run:
         parts["clips"] = tables.clips_table(clips)
@@ -149,6 +157,23 @@ def _grid(parameters: DanceParameters) -> Array:
             remedy="Give a bpm from 40 to 240, or the beats of music, not both.",
         )
     return even_grid(check_bpm(parameters.bpm), parameters.bars)
+
+
+def _check(parameters: BeatsParameters, documents: Sequence[str]) -> None:
+    """What is wrong with parameters whatever the clips are."""
+    named = [clip.document for clip in parameters.clips]
+    if isinstance(parameters, DanceParameters):
+        _grid(parameters)
+        if parameters.pulse is not None:
+            check_pulse(parameters.bars, Fraction(parameters.pulse))
+        named += [allowed.document for allowed in parameters.allowed if allowed.document is not None]
+    for document in named:
+        if document not in documents:
+            raise AnalysisError(
+                "unknown-clip",
+                f"The parameters name {document!r}, which is none of the documents.",
+                remedy="Name documents of the selection.",
+            )
 
 
 def _choice(parameters: DanceParameters, graph: BarGraph) -> Choice:
@@ -242,6 +267,8 @@ _LABELS = PartInfo("table", "Motion names to write: document, name, first and la
 _GRAPH = PartInfo("graph", "Bars and which may follow which, with distances in body sizes")
 _WARNINGS = PartInfo("table", "What to look at")
 
+_RULES = {"tempo": "2 (of the motion itself)"}
+
 BEATS = Analysis(
     name="beats",
     title="Beats and bars",
@@ -253,9 +280,12 @@ BEATS = Analysis(
         "candidates": PartInfo("table", "Every minimum of the speed, and why it is a beat or is not"),
         "beats": PartInfo("table", "The beats"),
         "bars": _BARS,
+        "warnings": _WARNINGS,
         "labels": _LABELS,
     },
     run=run_beats,
+    check=_check,
+    rules=_RULES,
 )
 
 MOTION_GRAPH = Analysis(
@@ -266,6 +296,8 @@ MOTION_GRAPH = Analysis(
     parameters=GraphParameters,
     parts={"clips": _CLIPS, "bars": _BARS, "graph": _GRAPH, "warnings": _WARNINGS, "labels": _LABELS},
     run=run_graph,
+    check=_check,
+    rules=_RULES,
 )
 
 DANCE = Analysis(
@@ -284,4 +316,6 @@ DANCE = Analysis(
         "warnings": _WARNINGS,
     },
     run=run_dance,
+    check=_check,
+    rules=_RULES,
 )

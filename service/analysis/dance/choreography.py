@@ -64,22 +64,28 @@ class Plan:
     kept: NDArray[np.bool_]
 
 
+def check_pulse(music_bars: int, pulse: Fraction) -> None:
+    """Raises AnalysisError `bars-not-divisible` where bars of music are not whole bars of motion."""
+    if divides(pulse, music_bars):
+        return
+    whole = int(pulse)
+    lower = music_bars - music_bars % whole
+    fits = [count for count in (lower, lower + whole) if count]
+    raise AnalysisError(
+        "bars-not-divisible",
+        f"{music_bars} bars of music are not whole bars of motion with {pulse} music beats to a motion beat.",
+        remedy=f"Ask for {' or '.join(map(str, fits))} bars, or another pulse.",
+        nearest=min(fits, key=lambda count: abs(count - music_bars)),
+    )
+
+
 def plan_dance(clips: Sequence[Clip], graph: BarGraph, grid: Array, choice: Choice) -> Plan:
     """A path for a grid of music beats (4 N + 1,). Raises AnalysisError where there is none."""
     bars = graph.bars
     music_bars = (len(grid) - 1) // 4
     beat = float(np.median(np.diff(grid)))
     pulse = choice.pulse or choose_pulse(beat, float(np.median(bars.seconds[graph.kept])), music_bars)
-    if not divides(pulse, music_bars):
-        whole = int(pulse)
-        lower = music_bars - music_bars % whole
-        fits = [count for count in (lower, lower + whole) if count]
-        raise AnalysisError(
-            "bars-not-divisible",
-            f"{music_bars} bars of music are not whole bars of motion with {pulse} music beats to a motion beat.",
-            remedy=f"Ask for {' or '.join(map(str, fits))} bars, or another pulse.",
-            nearest=min(fits, key=lambda count: abs(count - music_bars)),
-        )
+    check_pulse(music_bars, pulse)
     beats = motion_grid(grid, pulse)
     length = (len(beats) - 1) // 4
     if length > MOST_OUT:

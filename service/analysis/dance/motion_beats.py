@@ -49,10 +49,11 @@ class Candidates:
 
 @dataclass(frozen=True)
 class Period:
-    """A peak of the spectrum of the beats. seconds: of a beat. power: of the bin."""
+    """A period that the beats may have. seconds: of a beat. strength: power of the bin of their spectrum, or what the
+    motion says (tempo.py)."""
 
     seconds: float
-    power: float
+    strength: float
 
 
 def half_up(value: float) -> int:

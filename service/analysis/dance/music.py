@@ -110,6 +110,12 @@ def check_bpm(bpm: float) -> float:
     return bpm
 
 
+def is_sound(first: bytes) -> bool:
+    """Whether a file begins like WAV, FLAC or MP3 (with its tag, or with the sync word of a frame)."""
+    wave = first[:4] in (b"RIFF", b"RF64") and first[8:12] == b"WAVE"
+    return wave or first.startswith((b"fLaC", b"ID3")) or (first[:1] == b"\xff" and first[1:2] >= b"\xe0")
+
+
 def track_beats(stream: BinaryIO, name: str = "music") -> Array:
     """Beat times (n,) of WAV, FLAC or MP3.
 
@@ -123,14 +129,14 @@ def track_beats(stream: BinaryIO, name: str = "music") -> Array:
             "Beats of music are found by librosa, which is not installed here.",
             remedy="Install the extra `audio`, or give the tempo as bpm.",
         ) from None
+    known = is_sound(stream.read(12))
+    stream.seek(0)
     try:
         samples, rate = librosa.load(stream, sr=22050, mono=True, duration=LONGEST + 1)
     except Exception as error:
-        raise AnalysisError(
-            "music-undecodable",
-            f"{name} cannot be decoded: {error or type(error).__name__}.",
-            remedy="Send WAV, FLAC or MP3.",
-        ) from error
+        what = "begins as sound does, but is cut off or damaged" if known else "is no WAV, FLAC or MP3"
+        remedy = "Save it again with another program." if known else "Send WAV, FLAC or MP3."
+        raise AnalysisError("music-undecodable", f"{name} {what}.", remedy=remedy) from error
     if len(samples) > LONGEST * rate:
         raise LimitError(f"{name} is longer than 15 minutes.", remedy="Cut it.")
     if not len(samples):

@@ -20,6 +20,7 @@ from service.analysis.dance.motion_beats import (
     speed_signal,
     window_of,
 )
+from service.analysis.dance.tempo import Tempo, TempoRule, body_channels, tempo_of
 from service.analysis.interface import AnalysisError, Motion
 from service.motion.skeleton import Array, Convention, numbers
 
@@ -32,7 +33,8 @@ class Search:
     """How beats and bars are looked for. Fields as in dance.md 1 to 6.
 
     locate: whether beats move from the minimum to the middle of the rest. source_bpm: the tempo the dancer heard, None
-    if unknown. own_beats: seconds, set by a person: nothing is looked for.
+    if unknown. own_beats: seconds, set by a person: nothing is looked for. tempo: of the motion (robust), or of its
+    beats (paper).
     """
 
     smooth: float = 0.04
@@ -46,6 +48,7 @@ class Search:
     stride: int = 4
     lead_in: EntryFrom = "beat"
     own_beats: tuple[float, ...] | None = None
+    tempo: TempoRule = "robust"
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,8 @@ class Clip:
     """A clip with its beats. motion: Y up. speed: (F,), units a second. detected: (n,) beats after refinement, frames
     or between them.
 
-    period: seconds a beat that the bars are held to, None where unknown. peaks: of the spectrum.
+    period: seconds a beat that the bars are held to, None where unknown. peaks: what it may be, the likeliest first.
+    tempo: what the motion itself says of it; None where its beats or a person said it.
     """
 
     motion: Motion
@@ -64,14 +68,15 @@ class Clip:
     peaks: tuple[Period, ...]
     period: float | None
     bars: Bars
+    tempo: Tempo | None
 
     @property
     def fps(self) -> float:
         return self.motion.fps
 
 
-def read_clip(motion: Motion, search: Search) -> Clip:
-    """A clip with its speed, beats, period and bars. Raises AnalysisError where it cannot have any."""
+def upright_clip(motion: Motion) -> Motion:
+    """The motion with Y up. Raises AnalysisError where it cannot have beats."""
     fps, frames = motion.fps, len(motion)
     if not fps >= LOWEST_RATE:
         raise AnalysisError(
@@ -90,14 +95,29 @@ def read_clip(motion: Motion, search: Search) -> Clip:
             shortest=shortest,
         )
     check_finite(motion)
-    motion = upright(motion)
+    return upright(motion)
+
+
+def channels_of(motion: Motion) -> Array:
+    """What the tempo of a clip is found by, (3, n), of a motion with Y up."""
+    figure = figure_of(motion.skeleton, motion.translations)
+    return body_channels(figure, motion.translations, motion.rotations, motion.fps)
+
+
+def read_clip(motion: Motion, search: Search, shared: Tempo | None = None) -> Clip:
+    """A clip with its speed, beats, period and bars. shared: the tempo, where it is that of several clips.
+
+    Raises AnalysisError where it cannot have any.
+    """
+    motion = upright_clip(motion)
+    fps, frames = motion.fps, len(motion)
     figure = figure_of(motion.skeleton, motion.translations)
     speed = speed_signal(figure, motion.translations, motion.rotations, fps, search.smooth, search.difference)
     candidates = refine(speed, fps, search.k2, search.k3)
     detected = locate(speed, candidates.beats, fps) if search.locate else candidates.beats.astype(float)
     if search.own_beats is not None:
         detected = _own(search.own_beats, fps, frames)
-    peaks = tuple(periods(detected, frames, fps))
+    tempo, peaks = _tempo(motion, search, detected, shared)
     period = 60.0 / search.source_bpm if search.source_bpm else peaks[0].seconds if peaks else None
     options = (search.interval_tolerance, search.stride, search.lead_in)
     if search.own_beats is not None:
@@ -106,7 +126,19 @@ def read_clip(motion: Motion, search: Search) -> Clip:
     else:
         usable = candidates.frames[candidates.verdicts != 1]
         bars = find_bars(speed, fps, usable, detected, period, search.beats, search.k2, *options, search.locate)
-    return Clip(motion, figure, speed, candidates, detected, peaks, period, bars)
+    return Clip(motion, figure, speed, candidates, detected, peaks, period, bars, tempo)
+
+
+def _tempo(
+    motion: Motion, search: Search, detected: Array, shared: Tempo | None
+) -> tuple[Tempo | None, tuple[Period, ...]]:
+    """What the motion says of its tempo, and the periods that it may have."""
+    if search.own_beats is not None or search.tempo == "paper":
+        return None, tuple(periods(detected, len(motion), motion.fps))
+    if search.source_bpm:
+        return None, ()
+    found = shared or tempo_of([channels_of(motion)])
+    return found, () if found is None else tuple(Period(60.0 / peak.bpm, peak.strength) for peak in found.peaks[:3])
 
 
 def _own(beats: Sequence[float], fps: float, frames: int) -> Array:
@@ -179,7 +211,7 @@ def _differs(first: Motion, other: Motion, joint: str, how: str) -> AnalysisErro
     return AnalysisError(
         "skeletons-differ",
         f"{other.name} has another skeleton than {first.name}: the joint {joint} {how}.",
-        remedy="Retarget the clip to the same skeleton first, or leave it out.",
+        remedy="Bring all clips onto one skeleton (skeleton= and the id of a document), or leave it out.",
         document=other.document,
         joint=joint,
     )
@@ -199,5 +231,5 @@ def _compare_bones(first: Clip, motion: Motion, warnings: list[str]) -> None:
     if turned > 10 * BONES_DIFFER:
         warnings.append(
             f"{motion.name}: its rest pose differs from that of {first.motion.name}; limbs may point elsewhere. "
-            "Retarget it first."
+            "Bring all clips onto one skeleton (skeleton=)."
         )

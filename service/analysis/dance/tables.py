@@ -54,16 +54,33 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> Part:
 def clips_table(clips: Sequence[Clip]) -> Part:
     """One row a clip: rate, mean speed, candidates by verdict, beats, period and its rivals, bars, which beats."""
     columns = ["document", "name", "frames", "fps", "mean_speed", "candidates", *(f"refused_{r}" for r in REASONS[1:])]
-    columns += ["beats", "period", "bpm", "peaks", "bars", "beats_from", "support", "jump"]
+    columns += ["beats", "period", "bpm", "peaks", "bars", "beats_from", "support"]
+    columns += ["tempo_clear", "tempo_rival", "tempo_octave", "tempo_steady", "jump"]
     rows = []
     for clip in clips:
         refused = [int((clip.candidates.verdicts == verdict).sum()) for verdict in range(1, len(REASONS))]
-        peaks = [{"period": p.seconds, "bpm": 60 / p.seconds, "power": p.power} for p in clip.peaks]
+        peaks = [{"period": p.seconds, "bpm": 60 / p.seconds, "strength": p.strength} for p in clip.peaks]
         bpm = None if clip.period is None else 60 / clip.period
         row = [clip.motion.document, clip.motion.name, len(clip.motion), clip.fps, float(clip.speed.mean())]
         row += [len(clip.candidates.frames), *refused, len(clip.bars.beats), clip.period, bpm, peaks]
-        rows.append([*row, len(clip.bars.bars), clip.bars.source, clip.bars.support, jump_of(clip)])
+        row += [len(clip.bars.bars), clip.bars.source, clip.bars.support]
+        tempo = clip.tempo
+        row += [None] * 4 if tempo is None else [tempo.clear, tempo.rival, tempo.octave, tempo.steady]
+        rows.append([*row, jump_of(clip)])
     return table(columns, rows)
+
+
+def warnings_table(texts: Sequence[str], clips: Sequence[Clip]) -> Part:
+    """Warnings, and what is doubtful of the tempi of clips; code: a word for programs, where there is one."""
+    tempi = {
+        (code, f"{'All clips' if len({id(c.tempo) for c in clips}) < len(clips) else clip.motion.name}: {what}")
+        for clip in clips
+        if clip.tempo is not None
+        for code, what in clip.tempo.warnings()
+    }
+    return table(
+        ["warning", "code"], [*([text, None] for text in texts), *([what, code] for code, what in sorted(tempi))]
+    )
 
 
 def jump_of(clip: Clip) -> int | None:

@@ -44,7 +44,7 @@ from service.analysis.expression_space.navigation import (
     walk_over,
     with_picks,
 )
-from service.analysis.expression_space.options import Options, options_of
+from service.analysis.expression_space.options import Options, check_options, options_of
 from service.analysis.expression_space.parts import parts_of
 from service.analysis.expression_space.playback import markers_of, sample
 from service.analysis.expression_space.space import build
@@ -388,6 +388,8 @@ EXPRESSION = Analysis(
     prepare=from_stored,
     proceed=on_path,
     extend=lambda parts, motions, _, progress: extend(parts, motions, progress),
+    check=lambda parameters, _: check_options(options_from(parameters)),
+    rules={"threshold": "2 (near faces near on the graph)"},
     fewest=1,
     most=2000,
 )

@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
+from service.analysis.interface import AnalysisError
+
 MARKER_MM = 2.3
 """The paper's threshold of 230 mm for each of its 100 markers: mm root mean square per pair of markers."""
 FULL_FRAMES = 5000
 """Up to so many frames all distances are kept; above, landmarks are used."""
 FLOYD_FRAMES = 3000
+FEWEST_MARKERS = 4
 MOST_FRAMES = 100_000
 
 TauRule: TypeAlias = Literal["published", "best", "unbroken"]
@@ -56,3 +59,13 @@ def options_of(method: Literal["paper", "robust"] = "robust", **stated: Any) -> 
     """The values of a method, with those stated (not None) in place of its own."""
     base = _ROBUST if method == "robust" else _PAPER
     return replace(base, **{name: value for name, value in stated.items() if value is not None})
+
+
+def check_options(options: Options) -> None:
+    """Raises AnalysisError `marker-sets-disjoint` for markers that can be no space, whatever the takes are."""
+    if 0 < len(set(options.markers)) < FEWEST_MARKERS:
+        raise AnalysisError(
+            "marker-sets-disjoint",
+            f"{len(set(options.markers))} markers are wanted; a space needs {FEWEST_MARKERS}.",
+            remedy="Name more, or none: then all that the takes have in common count.",
+        )

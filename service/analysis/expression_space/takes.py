@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from service.analysis.expression_space.options import Options
+from service.analysis.expression_space.options import FEWEST_MARKERS, Options
 from service.analysis.expression_space.rigid_motion import align
 from service.analysis.interface import AnalysisError, Motion
 from service.motion.skeleton import Array, Convention
@@ -18,7 +18,6 @@ MILLIMETRES = 1000.0
 FACE_MM = 70.0
 """Mean distance of two markers of a grown-up's face: what an unknown unit is guessed by."""
 FEWEST_FRAMES = 12
-FEWEST_MARKERS = 4
 
 
 @dataclass(frozen=True)
@@ -208,11 +207,14 @@ def smoothed(frames: Frames, seconds: float) -> Array:
 
 def _common(motions: Sequence[Motion], wanted: Sequence[str]) -> tuple[list[str], list[tuple[str, str]]]:
     for motion in motions:
-        if any(joint.convention is not Convention.MARKER for joint in motion.skeleton.joints):
+        if not motion.skeleton.joints or any(j.convention is not Convention.MARKER for j in motion.skeleton.joints):
+            others = " Leave it out, or give" if len(motions) > 1 else " Give"
             raise AnalysisError(
                 "no-markers",
-                f"{motion.name} ({motion.document}) is a skeleton, not markers.",
-                remedy="Give takes of labelled points, such as C3D or TRC.",
+                f"{motion.name} ({motion.document}) {'is a skeleton' if motion.skeleton.joints else 'has no markers'}; "
+                "a space is made of labelled points.",
+                remedy=f"{others} takes of markers, such as C3D or TRC.".strip(),
+                document=motion.document,
             )
     sets = [set(motion.skeleton.names) for motion in motions]
     common = set.intersection(*sets)
@@ -222,8 +224,27 @@ def _common(motions: Sequence[Motion], wanted: Sequence[str]) -> tuple[list[str]
         dropped += [(name, "not wanted") for name in order if name in common and name not in wanted]
         dropped += [(name, "in no take") for name in dict.fromkeys(wanted) if name not in order]
     names = [name for name in order if name in common and (not wanted or name in wanted)]
+    if len(common) < FEWEST_MARKERS:
+        _blame(motions, sets)
     _enough(names, dropped)
     return names, dropped
+
+
+def _blame(motions: Sequence[Motion], sets: Sequence[set[str]]) -> None:
+    """Raises AnalysisError `marker-sets-disjoint` where one take alone has too few of the others' markers."""
+    without = [
+        len(set.intersection(*sets[:place], *sets[place + 1 :])) if len(sets) > 2 else 0 for place in range(len(sets))
+    ]
+    best = max(range(len(sets)), key=without.__getitem__)
+    if without[best] >= FEWEST_MARKERS:
+        motion, common = motions[best], len(set.intersection(*sets))
+        raise AnalysisError(
+            "marker-sets-disjoint",
+            f"{motion.name} ({motion.document}) has {common or 'none'} of the {without[best]} markers that the other "
+            "takes have in common.",
+            remedy="Leave it out, or rename its markers.",
+            document=motion.document,
+        )
 
 
 def _enough(names: Sequence[str], dropped: Sequence[tuple[str, str]]) -> None:

@@ -61,6 +61,21 @@ def options_from(parameters: ReachParameters) -> Options:
     return options_of(parameters.method, **stated, subject=parameters.subject or "")
 
 
+def _check(parameters: ReachParameters, documents: Sequence[str]) -> None:
+    options_from(parameters)
+    for document, times in parameters.times.items():
+        if document not in documents:
+            raise AnalysisError(
+                "unknown-clip",
+                f"Times are given for {document!r}, which is none of the documents.",
+                remedy="Name documents of the selection.",
+            )
+        if not times.t1 < times.t2 < times.end:
+            raise AnalysisError(
+                "phase-order", f"The times of {document} are not in order.", remedy="Give times with 0 < t1 < t2 < end."
+            )
+
+
 def run(motions: Sequence[Motion], parameters: ReachParameters, progress: Progress) -> Parts:
     """The parts of a fitted model."""
     options = options_from(parameters)
@@ -162,6 +177,8 @@ REACH = Analysis(
         "phases": Operation("The phases of a clip and the speed behind them", ReachClipChoice, ReachPhases, phases),
     },
     prepare=prepare,
+    check=_check,
+    rules={"fit": "1"},
     fewest=2,
     most=2000,
 )

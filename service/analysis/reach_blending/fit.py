@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,9 +100,11 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
         warnings.append(("bones-differ", f"Bones differ by over 20 % between clips: {', '.join(wide)}."))
 
     attributes = np.array([clip.attributes for clip in clips]).reshape(len(clips), len(options.attributes))
-    examples_needed(attributes, options, [excluded_.reason for excluded_ in excluded])
+    scarce = scarcity(options.attributes, attributes, _labels(clips, options))
+    with _told(scarce):
+        examples_needed(attributes, options, [excluded_.reason for excluded_ in excluded])
     space = attribute_space(attributes, options.scaling)
-    warnings += _about_attributes(space, options)
+    warnings += [*scarce, *_about_attributes(space, options)]
     x = space.coordinates(attributes)
     groups = _examples(x, options, [clip.motion.name for clip in clips])
 
@@ -118,9 +121,15 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
     components = principal_components(vectors, options.components, options.variance, in_place=True)
     del vectors
     progress("cross-validation", 0.6)
-    selected = select(
-        x, groups, components.coefficients, to_time_values(times, options.log_times), _labels(clips, options), options
-    )
+    with _told(scarce):
+        selected = select(
+            x,
+            groups,
+            components.coefficients,
+            to_time_values(times, options.log_times),
+            _labels(clips, options),
+            options,
+        )
     warnings += selected.warnings
     coefficients = fit_blend(selected.centres, selected.coefficients, selected.s, selected.lam, options.degree)
     time_blend = fit_blend(selected.centres, selected.time_values, selected.time_s, selected.time_lam, options.degree)
@@ -188,6 +197,49 @@ def _metres(clips: Sequence[Clip]) -> float | None:
             remedy="Choose clips in one unit of length.",
         )
     return stated[0] if stated else None
+
+
+def scarcity(names: Sequence[str], attributes: Array, subjects: Sequence[str] | None) -> list[tuple[str, str]]:
+    """(code, sentence) where the clips show an attribute at two values only, or two people.
+
+    attributes: (N, A). subjects: who moves, (N,), None where nobody is told apart.
+    """
+    found = []
+    for name, column in zip(names, attributes.T, strict=True):
+        values = np.unique(column)
+        if len(values) == 2:
+            low, high = (f"{value:g}" for value in values)
+            found.append(
+                (
+                    "two-values",
+                    f"{name} has two values in the clips, {low} and {high}: what lies between them, and how it goes "
+                    f"on, was never seen. Add clips with other values of {name}, or leave it out of attributes.",
+                )
+            )
+    if subjects is not None and len(people := sorted(set(subjects))) == 2:
+        found.append(
+            (
+                "two-people",
+                f"The clips are of two people, {people[0]} and {people[1]}: what differs between people cannot be told "
+                "from what an attribute does, and nobody is left to check with. Add clips of more people, or "
+                'leave out what is the same in all clips of a person; subject="" leaves single clips out instead.',
+            )
+        )
+    return found
+
+
+@contextmanager
+def _told(scarce: Sequence[tuple[str, str]]) -> Iterator[None]:
+    """Where examples are too few since they show so little, the error says that, and not that clips are few."""
+    try:
+        yield
+    except AnalysisError as error:
+        if error.code != "too-few-examples" or not scarce:
+            raise
+        why = " ".join(sentence for _, sentence in scarce)
+        raise AnalysisError(
+            error.code, f"{error.what} {why}", remedy=error.remedy, reasons=[c for c, _ in scarce]
+        ) from error
 
 
 def _about_attributes(space: AttributeSpace, options: Options) -> list[tuple[str, str]]:

@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 from schemas.analyses.dance import BeatsParameters, DanceParameters
 from service.analysis.dance.analyses import BEATS, DANCE
 from service.analysis.dance.metrics import nearest
+from service.analysis.dance.sources import channels_of
+from service.analysis.dance.tempo import tempo_of
 from service.analysis.interface import AnalysisError, silent
 from service.demo.dance_clips import BEAT_STYLES, STYLES, Style
 from tests.analysis.dance.motions import generated
@@ -75,3 +77,28 @@ def test_every_dance_is_whole_or_refused_by_name(
     assert np.isfinite(clip.translations).all()
     assert np.abs(np.linalg.norm(clip.rotations, axis=-1) - 1).max() < 1e-9
     assert all(row[9] is None or row[9] >= 0 for row in parts["path"].data["rows"])
+
+
+@pytest.mark.fuzz
+@settings(max_examples=200)
+@given(
+    style=st.sampled_from(STYLES),
+    fps=st.floats(20, 150),
+    other=st.floats(20, 150),
+    true=st.floats(72, 165),
+    seed=st.integers(200, 10_000),
+)
+def test_the_tempo_of_any_dancer_is_found_at_any_rate(
+    style: Style, fps: float, other: float, true: float, seed: int
+) -> None:
+    found = []
+    for rate in (fps, other):
+        motion, _ = generated(style, fps=rate, tempo=true, bars=8, seed=seed, dancer=seed)
+        tempo = tempo_of([channels_of(motion)])
+        assert tempo is not None
+        ratio = tempo.peaks[0].bpm / true
+        # Where an octave is as likely, that is said.
+        assert abs(ratio - 1) < 0.04 or "tempo-octave" in [code for code, _ in tempo.warnings()]
+        found.append(tempo.peaks[0].bpm)
+    if min(fps, other) >= 24:
+        assert abs(found[0] / found[1] - 1) < 0.01 or abs(np.log2(found[0] / found[1])) > 0.4

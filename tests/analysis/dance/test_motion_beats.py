@@ -228,7 +228,7 @@ def test_the_period_of_even_beats_is_theirs(bpm: float, fps: float) -> None:
     period = 60 / bpm * fps
     found = beats.periods(np.arange(0.5, 24) * period, int(24 * period) + 1, fps)
     assert abs(found[0].seconds * bpm / 60 - 1) < 0.002
-    assert [peak.power for peak in found] == sorted((peak.power for peak in found), reverse=True)
+    assert [peak.strength for peak in found] == sorted((peak.strength for peak in found), reverse=True)
     assert len(found) <= 3
 
 

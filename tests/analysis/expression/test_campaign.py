@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.distance import cdist
 
 from schemas.analyses.expression import (
     ExpressionParameters,
@@ -18,9 +19,13 @@ from schemas.analyses.expression_paths import (
     ExpressionPlayback,
 )
 from service.analysis.expression_space.analyses import EXPRESSION
+from service.analysis.expression_space.frame_graph import threshold_graph
+from service.analysis.expression_space.geodesics import all_pairs
+from service.analysis.expression_space.planar_map import classical_scaling
 from service.analysis.interface import AnalysisError, silent
 from service.demo.face_takes import face_takes
 from tests.analysis.expression.face_motions import motion_of
+from tests.analysis.expression.test_threshold import r_of, rows, searched
 
 OPTIONS = st.fixed_dictionaries(
     {
@@ -84,3 +89,16 @@ def test_any_space_keeps_its_promises(
     played = EXPRESSION.operations["playback"].run(child, ExpressionPlayback(duration_s=1.0)).clip
     assert played is not None
     assert np.isfinite(played.translations).all()
+
+
+@pytest.mark.fuzz
+@settings(max_examples=40)
+@given(st.integers(5, 9), st.floats(5, 11), st.floats(0.0, 0.2), st.integers(0, 2**31))
+def test_no_single_take_becomes_a_time_line(count: int, apart: float, shake: float, seed: int) -> None:
+    """A sheet that is covered back and forth, with noise of a part of the distance between its rows."""
+    points = rows(100, apart * (count - 1), count)
+    points = points + np.random.default_rng(seed).normal(size=points.shape) * shake * apart / 2
+    trials, _, chosen = searched(points)
+    paths = all_pairs(threshold_graph(trials.apart, chosen.tau).matrix)
+    plane = classical_scaling(paths, 2).coordinates
+    assert r_of(cdist(plane, plane), trials.apart) > 0.9

@@ -12,6 +12,7 @@ from service.analysis.expression_space.options import options_of
 from service.analysis.expression_space.space import build
 from service.analysis.interface import AnalysisError, Motion
 from service.errors import SizeError
+from service.motion.skeleton import Skeleton
 from tests.analysis.expression.face_motions import body_motion, motion_from, motions, takes
 
 
@@ -55,6 +56,24 @@ def test_an_infinite_coordinate() -> None:
 
 def test_a_skeleton_is_no_marker_set() -> None:
     assert code_of([body_motion()]).code == "no-markers"
+
+
+def test_one_take_among_others_is_named() -> None:
+    still = takes()[0].still
+    good = [motion_from(still, name) for name in "ab"]
+    for stranger, what in (
+        (body_motion(), "is a skeleton"),
+        (replace(body_motion(), skeleton=Skeleton(()), translations=np.zeros((20, 0, 3))), "has no markers"),
+        (
+            motion_from(still, "c", labels=[f"n{place}" for place in range(still.shape[1])]),
+            "has none of the 25 markers",
+        ),
+    ):
+        error = code_of([*good, stranger])
+        assert error.code == ("marker-sets-disjoint" if stranger.name == "c" else "no-markers")
+        assert error.what.startswith(f"{stranger.name} ({stranger.document}) {what}")
+        assert str(error.remedy).startswith("Leave it out")
+        assert error.details["document"] == stranger.document
 
 
 def test_a_face_that_does_not_move() -> None:

@@ -35,7 +35,7 @@ def along(corners: list[tuple[float, float]], count: int) -> Array:
 
 
 def rows(width: float, height: float, count: int) -> Array:
-    """A path to and fro over a rectangle, as one take may cover its movements: slowly, each way beside the last."""
+    """A path back and forth over a rectangle, as one take may cover its movements: slowly, each way beside the last."""
     ends = [(width * ((row + end) % 2), height * row / (count - 1)) for row in range(count) for end in (0, 1)]
     return along(ends, FRAMES)
 

@@ -321,3 +321,28 @@ def test_wishes_that_cannot_be_answered(wish: Wish, code: str) -> None:
     with pytest.raises(AnalysisError) as error:
         synthesize(fitted().model, wish)
     assert error.value.code == code
+
+
+def test_two_values_and_two_people_are_told() -> None:
+    """Forty clips are not few: they show too little. That is said, with what to do."""
+    motions, _ = generated()
+    ages = [labelled(motion, age="23" if place % 2 else "67") for place, motion in enumerate(motions)]
+    codes = dict(fit(ages, options_of(attributes=("age",))).warnings)
+    assert "age has two values in the clips, 23 and 67" in codes["two-values"]
+    assert "Add clips with other values of age" in codes["two-values"]
+    people = sorted({motion.properties["subject"][0] for motion in motions})
+    pair = [motion for motion in motions if motion.properties["subject"][0] in people[:2]]
+    codes = dict(fit(pair, options_of(attributes=("hbp",))).warnings)
+    assert f"two people, {people[0]} and {people[1]}" in codes["two-people"]
+    assert "two-people" not in dict(fit(pair, options_of(attributes=("hbp",), subject="")).warnings)
+    assert not {"two-values", "two-people"} & set(dict(fit(motions, options_of()).warnings))
+
+
+def test_a_fit_that_two_values_forbid_says_so() -> None:
+    motions, _ = generated()
+    two = [labelled(motion, age="23" if place % 2 else "67") for place, motion in enumerate(motions)]
+    with pytest.raises(AnalysisError) as error:
+        fit(two, options_of(attributes=("age",), duplicates="mean"))
+    assert error.value.code == "too-few-examples"
+    assert "age has two values" in error.value.what
+    assert error.value.details["reasons"] == ["two-values"]
