@@ -9,6 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from fastapi import Depends, FastAPI
 from fastapi.middleware.gzip import GZipMiddleware
 
+from service.actions.purge_documents import finish_purges
 from service.actions.use_result import Results
 from service.api import ROUTERS, description, problems
 from service.api.doors import Doors
@@ -49,6 +50,7 @@ def create_app(
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
         store.require_schema()
         store.sweep()
+        finish_purges(store)
         app.state.runner.start()
         yield
         app.state.runner.stop()

@@ -20,6 +20,7 @@ from service.cli import (
     labels,
     library,
     names,
+    purging,
     querying,
     retarget,
     serving,
@@ -43,7 +44,8 @@ for name, about in (
 ):
     group = typer.Typer(cls=later(f"service.cli.{name}"), no_args_is_help=True, help=about)
     app.add_typer(group, name=name)
-store.add_to(app)
+for module in (purging, store):
+    module.add_to(app)
 
 
 def main() -> None:

@@ -5,7 +5,7 @@
 
 A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.heads`, `tx.tracks`,
 `tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`, `tx.jobs`, `tx.results`,
-`tx.mappings` `tx.aliases`.
+`tx.mappings`, `tx.aliases`, `tx.purging`.
 """
 
 from __future__ import annotations
@@ -47,6 +47,7 @@ from service.storage.layout import require_layout
 from service.storage.mappings import Mappings
 from service.storage.moments import valid
 from service.storage.projects import Projects, Tokens
+from service.storage.purging import Purging
 from service.storage.results import Results
 from service.storage.schema import CURRENT
 from service.storage.seals import Checked, sealed
@@ -220,6 +221,10 @@ class Transaction:
     @cached_property
     def aliases(self) -> Aliases:
         return Aliases(self)
+
+    @cached_property
+    def purging(self) -> Purging:
+        return Purging(self)
 
     @cached_property
     def mappings(self) -> Mappings:

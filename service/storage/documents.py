@@ -328,6 +328,14 @@ class Documents:
         self._remove(keys)
         return len(keys)
 
+    def set_state(self, key: int, state: str) -> None:
+        self._change(key, state=state)
+
+    def remove_purged(self, key: int) -> None:
+        """Delete all rows of a document that is being purged."""
+        query = select(document.c.id).where(document.c.state == "purging", document.c.id == key)
+        self._remove(list(self._tx.connection.execute(query).scalars()))
+
     def remove_import(self, key: int) -> None:
         """Delete all rows of an import that failed; those of a document that is ready stay."""
         query = select(document.c.id).where(document.c.state == "importing", document.c.id == key)

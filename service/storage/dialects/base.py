@@ -99,6 +99,14 @@ class Dialect(ABC):
         """Bytes of the whole store ("total") and of the kept uploads ("uploads")."""
 
     @abstractmethod
+    def erase_what_goes(self, connection: Connection) -> None:
+        """Let rows that this transaction deletes leave nothing behind in the pages that they lay in."""
+
+    @abstractmethod
+    def settle(self) -> None:
+        """Let what was deleted be gone from the database's files as far as it can be while others work."""
+
+    @abstractmethod
     def is_full(self, error: BaseException | None) -> bool:
         """Whether the driver's error says that the disk is full."""
 

@@ -84,6 +84,13 @@ class PostgreSQL(Dialect):
         uploads = connection.execute(text("SELECT pg_total_relation_size('upload_block')")).scalar_one()
         return {"total": int(total), "uploads": int(uploads)}
 
+    def erase_what_goes(self, connection: Connection) -> None:
+        """Nothing to do: rows that no transaction sees any more go with the next vacuum (`settle`)."""
+
+    def settle(self) -> None:
+        with self.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+            connection.exec_driver_sql("VACUUM")
+
     def is_full(self, error: BaseException | None) -> bool:
         return getattr(error, "sqlstate", None) == DISK_FULL
 

@@ -112,6 +112,16 @@ class SQLite(Dialect):
         )
         return {"total": int(pages.scalar_one()), "uploads": int(uploads.scalar_one())}
 
+    def erase_what_goes(self, connection: Connection) -> None:
+        # It holds for the connection, whose next user loses nothing by it but a little time.
+        connection.exec_driver_sql("PRAGMA secure_delete=ON")
+
+    def settle(self) -> None:
+        # The log holds pages as they were: it is emptied, unless somebody reads an old state just now.
+        with self.engine.connect() as connection:
+            driver: Any = connection.connection.driver_connection
+            driver.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+
     def is_full(self, error: BaseException | None) -> bool:
         return isinstance(error, sqlite3.Error) and getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
 

@@ -1,0 +1,59 @@
+"""`mcml purge`: documents removed for good."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+
+from service.actions.purge_documents import Purgeable, purge_documents, purgeable
+from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
+from service.errors import McmlError
+
+
+def add_to(app: typer.Typer) -> None:
+    app.command()(purge)
+
+
+def purge(
+    ids: Annotated[list[str] | None, typer.Argument(help="Full ids of documents, deleted or not")] = None,
+    deleted_before: Annotated[
+        float | None, typer.Option(min=0, help="Also all documents that were deleted so many days ago or longer")
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Do it; without, what would go is shown")] = False,
+    database: DatabaseOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Remove documents for good: all revisions and files, and what was made of them alone. Nothing brings them back."""
+    if not ids and deleted_before is None:
+        raise McmlError("Nothing is named.", remedy="Name full ids, or --deleted-before DAYS.")
+    store = open_database(chosen_settings(database))
+    found = purgeable(store, ids or [], deleted_before)
+    done = 0
+    if yes:
+        done = purge_documents(store, [one.uuid for one in found])
+    if as_json:
+        print_json({"purged": done, "documents": [asdict(one) for one in found]})
+        return
+    _show(found)
+    if yes:
+        console.print(f"purged {done} documents. Backups made before still hold them.")
+    elif found:
+        console.print("Nothing was purged: --yes does it, and nothing brings them back. Older backups still hold them.")
+
+
+def _show(found: list[Purgeable]) -> None:
+    rows = table("id", "name", "project", "deleted", "revisions#", "MB#")
+    for one in found:
+        rows.add_row(
+            one.uuid, one.name, one.project, one.deleted or "no", str(one.revisions), f"{one.bytes / 1e6:,.1f}"
+        )
+    if found:
+        console.print(rows)
+    else:
+        console.print("no such documents")
+    for one in found:
+        for kind, made in (("clip", one.clips), ("model or result", one.results)):
+            for uuid, name in made:
+                console.print(f"stays    the {kind} {name} ({uuid}) was made from {one.name}, among others")

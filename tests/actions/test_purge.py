@@ -1,0 +1,146 @@
+"""Documents removed for good: nothing of them stays, nothing of others goes, and a kill in between spoils nothing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from service.actions.change_document import add_labels, delete_document
+from service.actions.export_motion import ExportOptions, export_document
+from service.actions.keep_store import backup
+from service.actions.purge_documents import finish_purges, purge_documents, purgeable
+from service.cli import app
+from service.errors import NotFoundError
+from service.storage.database import Database
+from service.storage.schema import metadata
+from service.storage.tables import document
+from tests.builders import MCML, bvh, store
+
+NAME = "somebody-private"
+
+
+def content(database: Database, uuid: str) -> bytes:
+    with database.read() as tx:
+        return b"".join(export_document(tx, tx.documents.get(uuid), ExportOptions("mcml")).content)
+
+
+def texts(database: Database) -> str:
+    """Every text and number of the store."""
+    with database.read() as tx:
+        return repr([tuple(row) for table in metadata.sorted_tables for row in tx.connection.execute(table.select())])
+
+
+def rows_of(database: Database, key: int) -> int:
+    with database.read() as tx:
+        found = 0
+        for table in metadata.sorted_tables:
+            column = table.c.id if table is document else table.c.get("document")
+            if column is not None:
+                found += len(tx.connection.execute(table.select().where(column == key)).all())
+        return found
+
+
+def key_of(database: Database, uuid: str) -> int:
+    with database.read() as tx:
+        return tx.documents.get(uuid, deleted=True).key
+
+
+def result(database: Database, name: str, inputs: list[str], clip: int | None = None) -> str:
+    with database.write() as tx:
+        project = tx.projects.get("default")
+        listed = [{"document": uuid, "revision": 1} for uuid in inputs]
+        key, uuid = tx.results.add(project, "reach", name, "kim", listed, {}, {})
+        tx.results.add_part(key, "points", "points", {"a": 1}, {"all": np.arange(9.0)}, clip)
+        return uuid
+
+
+def test_nothing_stays_and_nothing_else_goes(database: Database, tmp_path: Path) -> None:
+    twin = store(database, {"twin.bvh": bvh(700)})[0]
+    gone = store(database, {f"{NAME}.bvh": bvh(700)})[0]
+    alone = store(database, {f"{NAME}-2.mcml": MCML})[0]
+    other = store(database, {"other.bvh": bvh(20, seed=4, names=("Hips", "Chest"))})[0]
+    with database.write() as tx:
+        add_labels(tx, tx.documents.get(gone), [(NAME, 1, 300)])
+    with database.write() as tx:
+        delete_document(tx, tx.documents.get(other))
+    result(database, NAME, [gone])
+    shared = result(database, "shared", [twin, gone], key_of(database, gone))
+    before, kept = content(database, twin), original(database, twin)
+    keys = [key_of(database, uuid) for uuid in (gone, alone)]
+
+    found = {one.uuid: one for one in purgeable(database, [gone, alone])}
+    assert found[gone].own_results == 1
+    assert found[gone].results == ((shared, "shared"),)
+    assert found[gone].bytes > 0
+    assert purge_documents(database, [gone, alone]) == 2
+
+    assert [rows_of(database, key) for key in keys] == [0, 0]
+    assert NAME not in texts(database)
+    assert database.check(past=True) == []
+    assert (content(database, twin), original(database, twin)) == (before, kept)
+    with database.read() as tx:
+        assert tx.documents.find(other, deleted=True) is not None
+        assert [part.document for part in tx.results.parts(tx.results.get(shared).key)] == [None]
+        with pytest.raises(NotFoundError):
+            tx.documents.get(gone, deleted=True)
+    backup(database, tmp_path / "copy.db")
+    assert NAME.encode() not in (tmp_path / "copy.db").read_bytes()
+    if database.name == "sqlite":
+        path = Path(database.url.removeprefix("sqlite:///"))
+        held = b"".join(part.read_bytes() for part in path.parent.glob(f"{path.name}*"))
+        assert NAME.encode() not in held
+
+
+def original(database: Database, uuid: str) -> bytes:
+    with database.read() as tx:
+        return b"".join(tx.uploads.read(tx.documents.get(uuid).key, "bvh") or ())
+
+
+def test_a_purge_that_is_killed_goes_on(database: Database) -> None:
+    uuid = store(database, {"a.bvh": bvh(256 * 40)})[0]
+    other = store(database, {"b.bvh": bvh(30, seed=2)})[0]
+    key = key_of(database, uuid)
+    with database.write() as tx:
+        tx.purging.begin(key)
+    with database.write() as tx:
+        assert tx.purging.remove_tracks(key)
+    # Nobody sees it, and what is left of it is no fault.
+    assert database.check(past=True) == []
+    with database.read() as tx:
+        assert tx.documents.find(uuid, deleted=True) is None
+    assert content(database, other)
+    assert finish_purges(database) == 1
+    assert rows_of(database, key) == 0
+    assert finish_purges(database) == 0
+
+
+def test_deleted_ones_by_their_age(database: Database) -> None:
+    ids = [store(database, {f"{name}.bvh": bvh(3)})[0] for name in "ab"]
+    with database.write() as tx:
+        delete_document(tx, tx.documents.get(ids[0]))
+    assert [one.uuid for one in purgeable(database, [], 0)] == [ids[0]]
+    assert purgeable(database, [], 1) == []
+    with pytest.raises(NotFoundError, match="There is no document"):
+        purgeable(database, [ids[0][:8]])
+
+
+def test_the_command_shows_before_it_does(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'store.db'}"
+    database = Database(url)
+    database.migrate()
+    uuid = store(database, {"a[red].bvh": bvh(3)})[0]
+    runner = CliRunner()
+    shown = runner.invoke(app, ["purge", uuid, "--database", url])
+    assert shown.exit_code == 0
+    assert "a[red]" in shown.output
+    assert "--yes does it" in shown.output
+    assert content(database, uuid)
+    done = runner.invoke(app, ["purge", uuid, "--yes", "--json", "--database", url])
+    assert json.loads(done.output)["purged"] == 1
+    with pytest.raises(NotFoundError):
+        content(database, uuid)
+    database.close()
