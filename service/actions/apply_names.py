@@ -19,6 +19,9 @@ def renames(tx: Transaction, stored: StoredDocument) -> tuple[Skeleton, list[Ren
     """(the skeleton with the names that an import would give it now, those that are others than the document's)."""
     clip = read_clip(tx, stored, labelled=False).clip
     before = clip.head.skeleton
+    if all(joint.mapped is None for joint in before.joints):
+        # Written in MCML by hand: its names are its own, as they are on import.
+        return before, []
     after, _ = joint_names.named(before, tx.aliases.of(stored.project).pairs, moving_root(clip))
     changed = [
         Rename(source=new.source_name, before=old.name, after=new.name)

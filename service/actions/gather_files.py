@@ -219,7 +219,7 @@ def _unpacked(files: list[SourceFile], settings: Settings, stack: ExitStack, res
             if isinstance(error, OSError) and is_full(error):
                 raise SpaceError from error
             problem = FormatError(
-                f"The zip cannot be read: {error}", at=Place(file=file.name), remedy="Zip the files again, unencrypted."
+                "The zip is damaged or encrypted.", at=Place(file=file.name), remedy="Zip the files again, unencrypted."
             )
             result.problems.append((file.name, problem))
 

@@ -35,7 +35,7 @@ def suggest_labels(
             skeleton, reader.rest, hub.translations, hub.rotations, seconds, whole.up, facing=facing
         )
     except ConversionError as error:
-        error.remedy = "Say where the body faces: `facing` (--facing on the command line), such as Z or -X."
+        error.remedy = "Say where the body faces, across the axis up: `facing` (`--facing` of the command), Z or -X …"
         raise
     return [
         SuggestedLabel(

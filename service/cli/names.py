@@ -27,19 +27,20 @@ def _group() -> None:
 
 
 def apply(
-    ids: Annotated[list[str] | None, typer.Argument(metavar="[ID]...", help="Documents")] = None,
-    project: Annotated[str | None, typer.Option(help="Instead: all documents of this project")] = None,
+    ids: Annotated[list[str] | None, typer.Argument(metavar="[ID]...", help="Documents; default all")] = None,
+    project: Annotated[str | None, typer.Option(help="All documents of this project")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be renamed; change nothing")] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Give joints the names that an import would give them now, each document as a revision that undo takes back."""
-    if bool(ids) == (project is not None):
+    if ids and project is not None:
         raise typer.BadParameter("name documents, or a --project")
     api = open_api(database, server)
-    wanted, asked = list(ids or ()), {"project": project, "limit": 1000}
-    while project is not None:
+    wanted = list(ids or ())
+    asked: dict[str, Any] = {"limit": 1000} | ({} if project is None else {"project": project})
+    while not ids:
         page = DocumentPage(**api.send("GET", "/documents", params=asked).json())
         wanted += [item.id for item in page.items]
         if page.next_cursor is None:

@@ -73,7 +73,7 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
         _fields(said, name, notices),
         sources=(SourcePart(part="c3d", name=name, sections=sections),),
     )
-    first_id = said.long("TRIAL:ACTUAL_START_FIELD") or int(said.words[3])
+    first_id = _first_id(said, layout.frames)
 
     def blocks() -> Iterator[FrameBlock]:
         for first in range(0, layout.frames, points.block):
@@ -81,6 +81,13 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
             yield _block(coordinates, residuals, skeleton, first_id + first, unmeasured)
 
     return ClipStream(head, blocks, layout.frames, notices)
+
+
+def _first_id(said: Statements, frames: int) -> int:
+    """The number of the first frame: that of TRIAL, of more bits, where it counts as many frames as there are."""
+    start, end = said.long("TRIAL:ACTUAL_START_FIELD"), said.long("TRIAL:ACTUAL_END_FIELD")
+    agrees = start is not None and end is not None and end - start + 1 == frames
+    return int(start) if agrees and start is not None else int(said.words[3])
 
 
 def _is_zero(stream: BinaryIO, first: int, behind: int) -> bool:

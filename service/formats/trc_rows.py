@@ -21,6 +21,7 @@ from service.motion.skeleton import Array, Skeleton
 BLOCK_BYTES: Final = 1 << 20
 LONGEST_ROW: Final = 1 << 22
 _ROW = re.compile(rb"[^\r\n]+")
+_SECOND = re.compile(rb"\n *[^\t\r\n ][^\t\r\n]*\t([^\t\r\n]*)")
 _WHOLE = re.compile(rb"[+-]?[0-9]{1,18}")
 
 
@@ -68,8 +69,7 @@ class Rows:
         parts: list[Array] = []
         written = kept = 0
         for text, _ in self._pieces():
-            rows = (self._cells(row, 2) for row in _ROW.findall(text))
-            cells = [row[1].strip() for row in rows if len(row) > 1 and row[0].strip()]
+            cells = self._second_cells(text)
             values = parse_numbers(b" ".join(cells)) if all(cells) else None
             if values is None or len(values) != len(cells):
                 known = [cell.decode("latin-1") for cell in cells]
@@ -81,6 +81,12 @@ class Rows:
             written = max(written, max(map(len, fractions), default=0))
             kept = max(kept, max((len(fraction.rstrip(b"0")) for fraction in fractions), default=0))
         return Times(np.concatenate(parts) if parts else np.zeros(0), written, kept)
+
+    def _second_cells(self, text: bytes) -> list[bytes]:
+        if b"\t" in text and b"\n" in text:
+            return [cell.strip() for cell in _SECOND.findall(b"\n" + text)]
+        rows = (self._cells(row, 2) for row in _ROW.findall(text))
+        return [row[1].strip() for row in rows if len(row) > 1 and row[0].strip()]
 
     def blocks(self, notices: list[Notice]) -> Iterator[FrameBlock]:
         """All frames. FormatError with line, frame and marker for a bad cell."""

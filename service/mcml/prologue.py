@@ -59,8 +59,10 @@ def utf8_chunks(stream: BinaryIO, max_bytes: int, encoding: str | None = None) -
         for chunk in chunks:
             yield decoder.decode(chunk).encode()
         yield decoder.decode(b"", True).encode()
-    except UnicodeError as error:
-        raise DocumentError(f"the document is not in {name}, which it says it is in: {error}") from None
+    except UnicodeError:
+        raise DocumentError(
+            f"the document is not in {name}, which it says it is in", remedy="Save it as UTF-8."
+        ) from None
 
 
 def has_doctype(document: bytes) -> bool:

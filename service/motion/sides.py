@@ -112,7 +112,7 @@ def sagittal(skeleton: Skeleton, positions: Array, up: Array, facing: Array | No
     if length < 1e-9:
         raise ConversionError(
             "nothing tells left from right in this pose",
-            remedy="Name its joints left and right, or say where the body faces, across the axis up.",
+            remedy="Give its joints names that say left and right.",
         )
     middle = [(positions[left] + positions[right]) / 2 for left, right in hips or pairs]
     point = np.mean(middle, axis=0) if middle else positions.mean(axis=0)

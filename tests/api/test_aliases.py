@@ -7,7 +7,7 @@ from fastapi.testclient import TestClient
 
 from service.actions.shared_skeleton import kept_skeleton
 from service.mcml import joint_names
-from tests.builders import bvh, upload
+from tests.builders import MCML, bvh, upload
 
 API = "/api/v1"
 RIG = ("Becken", "Wirbel", "LeftUpLeg", "Neck", "Neck1", "Haupt")
@@ -63,6 +63,12 @@ def test_aliases_that_make_no_sense_are_refused(client: TestClient, items: list[
     assert answer.status_code == 422
     assert what in f"{answer.json()['detail']} {answer.json()['remedy']}"
     assert client.get(f"{API}/aliases").json()["version"] == 0
+
+
+def test_names_of_a_document_written_by_hand_stay(client: TestClient) -> None:
+    done = upload(client, {"hand.mcml": MCML.replace(b"left_up_leg", b"LeftUpLeg").replace(b"Root", b"Hips")})
+    url = f"{API}/documents/{done['documents'][0]['id']}"  # type: ignore[index]
+    assert client.post(f"{url}/names", headers={"if-match": "*"}).json()["items"] == []
 
 
 def test_documents_that_exist_get_the_names_of_today(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -123,7 +123,8 @@ def test_names_of_joints(run: Run) -> None:
     run("mapping", "alias", "--remove", "wirbel", "--remove", "kopf")
     assert "version 0" in run("mapping", "aliases")
     assert "NAME=JOINT" in run("mapping", "alias", code=2)
-    assert "--project" in run("names", "apply", code=2)
+    assert "0 of 1 documents would be changed" in run("names", "apply", "--dry-run")
+    assert "--project" in run("names", "apply", walk, "--project", "default", code=2)
 
 
 HEAP = """HIERARCHY

@@ -180,6 +180,17 @@ def test_more_frames_than_a_word_counts() -> None:
         assert not clip.notices
 
 
+def test_the_first_frame_is_numbered_by_who_counts_the_frames() -> None:
+    points = places(70, 2)
+    for start, end, first in ((91, 160, 91), (1, 500, 31)):
+        fields: dict[str, Value | None] = {
+            "TRIAL:ACTUAL_START_FIELD": (2, (2,), [start, 0]),
+            "TRIAL:ACTUAL_END_FIELD": (2, (2,), [end, 0]),
+        }
+        clip = clip_of(c3d_bytes(points, first=31, parameters=fields))
+        assert next(clip.blocks()).ids[0] == first
+
+
 def test_numbers_that_are_none_are_missing_samples() -> None:
     points = places(5, 2)
     points[2, 1, 0], points[3, 0, 2] = np.nan, np.inf
