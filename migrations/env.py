@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from alembic import context
 
-from service.storage.tables import metadata
+from service.storage import tables, work_tables  # noqa: F401 - they add themselves to the metadata
+from service.storage.schema import metadata
 
 connection = context.config.attributes.get("connection")
 if connection is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import MOTION_NAME, PROJECT, QUERY, shown
+from schemas.queries import MOST_DOCUMENTS
 
 
 class LabelChange(BaseModel):
@@ -27,7 +28,7 @@ class LabelQuery(BaseModel):
 
     name: str = Field(min_length=1, max_length=1024)
     xpath: str = Field(min_length=1, max_length=10_000)
-    document: list[str] = Field([], max_length=10_000, description="Documents to look in; default all")
+    document: list[str] = Field([], max_length=MOST_DOCUMENTS, description="Documents to look in; default all")
     project: str | None = None
     remove: bool = Field(False, description="Take the name off these frames instead")
     instead_of: str | None = Field(

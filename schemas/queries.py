@@ -8,6 +8,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import CURSOR, DOCUMENT, NODE, QUERY, shown
 
+MOST_DOCUMENTS = 10_000
+"""That one question names."""
+
 _RUN = {
     "document": DOCUMENT,
     "name": "walk",
@@ -101,7 +104,9 @@ class QueryRequest(BaseModel):
     )
 
     q: str = Field(min_length=1, max_length=10_000)
-    document: list[str] = Field(default_factory=list, max_length=1000, description="Documents to ask; none: all")
+    document: list[str] = Field(
+        default_factory=list, max_length=MOST_DOCUMENTS, description="Documents to ask; none: all"
+    )
     project: str | None = None
     revision: int | None = Field(None, ge=1, le=2**31 - 1, description="Of the one document asked: as this left it")
     as_: Literal["json", "xml", "ndjson", "csv", "runs"] = Field("json", alias="as")

@@ -100,6 +100,14 @@ class StoreError(McmlError):
     """The store is damaged or not at the schema this program needs."""
 
 
+class DamageError(StoreError):
+    """What the store holds is not what was written: a checksum differs."""
+
+
+class UnavailableError(StoreError):
+    """The store cannot be reached now, and may be soon: its server is down or starts, or all connections are taken."""
+
+
 class SpaceError(StoreError):
     """The disk is full. Nothing of the request was stored."""
 

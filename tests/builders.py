@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Sequence
 
-import c3d
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
@@ -18,6 +17,7 @@ from service.formats.format import SourceFile
 from service.local_secret import PREFIX
 from service.settings import Settings
 from service.storage.database import Database
+from tests.c3d_writer import c3d_bytes
 
 
 def bvh(frames: int = 3, seed: int = 0, names: Sequence[str] = ("Hips", "Spine", "Head"), decimals: int = 4) -> bytes:
@@ -176,6 +176,16 @@ MCML = b"""<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
+def mcml_of(ids: Sequence[int | str]) -> bytes:
+    """A document of one bone that turns by a degree a frame, and frames with these ids."""
+    head, _, rest = MCML.decode().partition("    <frames>3</frames>")
+    frames = [
+        f'<frame id="{one}"><frame_bone name="left_up_leg" Rx="{n}"/></frame>\n' for n, one in enumerate(ids, start=1)
+    ]
+    time = "<frametime>0.0333</frametime>"
+    return f"{head}<frames>{len(ids)}</frames>{time}{''.join(frames)}{rest[rest.index('  </motion>') :]}".encode()
+
+
 def source(name: str, content: bytes) -> SourceFile:
     return SourceFile(name, io.BytesIO(content))
 
@@ -227,22 +237,16 @@ Frame#\tTime\tR.Wrist\t\t\t*0\t\t\tR.Wrist\t\t
 
 
 def c3d_file(frames: int = 6, points: int = 3, rate: float = 120.0, first: int = 11, seed: int = 0) -> bytes:
-    """Points that wander, some samples missing, some residuals stated, analog channels beside them."""
+    """Points that wander, some samples missing, some residuals stated, an analog channel beside them."""
     rng = np.random.default_rng(seed)
-    writer = c3d.Writer(point_rate=rate, analog_rate=2 * rate, point_scale=-0.25, point_units="mm  ")
-    writer.set_point_labels([f"marker {number}" for number in range(points)])
-    writer.set_analog_labels(["force"])
-    table = np.zeros((frames, points, 5), dtype=np.float32)
-    table[..., :3] = np.cumsum(rng.normal(0, 3, (frames, points, 3)), axis=0)
-    table[..., 3] = 0.25 * rng.integers(0, 40, (frames, points))
-    table[rng.random((frames, points)) < 0.2, 3] = -1
-    table[0, :, 3] = 1.5
-    for frame in table:
-        writer.add_frames([(frame, np.zeros((1, 2), dtype=np.float32))])
-    writer.set_start_frame(first)
-    content = io.BytesIO()
-    writer.write(content)
-    return content.getvalue()
+    places = np.cumsum(rng.normal(0, 3, (frames, points, 3)), axis=0)
+    residuals = rng.integers(0, 40, (frames, points))
+    residuals[rng.random((frames, points)) < 0.2] = -1
+    residuals[0] = 6
+    labels = [f"marker {number}" for number in range(points)]
+    return c3d_bytes(
+        places, residuals, scale=-0.25, rate=rate, first=first, labels=labels, analog=np.zeros((frames, 2)), samples=2
+    )
 
 
 SECRET = PREFIX + "of-the-tests"

@@ -5,20 +5,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from schemas.frames import DeleteFrames, FrameEdits, InsertFrames, KeepFrames, MoveFrames, ReverseFrames
 from service.actions.reshape_motion import reshape
-from service.actions.splice_frames import check_range, counts_up, splice_frames, write_counts
+from service.actions.splice_frames import check_range, counts_up, merged_spans, splice_frames, write_counts
 from service.errors import DocumentError
 from service.mcml.elements import to_head
 from service.motion.clip import FrameBlock
+from service.motion.frames import reversed_frames
 from service.motion.skeleton import CHANNEL_INDEX, Array
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.motion_names import names_of_frames
-from service.storage.tables import CHUNK
+from service.storage.schema import CHUNK
+from service.storage.spans import StoredSpan
 
 
 def edit_frames(tx: Transaction, stored: StoredDocument, request: FrameEdits) -> StoredDocument:
@@ -100,27 +103,27 @@ def move_frames(tx: Transaction, stored: StoredDocument, first: int, last: int, 
 
 
 def reverse(tx: Transaction, stored: StoredDocument, first: int, last: int) -> None:
-    """Let frames first to last run backwards; ids and motion names stay at their places."""
+    """Let frames first to last run backwards. Motion names go with their frames; ids stay at their places."""
     check_range(stored, first, last)
-    blocks = list(_frames(tx, stored, first, last))
-    turned = [
-        replace(
-            block,
-            values=block.values[::-1],
-            shape_of=None if block.shape_of is None else block.shape_of[::-1],
-            ids=[],
-            motion_names=None,
-        )
-        for block in reversed(blocks)
-    ]
-    names = names_of_frames(tx.spans.of(stored.key, first, last), range(first, last + 1))
+    spans = tx.spans.of(stored.key)
     ids = tx.tracks.frame_ids(stored.key, first, last)
-    at, placed = 0, []
-    for block in turned:
+    at, turned = 0, []
+    for block in reversed(list(tx.tracks.blocks(stored.key, first, last))):
         end = at + len(block)
-        placed.append(replace(block, ids=ids[at:end], motion_names=None if names is None else names[at:end]))
+        turned.append(replace(reversed_frames(block), ids=ids[at:end]))
         at = end
-    splice_frames(tx, stored, first, last - first + 1, placed, renumber=False)
+    splice_frames(tx, stored, first, last - first + 1, turned, renumber=False)
+    # As spans, not frame by frame: each stays one label, with its rank.
+    rows = [row for span in spans for row in _turned_span(span, first, last)]
+    tx.spans.close([span.key for span in tx.spans.of(stored.key)])
+    tx.spans.write(stored.key, merged_spans(rows), tx.commit)
+
+
+def _turned_span(span: StoredSpan, first: int, last: int) -> list[dict[str, Any]]:
+    """A span where frames first to last run backwards: what lies in front, among, and behind them."""
+    inside = first + last - min(span.last, last), first + last - max(span.first, first)
+    parts = [(span.first, min(span.last, first - 1)), inside, (max(span.first, last + 1), span.last)]
+    return [{"name": span.name, "rank": span.rank, "first": a, "last": b} for a, b in parts if a <= b]
 
 
 def write_values(

@@ -55,7 +55,7 @@ def check_head(document: Element, head: ClipHead, max_joints: int) -> None:
         raise LimitError(f"The skeleton has {len(head.skeleton)} joints, the limit is {max_joints}.")
     for joint in head.skeleton.joints:
         _check(joint.name, "The name of a bone")
-    if len(document.attributes["version"]) > 32:
+    if len(document.attributes.get("version", "")) > 32:
         raise DocumentError("The version is longer than 32 characters.", at=Place(element="/mcml/@version"))
     rate = head.fields.get("dataframe_rate")
     for address, text in (("/mcml/motion/frametime", head.frame_time), ("/mcml/header/dataframe_rate", rate)):

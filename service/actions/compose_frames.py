@@ -10,6 +10,7 @@ import numpy as np
 
 from schemas.compose import Composed, ComposedSeam, ComposedSegment, ComposeRequest, Layer, Segment
 from schemas.queries import QueryRequest, RunItem
+from service.actions.edit_header import seconds_of
 from service.actions.fit_skeleton import JointMapping, fit, with_body
 from service.actions.keep_mapping import mapping_of
 from service.actions.read_clip import read_clip
@@ -157,15 +158,9 @@ def _source(tx: Transaction, project: str, number: int, segment: Segment) -> _So
     current = tx.documents.get(segment.document)
     then = tx if segment.revision is None else tx.at_commit(tx.documents.commit_of(current.key, segment.revision))
     stored = then.documents.get(segment.document)
-    seconds = _seconds(stored)
+    seconds = seconds_of(stored)
     whole = read_whole(then, stored, segment.first, segment.last)
     return _Source(number, stored, whole, seconds, segment.first - 1, mapping_of(tx, project, segment.mapping))
-
-
-def _seconds(stored: StoredDocument) -> float:
-    if stored.seconds_per_frame is None:
-        raise DocumentError(f"{stored.name} has no frame time.", remedy="State it: PATCH the document with frame_time.")
-    return stored.seconds_per_frame
 
 
 def _head(tx: Transaction, request: ComposeRequest, first: _Source) -> ClipHead:
@@ -235,7 +230,7 @@ class _Fitting:
         if unknown:
             raise DocumentError(f"The skeleton has no bone {unknown[0]!r}.", remedy="Name bones by their MCML names.")
         stored = self._tx.documents.get(layer.document)
-        seconds = _seconds(stored)
+        seconds = seconds_of(stored)
         whole = read_whole(self._tx, stored, layer.first, layer.last)
         other = self._fitted(stored, whole, mapping_of(self._tx, self._project, layer.mapping), seconds)
         if seconds != source.frame_time:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-from service.actions.export_motion import convert_clip, targets
+from service.actions.export_motion import convert_clip, part_without_frames, targets
 from service.actions.gather_files import gathered
 from service.actions.import_options import ImportOptions
 from service.actions.open_clip import open_clip
@@ -57,6 +57,7 @@ def convert_files(
         head = to_head(opened.document, frame_time or stream.head.frame_time)
         clip = ClipStream(head, stream.blocks, stream.frames, stream.notices)
         name, part = known[target]
+        part = part_without_frames(name) if clip.frames == 0 and part is None else part
         if name == "mcml":
             yield Converted({".mcml": _mcml(clip)}, lambda: clip.notices)
             return

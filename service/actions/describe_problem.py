@@ -25,6 +25,7 @@ STATUS_OF: dict[type[errors.McmlError], int] = {
     errors.ConflictError: 409,
     errors.StoreError: 500,
     errors.SpaceError: 507,
+    errors.UnavailableError: 503,
     errors.AccessError: 403,
 }
 

@@ -257,7 +257,12 @@ def edit_head(
         check_counts(document, stored.frames)
     document = refresh_counts(document, stored.frames)
     names = [bones.get(number, "") for number in range(max(bones, default=-1) + 1)]
-    validate_by_shapes(document, [(shape, 1) for shape in shapes], names)
+    try:
+        validate_by_shapes(document, [(shape, 1) for shape in shapes], names)
+    except DocumentError as error:
+        # The lines are those of a document that nobody sees.
+        error.at = Place(element=(error.at.element if error.at else None) or address)
+        raise
     check_head(document, to_head(document, stored.frame_time), MAX_JOINTS)
     _store_head(tx, stored, document, before)
 
@@ -309,4 +314,4 @@ def _store_head(tx: Transaction, stored: StoredDocument, document: Element, befo
             for name in names:
                 if name not in before:
                     tx.heads.add_bone(stored.key, unescape(name))
-    _write_content(tx, stored, skeleton=skeleton, version=document.attributes.get("version", stored.version))
+    _write_content(tx, stored, skeleton=skeleton, version=document.attributes.get("version", ""))

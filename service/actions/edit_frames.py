@@ -17,7 +17,8 @@ from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.motion_names import names_of_frames
 from service.storage.runs import without_position
-from service.storage.tables import CHUNK, shape_run, timeline
+from service.storage.schema import CHUNK
+from service.storage.tables import shape_run, timeline
 from service.storage.tracks import Piece
 
 

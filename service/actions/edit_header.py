@@ -10,6 +10,7 @@ from service.mcml.elements import Element, leaf
 from service.mcml.lexical import escape
 from service.mcml.vocabulary import HEADER_LEAVES_AFTER_UNITS, HEADER_LEAVES_BEFORE_UNITS
 from service.motion.units import UNITS
+from service.storage.documents import StoredDocument
 
 UP_AXES = ("X", "Y", "Z")
 
@@ -53,6 +54,16 @@ def with_facts(
     )
     changed = Element(header.tag, dict(header.attributes), header.text, children)
     return Element(document.tag, document.attributes, document.text, [changed, *document.children[1:]])
+
+
+def seconds_of(stored: StoredDocument) -> float:
+    """Seconds a frame. DocumentError where nobody has said."""
+    if stored.seconds_per_frame is None:
+        raise DocumentError(
+            f"{stored.name} ({stored.uuid}) has no frame time, so nothing is known of its speed.",
+            remedy=f"State it: mcml set {stored.uuid} --frame-time SECONDS, or PATCH the document with frame_time.",
+        )
+    return stored.seconds_per_frame
 
 
 def checked_unit(unit: str) -> str:

@@ -71,7 +71,7 @@ def encode_clip(
     forest = opened.document.children[1:]
     return EncodedClip(
         header=opened.document.children[0],
-        version=opened.document.attributes["version"],
+        version=opened.document.attributes.get("version", ""),
         skeleton=skeleton_rows(forest) if opened.shared is None else opened.shared.rows,
         bones=list(head.skeleton.names),
         frames=encoder.frames,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import re
 import zipfile
 from collections.abc import Callable, Iterator, Mapping
@@ -68,6 +69,12 @@ def targets() -> dict[str, tuple[str, str | None]]:
     return result
 
 
+def part_without_frames(name: str) -> str | None:
+    """The part of a format that holds a skeleton alone: a motion file without frames is none. None for one part."""
+    parts = FORMATS[name].parts if name in FORMATS else ()
+    return parts[0].name if len(parts) > 1 else None
+
+
 def export_document(tx: Transaction, stored: StoredDocument, options: ExportOptions) -> Export:
     """The document as one file (several parts: a zip). Lives as long as the transaction.
 
@@ -79,6 +86,7 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
             f"Unknown export format {options.format!r}.", remedy=f"Use one of: {', '.join(sorted(known))}."
         )
     name, part = known[options.format]
+    part = part_without_frames(name) if stored.frames == 0 and part is None else part
     stem = file_stem(stored.name)
     if options.original and options.whole and stored.intact and stored.format == name and name in FORMATS:
         kept = _kept(tx, stored, part)
@@ -145,7 +153,7 @@ def _stated(clip: ClipStream, field: str, what: str, parameter: str) -> str:
     if not value:
         raise ConversionError(
             f"The document states no {what}, so it cannot be changed to another.",
-            remedy=f"State it once: PATCH the document with `{parameter}`.",
+            remedy=f"State it once: mcml set ID --{parameter}, or PATCH the document with `{parameter}`.",
         )
     return value
 
@@ -176,6 +184,8 @@ def _csv(source: StoredClip, columns: list[tuple[int, int]]) -> Iterator[bytes]:
     """Frames as rows: position, id, time, then one column a channel, named bone.channel; an empty cell is missing."""
     seconds = source.clip.head.seconds_per_frame()
     position = source.first
+    if seconds is not None and not math.isfinite(seconds * (position + (source.clip.frames or 0))):
+        seconds = None
     names = [_cell(f"{source.names[joint]}.{CHANNELS[channel]}") for joint, channel in columns]
     yield (",".join(["frame", "id", "time", *names]) + "\n").encode()
     for block in source.clip.blocks():

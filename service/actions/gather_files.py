@@ -18,6 +18,7 @@ from typing import BinaryIO, TypeAlias, cast
 from service.errors import FormatError, LimitError, McmlError, Place, SpaceError, is_full
 from service.formats import FORMATS, find_format
 from service.formats.format import SourceFile
+from service.formats.lines import utf16_codec
 from service.settings import Settings
 
 SNIFF_BYTES = 4096
@@ -82,9 +83,11 @@ def recognise(file: SourceFile) -> tuple[str, str]:
 
 def _is_xml(head: bytes) -> bool:
     """MCML is the language, recognised before the formats: no capture format begins with an angle bracket."""
-    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+    if head.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
         return True
-    return head.removeprefix(codecs.BOM_UTF8).lstrip().startswith(b"<")
+    codec = utf16_codec(head)
+    text = head.decode(codec, errors="replace").encode() if codec else head
+    return text.removeprefix(codecs.BOM_UTF8).lstrip().startswith(b"<")
 
 
 def _pair(
@@ -104,19 +107,34 @@ def _pair(
             stored = stored or lookup()
             found = stored
         if found is None:
-            names = ", ".join(sorted(file.name for file in skeletons)) or "none"
-            error = FormatError(
-                f"{motion_part.upper()} needs its {skeleton_part.upper()} skeleton; sent with it: {names}.",
-                at=Place(file=motion.name),
-                remedy=f"Send the .{skeleton_part} in the same request, or name a stored document with `skeleton`.",
-            )
-            result.problems.append((motion.name, error))
+            result.problems.append((motion.name, _without_skeleton(format_name, motion, skeletons, result)))
             continue
         used.add(id(found))
         result.clips.append(Clip(format_name, {skeleton_part: found, motion_part: motion}))
     for skeleton in skeletons:
         if id(skeleton) not in used:
             result.clips.append(Clip(format_name, {skeleton_part: skeleton}))
+
+
+def _without_skeleton(
+    format_name: str, motion: SourceFile, skeletons: list[SourceFile], result: Gathered
+) -> FormatError:
+    """The error for a motion whose skeleton is not there, cannot be read, or cannot be told among several."""
+    skeleton_part, motion_part = FORMATS[format_name].parts
+    refused = [name for name, _ in result.problems if name.lower().endswith(skeleton_part.extensions)]
+    names = ", ".join(sorted(file.name for file in skeletons)) or "none"
+    word = f".{skeleton_part.name}"
+    if skeletons:
+        remedy = f"Give the {word} the name of its motion, put the two into one folder, or send them alone."
+    elif refused:
+        names, remedy = f"{', '.join(refused)}, which cannot be read", f"Mend the {word}; its own problem says how."
+    else:
+        remedy = f"Send the {word} in the same request, or name a stored document with `skeleton`."
+    return FormatError(
+        f"{motion_part.name.upper()} needs its {skeleton_part.name.upper()} skeleton; sent with it: {names}.",
+        at=Place(file=motion.name),
+        remedy=remedy,
+    )
 
 
 _NAMED_SKELETON = re.compile(rb"^\s*#!\s*OML\s*:\s*ASF\s+([^\r\n]+)", re.IGNORECASE)

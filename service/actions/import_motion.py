@@ -48,6 +48,8 @@ def import_files(
         project=given_name(options.project, "project"),
         name=given_name(options.name, "document") if options.name else None,
     )
+    with database.read() as tx:
+        options = replace(options, aliases=tx.aliases.of(options.project).pairs)
     lookup = _skeleton_lookup(database, options.skeleton) if options.skeleton else None
     result = ImportResult()
     with gathered(files, settings, lookup) as found, ThreadPoolExecutor(WORKERS) as executor:

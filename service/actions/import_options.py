@@ -23,6 +23,7 @@ class ImportOptions:
 
     name: of the document, if there is one; default the file name's stem. frame_time: seconds, as text.
     skeleton: uuid of a stored document whose skeleton motion without one shall use.
+    aliases: (name in files, MCML's name) that the project adds; `import_files` looks them up.
     movements: name anatomical movements that are found in the motion with at least this confidence, 0 to 1.
     on_duplicate: "new" (store again, name the twin in the receipt) or "skip" (answer the stored twin).
     """
@@ -41,15 +42,29 @@ class ImportOptions:
     on_duplicate: str = "new"
     strict_names: bool = False
     movements: float | None = None
+    aliases: tuple[tuple[str, str], ...] = ()
 
 
 def parse_label(text: str) -> Label:
-    """NAME or NAME:FIRST-LAST."""
-    match = re.fullmatch(r"(?P<name>.+?)(?::(?P<first>\d{1,12})-(?P<last>\d{1,12}))?", text.strip(), re.DOTALL)
-    if match is None:
-        raise DocumentError(f"{text!r} is not a label.", remedy="Write NAME or NAME:FIRST-LAST, such as walk:1-120.")
-    first, last = match["first"], match["last"]
-    return Label(match["name"], None if first is None else int(first), None if last is None else int(last))
+    """NAME or NAME:FIRST-LAST. DocumentError for anything else behind a colon: it is no part of a name."""
+    name, colon, frames = text.strip().rpartition(":")
+    if not colon and frames:
+        return Label(frames)
+    match = re.fullmatch(r"([0-9]{1,12})-([0-9]{1,12})", frames.strip())
+    if match is None or not name.strip():
+        one = re.fullmatch(r"[1-9][0-9]{0,11}", frames.strip())
+        right = f"{name.strip()}:{one[0]}-{one[0]}" if one and name.strip() else "walk:1-120"
+        raise DocumentError(
+            f"{text!r} is not a label.",
+            remedy=f"Write NAME for all frames, or NAME:FIRST-LAST, such as {right}: positions from 1, both included.",
+        )
+    first, last = int(match[1]), int(match[2])
+    if not 1 <= first <= last:
+        raise DocumentError(
+            f"The label {text!r} begins at frame {first} and ends at {last}.",
+            remedy="Frames are counted from 1, and the first stands before the last: NAME:FIRST-LAST.",
+        )
+    return Label(name.strip(), first, last)
 
 
 def parse_property(text: str) -> tuple[str, str, str]:

@@ -6,7 +6,6 @@ unless it takes the place of a frame_bone of the same bone.
 
 from __future__ import annotations
 
-import io
 import re
 from dataclasses import replace
 from typing import Literal
@@ -15,11 +14,10 @@ from service.actions.edit_element import Change, apply_change, edit_head, parent
 from service.actions.edit_frames import frame_at
 from service.actions.splice_frames import check_range, splice_frames
 from service.errors import DocumentError, NotFoundError, Place
-from service.mcml.element import Element, leaf
+from service.mcml.element import Element
 from service.mcml.elements import joint_names
+from service.mcml.faults import all_faults, read_frames
 from service.mcml.lexical import unescape
-from service.mcml.reader import read_document
-from service.mcml.writer import write_element
 from service.motion.clip import FrameBlock
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
@@ -137,18 +135,19 @@ def _end_of(frame: Element, elements: list[Element]) -> int:
 def _splice(
     tx: Transaction, stored: StoredDocument, at: int, removed: int, frames: list[Element], renumber: bool
 ) -> None:
-    splice_frames(tx, stored, at, removed, _blocks(tx, stored, frames), renumber=renumber)
+    splice_frames(tx, stored, at, removed, _blocks(tx, stored, at, frames), renumber=renumber)
 
 
-def _blocks(tx: Transaction, stored: StoredDocument, frames: list[Element]) -> list[FrameBlock]:
-    """Frames as blocks of the document's bones, read and validated as a document of these frames would be."""
+def _blocks(tx: Transaction, stored: StoredDocument, at: int, frames: list[Element]) -> list[FrameBlock]:
+    """Frames as blocks of the document's bones, read and validated as a document of these frames would be.
+
+    at: where the first of them goes. DocumentError with every fault and its address there.
+    """
     head = tx.heads.document(stored)
-    header = head.children[0]
-    # Counts that the header repeats are those of the whole document.
-    header = Element(header.tag, header.attributes, header.text, [c for c in header.children if c.tag != "num_frames"])
-    motion = Element("motion", {}, "", [leaf("frames", str(len(frames))), *frames])
-    document = Element(head.tag, head.attributes, head.text, [header, *head.children[1:], motion])
-    read = read_document(io.BytesIO(write_element(document)))
+    try:
+        blocks = read_frames(head, frames)
+    except DocumentError as error:
+        raise all_faults(head, frames, at, error) from None
     numbers = {name: number for number, name in tx.heads.bone_names(stored.key).items()}
     bones = [numbers[unescape(name)] for name in joint_names(head)]
     return [
@@ -157,5 +156,5 @@ def _blocks(tx: Transaction, stored: StoredDocument, frames: list[Element]) -> l
             columns=tuple((bones[joint], channel) for joint, channel in block.columns),
             shapes=tuple(tuple((bones[joint], bits) for joint, bits in shape) for shape in block.shapes),
         )
-        for block in read.clip.blocks()
+        for block in blocks
     ]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from service.actions.edit_header import seconds_of
 from service.actions.fit_skeleton import are_markers, match_joints, upright, with_body
 from service.actions.read_clip import read_clip
 from service.actions.reshape_motion import Whole, read_whole
@@ -51,12 +52,7 @@ def _stored(tx: Transaction, item: Input) -> tuple[Transaction, StoredDocument]:
 
 
 def _motion(then: Transaction, stored: StoredDocument, body: Whole | None) -> Motion:
-    seconds = stored.seconds_per_frame
-    if seconds is None:
-        raise DocumentError(
-            f"{stored.name} ({stored.uuid}) has no frame time, so nothing can be said of its speed.",
-            remedy="State it: PATCH the document with frame_time, or import it with --frame-time.",
-        )
+    seconds = seconds_of(stored)
     if not stored.frames:
         raise DocumentError(f"{stored.name} ({stored.uuid}) has no frames.", remedy="Leave it out.")
     source = read_clip(then, stored).clip if body is None else _brought(then, stored, seconds, body)

@@ -64,7 +64,7 @@ def open_clip(clip: Clip, options: ImportOptions, settings: Settings) -> OpenCli
         return OpenClip(document, read.clip.with_head(to_head(document, read.clip.head.frame_time)))
     reader = ReadOptions(encoding=options.encoding, translation=options.translation, limits=_limits(settings))
     stream = FORMATS[clip.format].read(clip.files, reader)
-    shared = shared_skeleton(stream.head.skeleton)
+    shared = shared_skeleton(stream, options.aliases)
     fields = {"filename": clip.name.rsplit("/", 1)[-1]} | stream.head.fields
     if options.unit:
         fields["calibration_unit"] = checked_unit(options.unit)

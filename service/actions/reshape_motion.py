@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from schemas.frames import AdjustFrames, MirrorFrames, ResampleFrames, SmoothFrames
 from service.actions.edit_element import Change, apply_change
+from service.actions.edit_header import seconds_of
 from service.actions.read_clip import read_clip
 from service.actions.splice_frames import check_range, splice_frames
 from service.errors import DocumentError
@@ -81,12 +82,7 @@ def reshape(tx: Transaction, stored: StoredDocument, edit: Reshaping) -> None:
 
 
 def _rate(stored: StoredDocument) -> float:
-    seconds = stored.seconds_per_frame
-    if seconds is None:
-        raise DocumentError(
-            "The document has no frame time, so nothing is known in seconds.", remedy="State it: PATCH frame_time."
-        )
-    return 1.0 / seconds
+    return 1.0 / seconds_of(stored)
 
 
 def _smoothed(whole: Whole, edit: SmoothFrames, strength: Array, rate: float) -> FrameBlock:

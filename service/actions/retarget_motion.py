@@ -17,6 +17,7 @@ from schemas.retarget import (
     RetargetRequest,
 )
 from service.actions.describe_problem import problem_of
+from service.actions.edit_header import seconds_of
 from service.actions.fit_skeleton import JointMapping, are_markers, match_joints, upright, with_body
 from service.actions.keep_mapping import mapping_of
 from service.actions.reshape_motion import Whole, read_whole
@@ -98,9 +99,7 @@ def _retarget(
     author: str,
 ) -> Retargeted:
     (stored, source), (other, target) = motion, body
-    seconds = stored.seconds_per_frame
-    if seconds is None:
-        raise DocumentError("The document has no frame time.", remedy="State it: PATCH the document with frame_time.")
+    seconds = seconds_of(stored)
     if are_markers(source.head.skeleton) or are_markers(target.head.skeleton):
         raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
     source, notices = upright(source, target.up)

@@ -11,7 +11,8 @@ from service.mcml.bones import write_skeleton
 from service.mcml.dtd import validate_by_shapes
 from service.mcml.elements import Element, mcml_element
 from service.mcml.joint_names import NamingReport
-from service.motion.clip import Shape, full_shape
+from service.motion.carriers import first_moving
+from service.motion.clip import ClipStream, Shape, full_shape
 from service.motion.skeleton import Skeleton
 from service.storage.rows import SkeletonRows, skeleton_rows
 
@@ -36,13 +37,24 @@ MOST_JOINTS = 300
 """Of a skeleton that is kept for clips to come: sixty-four such take some ten megabytes, of any size they might not."""
 
 
-def shared_skeleton(source: Skeleton) -> SharedSkeleton:
-    """Name the joints of a source and write them as elements. DocumentError where these would not be valid."""
-    return kept_skeleton(source) if len(source) <= MOST_JOINTS else _made(source)
+def shared_skeleton(clip: ClipStream, aliases: tuple[tuple[str, str], ...] = ()) -> SharedSkeleton:
+    """Name the joints of a source and write them as elements. DocumentError where these would not be valid.
+
+    aliases: a project's own (name in the source, name to give). Frames are read only where the motion must tell which
+    of several joints is the root.
+    """
+    source, root = clip.head.skeleton, moving_root(clip)
+    return (kept_skeleton if len(source) <= MOST_JOINTS else _made)(source, aliases, root)
 
 
-def _made(source: Skeleton) -> SharedSkeleton:
-    skeleton, report = joint_names.named(source)
+def moving_root(clip: ClipStream) -> int | None:
+    """Which of several joints that could be the root moves the figure, None where the skeleton alone tells."""
+    candidates = joint_names.root_candidates(clip.head.skeleton)
+    return first_moving(clip, candidates) if len(candidates) > 1 else None
+
+
+def _made(source: Skeleton, aliases: tuple[tuple[str, str], ...], root: int | None) -> SharedSkeleton:
+    skeleton, report = joint_names.named(source, aliases, root)
     elements = tuple(write_skeleton(skeleton))
     shape = full_shape(skeleton.columns())
     validate_by_shapes(mcml_element(Element("header"), elements), [(shape, 1)], skeleton.names)

@@ -11,11 +11,13 @@ import numpy as np
 from service.errors import DocumentError, NotFoundError
 from service.mcml.elements import refresh_counts
 from service.motion.clip import FrameBlock
+from service.motion.extremes import check_numbers
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.encoding import ClipEncoder
+from service.storage.schema import CHUNK
 from service.storage.spans import StoredSpan
-from service.storage.tables import CHUNK, timeline
+from service.storage.tables import timeline
 from service.storage.tracks import Piece
 
 COMPRESSORS = 2
@@ -86,9 +88,11 @@ def write_counts(tx: Transaction, stored: StoredDocument, frames: int) -> None:
 def _store(tx: Transaction, stored: StoredDocument, blocks: Iterable[FrameBlock]) -> tuple[ClipEncoder, int]:
     """The frames as rows in chunks of their own; answers the encoder that made them and their first slot."""
     chunk = -(-stored.next_slot // CHUNK)
+    names = tx.heads.bone_names(stored.key)
     with ThreadPoolExecutor(COMPRESSORS) as executor:
         encoder = ClipEncoder(executor)
         for block in blocks:
+            check_numbers(block, names, encoder.frames + 1)
             for rows in encoder.add(block):
                 tx.tracks.write_chunks(stored.key, rows, tx.commit, chunk)
         encoder.close()
@@ -146,6 +150,12 @@ def _write_spans(tx: Transaction, stored: StoredDocument, first: int, removed: i
             rows.append(_row(span, span.first, min(span.last, first - 1)))
         if span.last >= behind:
             rows.append(_row(span, max(span.first, behind) + shift, span.last + shift))
+    tx.spans.close([span.key for span in old])
+    tx.spans.write(stored.key, merged_spans(rows), tx.commit)
+
+
+def merged_spans(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Spans ({name, rank, first, last}) in their order, those of a name and rank that touch as one."""
     merged: list[dict[str, Any]] = []
     for row in sorted(rows, key=lambda row: (row["rank"], row["name"], row["first"])):
         last = merged[-1] if merged else None
@@ -153,8 +163,7 @@ def _write_spans(tx: Transaction, stored: StoredDocument, first: int, removed: i
             last["last"] = row["last"]
         else:
             merged.append(row)
-    tx.spans.close([span.key for span in old])
-    tx.spans.write(stored.key, sorted(merged, key=lambda row: (row["first"], row["rank"])), tx.commit)
+    return sorted(merged, key=lambda row: (row["first"], row["rank"]))
 
 
 def _row(span: StoredSpan, first: int, last: int) -> dict[str, Any]:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from schemas.labels import SuggestedLabel
 from service.actions.change_document import add_labels
+from service.actions.edit_header import seconds_of
 from service.actions.reshape_motion import read_whole
-from service.errors import ConflictError, DocumentError
+from service.errors import ConflictError, ConversionError, DocumentError
 from service.mcml.motion_names import MotionName
 from service.motion.hub import HubReader
 from service.motion.movement_names import suggest_movements
@@ -14,20 +15,28 @@ from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 
 
-def suggest_labels(tx: Transaction, stored: StoredDocument, confidence: float) -> list[SuggestedLabel]:
+def suggest_labels(
+    tx: Transaction, stored: StoredDocument, confidence: float, facing: str | None = None
+) -> list[SuggestedLabel]:
     """Anatomical movements of at least that confidence, in order. Nothing is written.
 
-    Raises DocumentError for markers and without a frame time, ConversionError where nothing tells left from right.
+    facing: the axis along which the body faces where it stands upright, for rigs whose names tell no sides. Raises
+    DocumentError for markers and without a frame time, ConversionError where nothing tells left from right.
     """
-    seconds = stored.seconds_per_frame
-    if seconds is None:
-        raise DocumentError("The document has no frame time.", remedy="State it: PATCH the document with frame_time.")
+    seconds = seconds_of(stored)
     whole = read_whole(tx, stored)
     skeleton = whole.head.skeleton
     if any(joint.convention is Convention.MARKER for joint in skeleton.joints):
         raise DocumentError("Markers have no joint angles.", remedy="Choose a document of a body.")
     reader = HubReader(skeleton, whole.reading)
-    found = suggest_movements(skeleton, reader.rest, reader.read(whole.block).rotations, seconds, whole.up)
+    hub = reader.read(whole.block)
+    try:
+        found = suggest_movements(
+            skeleton, reader.rest, hub.translations, hub.rotations, seconds, whole.up, facing=facing
+        )
+    except ConversionError as error:
+        error.remedy = "Say where the body faces: `facing` (--facing on the command line), such as Z or -X."
+        raise
     return [
         SuggestedLabel(
             name=str(MotionName(one.side, one.part, one.movement)),

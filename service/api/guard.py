@@ -10,11 +10,10 @@ from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 
-from service.actions.describe_problem import problem_of
 from service.api.doors import Doors, foreign_name
 from service.api.forwarded import as_the_client_sent_it
 from service.api.policy import DEFAULTS
-from service.api.problems import plain, respond
+from service.api.problems import answer, plain
 from service.errors import McmlError
 from service.settings import Settings
 
@@ -70,7 +69,7 @@ class Guard:
         try:
             return self.doors.refusal(scope, headers)
         except McmlError as error:
-            return respond(problem_of(error))
+            return answer(error)
 
     def _bounded(self, receive: Receive) -> Receive:
         """Bodies without a length count as well."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Path, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
@@ -68,10 +68,14 @@ def get_suggestions(
     id: DocumentId,
     database: DatabaseDep,
     confidence: Annotated[float, Query(ge=0, le=1, description="The least", examples=[0.6])] = 0.5,
+    facing: Annotated[
+        Literal["X", "-X", "Y", "-Y", "Z", "-Z"] | None,
+        Query(description="Where the body faces as it stands upright, where names tell no sides", examples=["Z"]),
+    ] = None,
 ) -> SuggestedLabels:
     """Anatomical movements found in the motion, as names for its frames. Nothing is written; POST those to accept."""
     with database.read() as tx:
-        return SuggestedLabels(items=suggest_labels(tx, tx.documents.get(id), confidence))
+        return SuggestedLabels(items=suggest_labels(tx, tx.documents.get(id), confidence, facing))
 
 
 @router.post("/documents/{id}/labels", status_code=201, operation_id="add_labels")

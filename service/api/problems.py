@@ -12,12 +12,16 @@ from fastapi import FastAPI, Request
 from fastapi.encoders import jsonable_encoder
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from schemas.problem import Problem
 from service import errors
 from service.actions.describe_problem import problem_of
+
+RETRY_SECONDS = "5"
+"""After these a store that could not be reached may be asked again."""
 
 log = logging.getLogger("mcml.api")
 
@@ -26,6 +30,12 @@ def respond(problem: Problem, headers: dict[str, str] | None = None) -> JSONResp
     return JSONResponse(
         problem.model_dump(exclude_none=True), problem.status, headers, media_type="application/problem+json"
     )
+
+
+def answer(error: errors.McmlError) -> JSONResponse:
+    """An error of ours."""
+    away = isinstance(error, errors.UnavailableError)
+    return respond(problem_of(error), {"retry-after": RETRY_SECONDS} if away else None)
 
 
 def plain(
@@ -52,10 +62,12 @@ def install(app: FastAPI) -> None:
 
     @app.exception_handler(errors.McmlError)
     def _ours(_request: Request, error: errors.McmlError) -> JSONResponse:
-        return respond(problem_of(error))
+        return answer(error)
 
+    @app.exception_handler(ValidationError)
     @app.exception_handler(RequestValidationError)
-    def _invalid(_request: Request, error: RequestValidationError) -> JSONResponse:
+    def _invalid(_request: Request, error: RequestValidationError | ValidationError) -> JSONResponse:
+        # A ValidationError comes from a model that an endpoint makes of what it was sent.
         faults: list[dict[str, Any]] = [
             {"in": ".".join(str(part) for part in fault["loc"]), "what": fault["msg"]} for fault in error.errors()
         ]

@@ -114,12 +114,17 @@ def complete_query(
 
 
 async def _answer(http: Request, queries: Queries, request: QueryRequest) -> Any:
-    limits = queries.limits()
+    limits = queries.limits(_client(http))
     paged = request.cursor is not None or (request.as_ == "xml" and request.limit is not None)
     if request.as_ in ("json", "runs") or paged:
         answer = await _while_connected(http, limits, lambda: queries.answer(request, limits))
         return Response(_xml_page(answer), media_type="application/xml") if request.as_ == "xml" else answer
     return await _while_connected(http, limits, lambda: _stream(queries.stream(request, limits), request.as_))
+
+
+def _client(http: Request) -> str:
+    """Who asks: those who share the evaluating processes fairly."""
+    return f"{http.scope.get('mcml.author', '')}@{http.client.host if http.client else ''}"
 
 
 def _stream(found: Answer | Shown, form: str) -> Response:

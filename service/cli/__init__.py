@@ -10,7 +10,21 @@ from typing import NoReturn
 
 import typer
 
-from service.cli import compose, elements, files, frames, history, labels, library, querying, retarget, serving, store
+from service.cli import (
+    compose,
+    elements,
+    facts,
+    files,
+    frames,
+    history,
+    labels,
+    library,
+    names,
+    querying,
+    retarget,
+    serving,
+    store,
+)
 from service.cli.later import later
 from service.errors import McmlError
 
@@ -21,7 +35,7 @@ app = typer.Typer(
     help="Motion capture in one open XML language: convert, store, query.",
     epilog="Exit codes: 0 done, 1 refused or failed (the message says why), 2 wrong usage, 3 done in part.",
 )
-for module in (serving, files, library, labels, elements, frames, history, compose, retarget, querying):
+for module in (serving, files, library, facts, labels, elements, frames, history, compose, retarget, names, querying):
     module.add_to(app)
 for name, about in (
     ("analyse", "Run analyses, and use what they found."),

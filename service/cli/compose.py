@@ -91,6 +91,8 @@ def split(
 def _segment(text: str) -> dict[str, Any]:
     match = _RANGE.fullmatch(text)
     if match is None:
+        if re.match(r"[0-9a-fA-F-]{36}[@:]", text):
+            raise typer.BadParameter(f"{text!r} is not ID:FIRST-LAST or ID@REVISION:FIRST-LAST, frames counted from 1")
         return {"xpath": text}
     found = {key: int(value) for key, value in match.groupdict().items() if value is not None and key != "document"}
     return {"document": match["document"], **found}

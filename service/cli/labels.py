@@ -110,6 +110,9 @@ def by_query(
 def suggest(
     id: Annotated[str, typer.Argument(help="Document")],
     confidence: Annotated[float, typer.Option(min=0, max=1, help="The least, 0 to 1")] = 0.5,
+    facing: Annotated[
+        str | None, typer.Option(help="Where the body faces as it stands upright, such as Z or -X; names tell else")
+    ] = None,
     accept: Annotated[bool, typer.Option("--accept", help="Name the frames so, as one revision")] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
@@ -117,7 +120,8 @@ def suggest(
 ) -> None:
     """Find anatomical movements in a motion, as names for its frames."""
     api = open_api(database, server)
-    url, asked = f"/documents/{id}/labels", {"confidence": confidence}
+    url = f"/documents/{id}/labels"
+    asked = {"confidence": confidence} | ({} if facing is None else {"facing": facing.upper()})
     answer = api.send("GET", f"{url}/suggested", params=asked)
     found = SuggestedLabels(**answer.json())
     if accept and found.items:

@@ -346,4 +346,5 @@ def _set_properties(api: Api, path: Path, project: str | None, as_json: bool) ->
 
 
 def _range(label: Label, frames: int) -> dict[str, Any]:
-    return {"name": label.name, "first": label.first or 1, "last": frames if label.last is None else label.last}
+    first = 1 if label.first is None else label.first
+    return {"name": label.name, "first": first, "last": frames if label.last is None else label.last}

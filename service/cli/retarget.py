@@ -9,6 +9,7 @@ from urllib.parse import quote
 import typer
 
 from schemas.retarget import JointPair, Mapping, MappingPage, Retargeted, RetargetedOne, RetargetMany, RetargetRequest
+from service.cli.names import alias, aliases
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_api, print_json, table
 
 JointsOption = Annotated[
@@ -18,8 +19,9 @@ JointsOption = Annotated[
 
 def add_to(app: typer.Typer) -> None:
     app.command()(retarget)
-    mapping = typer.Typer(no_args_is_help=True, help="Saved mappings: which joint of one rig is which of another.")
-    for command in (list_, show, save, delete):
+    about = "Saved mappings: which joint of one rig is which of another; and what a project calls joints."
+    mapping = typer.Typer(no_args_is_help=True, help=about)
+    for command in (list_, show, save, delete, aliases, alias):
         mapping.command(command.__name__.rstrip("_"))(command)
     app.add_typer(mapping, name="mapping")
 

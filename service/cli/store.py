@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from service.actions.check_uploads import compare_all
 from service.actions.keep_store import backup, restore
 from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
 
@@ -50,12 +51,27 @@ def restore_(
     console.print(f"restored {documents:,} documents")
 
 
-def check(database: DatabaseOption = None, as_json: JsonOption = False) -> None:
-    """Read every track and every kept upload once and say what does not fit."""
-    found = open_database(chosen_settings(database)).check()
+def check(
+    database: DatabaseOption = None,
+    deep: Annotated[
+        bool, typer.Option("--deep", help="Read the kept files again and compare the numbers; past revisions too")
+    ] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Compare every row with its checksum, read every kept upload once, and say what does not fit."""
+    settings = chosen_settings(database)
+    store = open_database(settings)
+    found, unread = store.check(past=deep), []
+    if deep:
+        with store.read() as tx:
+            for compared in compare_all(tx, settings):
+                found += [f"{compared.name}: {fault}" for fault in compared.faults]
+                unread += [f"{compared.name}: {compared.unread}"] if compared.unread else []
     if as_json:
-        print_json({"faults": found})
+        print_json({"faults": found, "not_compared": unread} if deep else {"faults": found})
     else:
+        for note in unread:
+            console.print(f"not compared    {note}")
         for fault in found:
             console.print(f"fault    {fault}")
         console.print("the store is sound" if not found else f"{len(found)} faults")

@@ -93,6 +93,8 @@ class _Reader:
             raise self._missing(":bonedata")
         if self.hierarchy is None:
             raise self._missing(":hierarchy")
+        if "units_angle" not in self.file.fields:
+            note(self.notices, "guess", "the ASF states no unit of angle: its own angles count as degrees")
         self.file.skeleton = build_skeleton(self.root, self.bones, self.hierarchy, self.limits, self.notices)
         return self.file
 

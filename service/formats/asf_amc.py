@@ -78,6 +78,13 @@ class AsfAmc:
         return write_asf(clip) if part == "asf" else write_amc(clip)
 
 
+def _angles(head: ClipHead) -> str:
+    """What an AMC without its flag is taken to mean."""
+    stated = head.fields.get("units_angle", "")
+    unit = "radians" if stated.strip().lower().startswith("rad") else "degrees"
+    return f"its angles count as {unit}, {'the unit of the ASF' if stated else 'since the ASF states no unit either'}"
+
+
 def _base(name: str) -> str:
     return name.rsplit("/", 1)[-1]
 
@@ -88,6 +95,8 @@ def _read_amc(head: ClipHead, file: SourceFile, options: ReadOptions, notices: l
         encoding = detect_encoding(stream, options.encoding)
         notices += encoding.notices
         flags, comments, start = _read_amc_head(stream, encoding, options.limits)
+    if not any(flag.lower() in (":degrees", ":radians") for flag in flags):
+        notices.append(Notice("guess", f"the AMC says neither :DEGREES nor :RADIANS; {_angles(head)}"))
     stream.seek(start)
     sample = b" ".join(re.findall(rb"(?<=\s)[+-]?[.0-9][^\s]*", stream.read(SAMPLE_BYTES))[:-1])
     part = SourcePart(

@@ -114,8 +114,10 @@ def _hierarchy(skeleton: Skeleton, names: list[str]) -> Iterator[str]:
 
 
 def write_amc(clip: ClipStream) -> Iterator[bytes]:
-    """The motion file: frames with the bones, order and ids they came with."""
+    """The motion file: frames with the bones, order and ids they came with. ConversionError where there are none."""
     head = clip.head
+    if clip.frames == 0:
+        raise ConversionError("AMC cannot hold a motion without frames", remedy="Export the ASF alone.")
     default = SourcePart("amc", flags=(":FULLY-SPECIFIED", ":DEGREES"))
     part = next((source for source in head.sources if source.part == "amc"), default)
     names = names_of(head.skeleton, clip.notices)

@@ -166,7 +166,9 @@ def _check_header(head: HtrHead, places: dict[str, Place], notices: list[Notice]
     for name, title in (("global_axis_of_gravity", "GlobalAxisofGravity"), ("bone_length_axis", "BoneLengthAxis")):
         if name in fields and fields[name].upper() not in ("X", "Y", "Z"):
             raise FormatError(f"{title} {shown(fields[name])} is not X, Y or Z", at=places[name])
-    if "units_angle" in fields and fields["units_angle"].lower()[:3] not in ("deg", "rad"):
+    if "units_angle" not in fields:
+        notices.append(Notice("guess", "the header states no RotationUnits: Degrees"))
+    elif fields["units_angle"].lower()[:3] not in ("deg", "rad"):
         raise FormatError(
             f"RotationUnits {shown(fields['units_angle'])} are not Degrees or Radians", at=places["units_angle"]
         )

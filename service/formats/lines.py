@@ -20,6 +20,7 @@ LONGEST_LINE = 1 << 20
 BLANKS = " \t\v\f\r\n"
 """White space of the text formats; the wider one of Unicode may be part of a name."""
 
+_LOOKED_AT = 64
 _UTF8_BOM = codecs.BOM_UTF8
 _HANGUL = re.compile("[\uac00-\ud7a3\u3131-\u318e]")
 _BLANK_FREE = re.compile(r"\S+", re.ASCII)
@@ -47,6 +48,22 @@ class Encoding:
     notices: tuple[Notice, ...] = ()
 
 
+def utf16_codec(head: bytes) -> str | None:
+    """The codec of text in UTF-16, with its byte order mark or without; None for anything else. head: the first bytes.
+
+    Without the mark every second byte of text in ASCII is zero, and none of the others.
+    """
+    if head.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
+        return None
+    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    even, odd = head[0:_LOOKED_AT:2], head[1:_LOOKED_AT:2]
+    for codec, letters, zeros in (("utf-16-le", even, odd), ("utf-16-be", odd, even)):
+        if len(zeros) > 1 and not any(zeros) and 0 not in letters:
+            return codec
+    return None
+
+
 def detect_encoding(stream: BinaryIO, given: str | None, stop: Callable[[bytes], bool] | None = None) -> Encoding:
     """UTF-8, else the given encoding, else CP949 if that gives Hangul, else Latin-1 (design: Encoding).
 
@@ -54,8 +71,8 @@ def detect_encoding(stream: BinaryIO, given: str | None, stop: Callable[[bytes],
     Raises FormatError for an unknown codec, UTF-16, and text that the given encoding cannot read.
     """
     stream.seek(0)
-    head = stream.read(4)
-    if head[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+    head = stream.read(_LOOKED_AT)
+    if utf16_codec(head) is not None:
         raise FormatError("the file is UTF-16 text", at=Place(line=1), remedy="Save it as UTF-8.")
     if given is not None:
         _check_codec(given)

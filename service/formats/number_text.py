@@ -1,7 +1,8 @@
 """Arrays of doubles to text, exactly and fast, in the style of the source.
 
 Styles: "shortest" (the fewest digits that read back as the same double, orjson's), "fixed:N" (N decimals, C's %.Nf),
-"general:N" (N significant digits, C's %.Ng). A value that a style would change is written in its shortest form.
+"general:N" (N significant digits, C's %.Ng). A value that a style would change is written in its shortest form, and so
+are all of a style with more than 80 decimals.
 """
 
 from __future__ import annotations
@@ -20,6 +21,9 @@ SHORTEST = "shortest"
 SAMPLE_TOKENS = 300
 MOST_DECIMALS = 15
 """With which numbers of motion are still on a grid that a double can tell."""
+
+MOST_STYLED = 80
+"""Decimals of a style: with the 309 digits that a double can have before them, still a number that readers take."""
 
 _FRACTION = re.compile(rb"\.([0-9]*)(?![0-9eE])")
 _EXPONENT = re.compile(rb"[eE][+-]?[0-9]*")
@@ -42,10 +46,12 @@ def detect_style(sample: bytes, bounds: NDArray[np.intp] | None = None) -> str:
     if values is None or not tokens:
         return SHORTEST
     decimals = list(map(len, _FRACTION.findall(text)))
-    fixed = [f"fixed:{max(set(decimals), key=decimals.count)}"] if decimals else []
+    usual = max(set(decimals), key=decimals.count) if decimals else MOST_STYLED + 1
+    fixed = [f"fixed:{usual}"] if usual <= MOST_STYLED else []
     # Zeros behind the first decimal are of no other style.
     has_zeros = b"0 " in text or text.endswith(b"0")
-    if has_zeros and len(decimals) == len(tokens) and min(decimals) > 1 and _written(values, fixed[0]) == tokens:
+    uniform = fixed and has_zeros and len(decimals) == len(tokens) and min(decimals) > 1
+    if uniform and _written(values, fixed[0]) == tokens:
         return fixed[0]
     mantissas = _EXPONENT.sub(b"", text).translate(None, b"+-.").split(b" ")
     digits = min(17, max(1, *(len(mantissa.lstrip(b"0")) for mantissa in mantissas)))
@@ -130,6 +136,6 @@ def _mended(row: Array, text: bytes, separator: str) -> bytes:
 
 def _template(style: str) -> str | None:
     match = _STYLE.fullmatch(style)
-    if match is None:
+    if match is None or int(match[2]) > MOST_STYLED:
         return None
     return f"%.{match[2]}{'f' if match[1] == 'fixed' else 'g'}"

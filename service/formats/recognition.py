@@ -8,6 +8,7 @@ from typing import Final
 
 from service.errors import FormatError, McmlError, Place, UnsupportedError
 from service.formats.format import Format
+from service.formats.lines import utf16_codec
 
 UNSUPPORTED: Final[Mapping[str, str]] = {
     "aoa": "Adaptive Optics: a tracker's raw points with no public grammar and no files to be found",
@@ -40,6 +41,8 @@ def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes)
     at = Place(file=file_name)
     if not first_bytes.strip(b" \t\r\n\v\f\xef\xbb\xbf"):
         raise FormatError("the file is empty", at=at, remedy="Send the motion file itself.")
+    if utf16_codec(first_bytes) is not None:
+        raise FormatError("the file is UTF-16 text", at=at, remedy="Save it as UTF-8.")
     if first_bytes.startswith(_LFS):
         raise FormatError(
             "this is a git-lfs pointer, not the motion file", at=at, remedy="Run `git lfs pull` and send the file."
@@ -74,8 +77,6 @@ def _binary(file_name: str, first_bytes: bytes, at: Place) -> McmlError:
     for extension, name in _EXTENSIONS.items():
         if file_name.lower().endswith(extension):
             return _not_read(name, at)
-    if first_bytes[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return FormatError("the file is UTF-16 text", at=at, remedy="Save it as UTF-8.")
     return FormatError("the file is binary, no motion format is recognised", at=at, remedy=_READ)
 
 

@@ -11,12 +11,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import BinaryIO, Final
 
+import numpy as np
+
 from service.errors import FormatError, Notice
-from service.formats.format import Limits, Part, ReadOptions, SourceFile, need_convention, note
+from service.formats.format import Part, ReadOptions, SourceFile, need_convention, note
 from service.formats.lines import Line, Lines, detect_encoding, shown
 from service.formats.number_text import detect_style
 from service.formats.numbers import is_number, is_whole
+from service.formats.trc_columns import find_columns
 from service.formats.trc_rows import Rows
+from service.formats.trc_times import decide_rate, first_time
 from service.formats.trc_writer import write_trc
 from service.motion.clip import ClipHead, ClipStream, FrameBlock, SourcePart
 from service.motion.markers import marker_skeleton
@@ -52,12 +56,13 @@ class Trc:
 class _Head:
     """file_type: cells of the first line. facts: names and texts of the second and third. labels: as written.
 
-    data: byte offset of the first row. line: its number.
+    axes: how many the fifth line names. data: byte offset of the first row.
     """
 
     file_type: list[str]
     facts: dict[str, str]
     labels: list[str]
+    axes: int
     data: int
 
 
@@ -66,25 +71,24 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     encoding = detect_encoding(stream, options.encoding)
     notices = list(encoding.notices)
     head = _read_head(Lines(stream, encoding), notices)
-    names = _labels(stream, head, limits, notices)
+    names, columns = find_columns(head.labels, head.facts, head.axes, _first_row(stream, head.data), limits, notices)
     skeleton = marker_skeleton(names)
     known = {name.lower(): text for name, text in head.facts.items()}
     frames = known.get("numframes", "")
     declared = int(frames) if is_whole(frames) and int(frames) >= 0 else None
     limits.check_size(declared or 0, 3 * len(names))
-    rate = known.get("datarate", "")
-    usable = is_number(rate) and float(rate) > 0
-    if not usable:
-        notices.append(Notice("warning", f"DataRate {shown(rate)} is no rate: how fast the frames follow is unknown"))
+    rows = Rows(stream, head.data, skeleton, columns, encoding.start, declared, limits)
+    times = rows.times()
+    stated = known.get("datarate", "")
+    rate = decide_rate(times, stated, is_number(stated) and float(stated) > 0, notices)
     fields = {"filetype": "PathFileType", "version": _cell(head.file_type, 1), "filename": _cell(head.file_type, 3)}
-    fields |= {"dataframe_rate": rate} if usable else {}
+    fields |= {"dataframe_rate": rate} if rate else {}
     fields |= {"calibration_unit": known["units"]} if known.get("units") else {}
-    rows = Rows(stream, head.data, skeleton, encoding.start, declared, float(rate) if usable else None, limits)
     sections = [("axes", _cell(head.file_type, 2))] if _cell(head.file_type, 2) else []
-    known_facts = _FACTS if usable else _FACTS[1:]
+    known_facts = _FACTS if rate else _FACTS[1:]
     sections += [(name, text) for name, text in head.facts.items() if name not in known_facts]
-    if rows.time is not None:
-        sections.append(("Time", f"{rows.time.decimals} {rows.time.first!r}"))
+    if len(times.seconds) and np.isfinite(times.seconds[0]):
+        sections.append(("Time", f"{times.decimals} {first_time(times, float(rate) if rate else None)!r}"))
     part = SourcePart(
         part="trc",
         name=file.name.rsplit("/", 1)[-1],
@@ -124,7 +128,7 @@ def _read_head(lines: Lines, notices: list[Notice]) -> _Head:
     cells = _cells(labels)
     if not cells or not cells[0].lower().startswith("frame"):
         raise FormatError(f"expected Frame#, Time and labels, found {shown(labels.text[:40])}", at=labels.at())
-    end = labels.end
+    end, axes = labels.end, 0
     while (line := lines.peek()) is not None:
         words = line.text.split()
         if words and is_number(words[0]):
@@ -132,12 +136,12 @@ def _read_head(lines: Lines, notices: list[Notice]) -> _Head:
         if words and not re.fullmatch(r"[XYZxyz][0-9]+", words[0]):
             what = f"expected the axes X1 Y1 Z1 … or a frame, found {shown(line.text[:40])}"
             raise FormatError(what, at=line.at())
-        end = line.end
+        end, axes = line.end, axes + len(words)
         lines.next()
     if "\t" not in labels.text:
         note(notices, "warning", "cells are separated by blanks: a missing sample cannot be seen", labels.at())
     facts = {key: value for key, value in zip(keys, values, strict=False) if key}
-    return _Head(_cells(first), facts, cells[2:], end)
+    return _Head(_cells(first), facts, cells[2:], axes, end)
 
 
 def _need(lines: Lines, what: str) -> Line:
@@ -156,29 +160,11 @@ def _cell(cells: list[str], index: int) -> str:
     return cells[index] if index < len(cells) else ""
 
 
-def _labels(stream: BinaryIO, head: _Head, limits: Limits, notices: list[Notice]) -> list[str]:
-    """The label of every marker: the cells of the fourth line that are not empty, as many as the rows have points."""
-    found = [cell for cell in head.labels if cell]
-    said = next((text for name, text in head.facts.items() if name.lower() == "nummarkers"), "")
-    wanted = int(said) if is_whole(said) and int(said) >= 0 else None
-    limits.check_points(found)
-    if wanted == len(found):
-        return found
-    stream.seek(head.data)
+def _first_row(stream: BinaryIO, start: int) -> list[bytes]:
+    """The cells of the first row, without the tabs behind the last one."""
+    stream.seek(start)
     row = re.split(rb"[\r\n]", stream.read(_SAMPLE_BYTES).lstrip(b"\r\n"))[0].rstrip(b"\t ")
-    cells = len(row.split(b"\t") if b"\t" in row else row.split())
-    points = -(-(cells - 2) // 3)
-    if points == len(found) or wanted is None:
-        note(notices, "warning", f"NumMarkers says {said or 'nothing'}, there are {len(found)} labels: these count")
-        return found
-    if points == wanted:
-        note(notices, "warning", f"NumMarkers says {wanted}, {len(found)} labels follow: the rows have {points} points")
-        limits.check_points([""] * wanted)
-        return [*found[:wanted], *["unnamed"] * (wanted - len(found))]
-    raise FormatError(
-        f"NumMarkers says {wanted}, {len(found)} labels follow, the first row has {points} points",
-        remedy="Write one label for each marker.",
-    )
+    return row.split(b"\t") if b"\t" in row else row.split()
 
 
 def _style(stream: BinaryIO, start: int) -> str:

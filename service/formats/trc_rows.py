@@ -14,6 +14,7 @@ from service.errors import FormatError, LimitError, Notice, Place
 from service.formats.format import Limits, note
 from service.formats.lines import blocks_of, line_and_column, shown
 from service.formats.numbers import is_number, parse_numbers, what_is_wrong
+from service.formats.trc_times import Times
 from service.motion.clip import FrameBlock, Shape, full_shape
 from service.motion.skeleton import Array, Skeleton
 
@@ -24,18 +25,18 @@ _WHOLE = re.compile(rb"[+-]?[0-9]{1,18}")
 
 
 @dataclass(frozen=True)
-class TimeColumn:
-    """How the second cell of a row is written: with so many decimals, from the time of the first frame on."""
+class Columns:
+    """Which columns of the rows are markers. width: cells of a row, number and time with them. kept: cells of the
+    coordinates of the markers, in their order."""
 
-    decimals: int
-    first: float
+    width: int
+    kept: NDArray[np.intp]
 
 
 class Rows:
     """Frames of a file from a byte offset on, read anew each time.
 
-    text_start: byte offset of the first line. declared: NumFrames. rate: frames a second, to compare the times with.
-    time: None where there is no first row.
+    text_start: byte offset of the first line. declared: NumFrames.
     """
 
     def __init__(
@@ -43,9 +44,9 @@ class Rows:
         stream: BinaryIO,
         start: int,
         skeleton: Skeleton,
+        columns: Columns,
         text_start: int,
         declared: int | None,
-        rate: float | None,
         limits: Limits,
     ) -> None:
         self._stream = stream
@@ -54,36 +55,41 @@ class Rows:
         self._limits = limits
         self._columns = skeleton.columns()
         self._joints = len(skeleton)
-        self._width = 2 + len(self._columns)
+        self._width = columns.width
+        self._kept = columns.kept
         self._declared = declared
-        self._rate = rate
-        self._names = [joint.source_name for joint in skeleton.joints]
-        self.time = self._time_column()
+        self._names = {
+            int(cell): f"{skeleton.joints[place // 3].source_name} {'XYZ'[place % 3]}"
+            for place, cell in enumerate(columns.kept)
+        }
 
-    def _time_column(self) -> TimeColumn | None:
-        self._stream.seek(self._start)
-        rows = _ROW.findall(self._stream.read(1 << 14))
-        times = [cells[1].strip() for row in rows[:50] if len(cells := self._cells(row)) > 1]
-        known = [time.decode("latin-1") for time in times if is_number(time.decode("latin-1"))]
-        if not known:
-            return None
-        decimals = max(len(text.partition(".")[2].lower().partition("e")[0]) for text in known)
-        first = float(known[0])
-        if self._rate is not None:
-            # 0.083 at 120 Hz is ten frames, rounded: so are the times that follow.
-            whole = round(first * self._rate) / self._rate
-            first = whole if abs(whole - first) <= 0.5001 * 10.0**-decimals else first
-        return TimeColumn(decimals, first)
+    def times(self) -> Times:
+        """The second column of all rows."""
+        parts: list[Array] = []
+        written = kept = 0
+        for text, _ in self._pieces():
+            rows = (self._cells(row, 2) for row in _ROW.findall(text))
+            cells = [row[1].strip() for row in rows if len(row) > 1 and row[0].strip()]
+            values = parse_numbers(b" ".join(cells)) if all(cells) else None
+            if values is None or len(values) != len(cells):
+                known = [cell.decode("latin-1") for cell in cells]
+                values = np.array([float(cell) if is_number(cell) else np.nan for cell in known])
+            parts.append(values)
+            fractions = [cell.partition(b".")[2] for cell in cells]
+            if any(b"e" in cell or b"E" in cell for cell in fractions):
+                fractions = [re.split(rb"[eE]", cell)[0] for cell in fractions]
+            written = max(written, max(map(len, fractions), default=0))
+            kept = max(kept, max((len(fraction.rstrip(b"0")) for fraction in fractions), default=0))
+        return Times(np.concatenate(parts) if parts else np.zeros(0), written, kept)
 
     def blocks(self, notices: list[Notice]) -> Iterator[FrameBlock]:
         """All frames. FormatError with line, frame and marker for a bad cell."""
         done = 0
         for text, offset in self._pieces():
             read = self._read_quickly(text)
-            ids, times, values = self._read_slowly(text, offset, done) if read is None else read
+            ids, values = self._read_slowly(text, offset, done) if read is None else read
             if not len(values):
                 continue
-            self._compare_times(times, done, notices)
             done += len(values)
             self._limits.check_size(done, len(self._columns))
             shapes, shape_of = self._shapes(values)
@@ -109,7 +115,7 @@ class Rows:
         if rest.strip():
             yield rest, offset
 
-    def _read_quickly(self, text: bytes) -> tuple[NDArray[np.int64], Array, Array] | None:
+    def _read_quickly(self, text: bytes) -> tuple[NDArray[np.int64], Array] | None:
         """Rows in which every cell is a number, all at once; None where one is different."""
         if b"\t\t" in text or b" " in text or b"\t" not in text:
             return None
@@ -125,11 +131,10 @@ class Rows:
         # A number such as 1.0 is no id; what numbers cannot tell apart is read slowly.
         if not all(_WHOLE.fullmatch(row[: row.index(b"\t")]) for row in rows):
             return None
-        return table[:, 0].astype(np.int64), table[:, 1], np.ascontiguousarray(table[:, 2:])
+        return table[:, 0].astype(np.int64), np.ascontiguousarray(table[:, self._kept])
 
-    def _read_slowly(self, text: bytes, offset: int, done: int) -> tuple[NDArray[np.int64], Array, Array]:
+    def _read_slowly(self, text: bytes, offset: int, done: int) -> tuple[NDArray[np.int64], Array]:
         ids: list[int] = []
-        times: list[float] = []
         rows: list[list[float]] = []
         for match in _ROW.finditer(text):
             cells = [cell.strip() for cell in self._cells(match.group())]
@@ -151,12 +156,12 @@ class Rows:
                     at=at,
                     remedy="Leave a cell empty where a sample is missing.",
                 )
-            numbers = [self._number(cell, place, number, at) for place, cell in enumerate(cells[1:])]
+            cells += [b""] * (self._width - len(cells))
+            self._number(cells[1], 1, number, at)
             ids.append(number)
-            times.append(numbers[0])
-            rows.append(numbers[1:] + [np.nan] * (self._width - 1 - len(numbers)))
+            rows.append([self._number(cells[place], place, number, at) for place in self._kept.tolist()])
         values = np.array(rows, dtype=np.float64).reshape(len(rows), len(self._columns))
-        return np.array(ids, dtype=np.int64), np.array(times), values
+        return np.array(ids, dtype=np.int64), values
 
     def _number(self, cell: bytes, place: int, frame: int, at: Place) -> float:
         if not cell or cell.lower() == b"nan":
@@ -164,21 +169,11 @@ class Rows:
         text = cell.decode("latin-1")
         if is_number(text):
             return float(text)
-        what = "time" if not place else f"{self._names[(place - 1) // 3]} {'XYZ'[(place - 1) % 3]}"
-        raise FormatError(f"frame {frame}, {what}: {what_is_wrong(text)}", at=at)
+        raise FormatError(f"frame {frame}, {self._names.get(place, 'time')}: {what_is_wrong(text)}", at=at)
 
     @staticmethod
-    def _cells(row: bytes) -> list[bytes]:
-        return row.split(b"\t") if b"\t" in row else row.split()
-
-    def _compare_times(self, times: Array, done: int, notices: list[Notice]) -> None:
-        """The document holds no times, only a rate: say so where the column tells something else."""
-        if self._rate is None or self.time is None:
-            return
-        expected = self.time.first + np.arange(done, done + len(times)) / self._rate
-        allowed = 0.5001 * 10.0**-self.time.decimals + 1e-9 * np.abs(expected)
-        if (np.abs(times - expected) > allowed).any() or np.isnan(times).any():
-            note(notices, "warning", "the times do not follow from DataRate, which is all that the document holds")
+    def _cells(row: bytes, most: int = -1) -> list[bytes]:
+        return row.split(b"\t", most) if b"\t" in row else row.split(None, most)
 
     def _shapes(self, values: Array) -> tuple[tuple[Shape, ...], NDArray[np.intp] | None]:
         missing = np.isnan(values)

@@ -52,6 +52,11 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
     done = 0
     for block in clip.blocks():
         times: Array = start + np.arange(done, done + len(block), dtype=np.float64) * seconds
+        if not np.isfinite(times[-1:]).all():
+            raise ConversionError(
+                f"the times of the frames are beyond the largest number, at {seconds:g} seconds each",
+                remedy="State another frame time first.",
+            )
         yield _rows(block, moving, head.number_style, times, decimals)
         done += len(block)
 

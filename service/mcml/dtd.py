@@ -24,6 +24,9 @@ from service.motion.clip import Shape
 from service.motion.skeleton import CHANNELS
 from service.resources import dtd_path
 
+MOST_FAULTS = 20
+"""That one message tells: who has more needs no list."""
+
 MAX_BYTES = 256 << 20
 """Of a document that is validated as a tree, which takes several times as much memory."""
 
@@ -46,15 +49,25 @@ def violations(document: bytes | BinaryIO, max_bytes: int = MAX_BYTES) -> list[D
     if dtd.validate(root):
         return []
     return [
-        DocumentError(entry.message.strip(), at=Place(line=entry.line)) for entry in dtd.error_log.filter_from_errors()
+        DocumentError(entry.message.strip(), at=Place(line=entry.line, element=entry.path or None))
+        for entry in dtd.error_log.filter_from_errors()
     ]
 
 
 def validate(document: bytes | BinaryIO, max_bytes: int = MAX_BYTES) -> None:
-    """Raises DocumentError with the first violation, and how many more there are, for a document that is not valid."""
+    """Raises DocumentError with all violations for a document that is not valid, at the place of the first."""
     found = violations(document, max_bytes)
     if found:
-        raise DocumentError(found[0].what, at=found[0].at, more=len(found) - 1)
+        faults = [(error.at.element or "" if error.at else "", error.what) for error in found]
+        raise DocumentError(told(faults), at=found[0].at)
+
+
+def told(faults: Sequence[tuple[str, str]]) -> str:
+    """Faults, each an (address, what), in one message: one as it is, several as a list."""
+    if len(faults) == 1:
+        return faults[0][1]
+    more = f", of which the first {MOST_FAULTS} are" if len(faults) > MOST_FAULTS else ""
+    return f"{len(faults)} faults{more}: " + "; ".join(f"{address}: {what}" for address, what in faults[:MOST_FAULTS])
 
 
 def validate_by_shapes(document: Element, shapes: Iterable[tuple[Shape, int]], names: Sequence[str]) -> None:

@@ -46,6 +46,11 @@ def from_head(head: ClipHead) -> Element:
     return mcml_element(write_header(head), write_skeleton(head.skeleton))
 
 
+def mcml_attributes(version: str) -> dict[str, str]:
+    """The attributes of an `mcml` element. version: "" where a document states none."""
+    return {"version": version} if version else {}
+
+
 def mcml_element(header: Element, skeleton: Iterable[Element]) -> Element:
     """An `mcml` element without motion. skeleton: `root`, where there is one, and `skeleton`."""
     return Element(MCML, {"version": LANGUAGE_VERSION}, "", [header, *skeleton])

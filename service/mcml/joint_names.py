@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
 from service.errors import Notice, VocabularyError
-from service.motion.skeleton import Convention, Joint, Skeleton, unique_names
+from service.motion.skeleton import TRANSLATIONS, Convention, Joint, Skeleton, unique_names
 from service.resources import joint_names_path
 
 TABLE_1 = ("asf", "bvh1", "bvh2", "htr")
@@ -54,6 +54,10 @@ class Rig:
     trunk: tuple[str, ...] = ()
 
 
+_NECK = re.compile(r"h?(?:upper|lower)?neck(?:joint|upper|lower)?[0-9]{0,2}")
+"""Necks (normalised) of rigs with several, whatever else their convention calls them."""
+
+
 def _both_sides(*words: str) -> frozenset[str]:
     """Words of the left side and their mirror images."""
     right = [re.sub("^l(?!eft)", "r", re.sub("left", "right", re.sub("(?<=arm|leg)l$", "r", word))) for word in words]
@@ -77,10 +81,15 @@ RIGS: tuple[Rig, ...] = (
     Rig("vicon", _both_sides("lshoulderjoint", "lhumerus", "lfemur", "ltibia") | {"neckjoint"}),
     Rig("biped", frozenset(), prefix=r"bip0?01", trunk=_SPINES),
     Rig("xsens", _both_sides("leftupperarm", "leftupperleg", "leftlowerleg") | {"l5", "l3", "t12", "t8"}),
+    Rig(
+        "max",
+        _both_sides("lupperarm", "lforearm", "llowerarm", "lcalf", "lupperleg", "llowerleg", "lfinger0", "ltoe0"),
+        trunk=("lowerback", "abdomen", *_SPINES, "chest", "upperchest"),
+    ),
     Rig("motive", _both_sides("luarm", "lfarm", "lshin"), trunk=("ab", "chest")),
     Rig("motionanalysis", _both_sides("lupperarm", "luparm", "llowarm", "llowleg") | {"lowertorso", "uppertorso"}),
     Rig("hanim", frozenset({"humanoidroot", "lacromioclavicular", "racromioclavicular", "vl5", "vt1", "skullbase"})),
-    Rig("poser", _both_sides("lshldr", "lforearm", "lshin") | {"abdomen"}, trunk=("abdomen", "chest")),
+    Rig("poser", _both_sides("lshldr", "lforearm", "lshin", "lbuttock") | {"abdomen"}, trunk=("abdomen", "chest")),
     Rig("smpl", frozenset({"lcollar", "rcollar"}), trunk=_SPINES),
     Rig("bandai", _both_sides("upperarml", "lowerarml", "upperlegl", "lowerlegl"), trunk=(*_SPINES, "chest")),
 )
@@ -138,6 +147,23 @@ def detect(skeleton: Skeleton) -> Rig:
     return RIGS[best] if votes[best] else UNKNOWN
 
 
+def root_candidates(skeleton: Skeleton) -> tuple[int, ...]:
+    """The joints that the rig's convention, or any, calls Root and that can move the figure, parents first.
+
+    Where there are several, which of them does is to be seen in the motion: see `named`.
+    """
+    rig = detect(skeleton)
+    if rig.column == "mcml" or all(joint.convention is Convention.MARKER for joint in skeleton.joints):
+        return ()
+    keys, row = _keys(skeleton), table()[0]
+    aliases = {_key(alias) for column in (rig.column, UNKNOWN.column) for alias in row.columns[column].split("|")}
+    return tuple(
+        index
+        for index, joint in enumerate(skeleton.joints)
+        if keys[index] in aliases and not set(joint.channels).isdisjoint(TRANSLATIONS)
+    )
+
+
 def assign(skeleton: Skeleton, extra: Sequence[tuple[str, str]] = ()) -> Skeleton:
     """The skeleton with `name` and `mapped` of every joint set; source names stay as they are.
 
@@ -174,8 +200,13 @@ def translate(skeleton: Skeleton, to: str) -> Skeleton:
     return _renamed(skeleton, lambda index, joint: replace(joint, source_name=names[index]))
 
 
-def named(skeleton: Skeleton, extra: Sequence[tuple[str, str]] = ()) -> tuple[Skeleton, NamingReport]:
-    """What `assign` and `report` give, in one go."""
+def named(
+    skeleton: Skeleton, extra: Sequence[tuple[str, str]] = (), root: int | None = None
+) -> tuple[Skeleton, NamingReport]:
+    """What `assign` and `report` give, in one go.
+
+    root: which of several `root_candidates` moves the figure; None: the first.
+    """
     if skeleton.joints and all(joint.convention is Convention.MARKER for joint in skeleton.joints):
         return _with_names(skeleton, {}, "markers", {})
     rig = detect(skeleton)
@@ -188,7 +219,11 @@ def named(skeleton: Skeleton, extra: Sequence[tuple[str, str]] = ()) -> tuple[Sk
         exact = [joint.source_name if joint.source_name in names else "" for joint in skeleton.joints]
         _claim([(name, name) for name in exact if name], exact, given, why)
     else:
+        candidates = root_candidates(skeleton) if root is None else (root,)
+        if candidates and "Root" not in given.values() and candidates[0] not in given:
+            given[candidates[0]] = "Root"
         _claim_trunk(rig, keys, given)
+        _claim_neck(rig, keys, skeleton, given, why)
         for claims in _ranks(rig.column):
             _claim(claims, keys, given, why)
     return _with_names(skeleton, given, rig.column, why)
@@ -217,6 +252,26 @@ def _claim_trunk(rig: Rig, keys: list[str], given: dict[int, str]) -> None:
         given[index] = TRUNK[-1] if place and index == trunk[-1] else TRUNK[place]
     if len(trunk) > middle + 1:
         given[trunk[-1]] = TRUNK[-1]
+
+
+def _claim_neck(rig: Rig, keys: list[str], skeleton: Skeleton, given: dict[int, str], why: dict[int, str]) -> None:
+    """The upper neck is neck1 and the lower one neck2 (Table 1), by their places: of more, the ends."""
+    words = {alias for claims in _ranks(rig.column) for alias, name in claims if name in ("neck1", "neck2")}
+    chains: dict[int, tuple[int, int]] = {}  # of each neck: how many there are down to the lowest, and that one
+    nearest: list[int] = []
+    for index, (key, joint) in enumerate(zip(keys, skeleton.joints, strict=True)):
+        below = nearest[joint.parent] if joint.parent >= 0 else -1
+        is_neck = index not in given and (key in words or _NECK.fullmatch(key) is not None)
+        if is_neck:
+            count, lowest = chains.get(below, (0, index))
+            chains[index] = count + 1, lowest
+        nearest.append(index if is_neck else below)
+    upper = max(chains, key=lambda index: chains[index][0], default=-1)
+    for index, name in ((upper, "neck1"), (chains[upper][1] if chains else -1, "neck2")):
+        if index >= 0 and index not in given and name not in given.values():
+            given[index] = name
+    for index in chains.keys() - given.keys():
+        why.setdefault(index, "neck1 is taken")
 
 
 @cache
@@ -286,6 +341,11 @@ def _key(name: str) -> str:
     bare = _bare(name)
     shorter = re.sub(r"^(?:mixamorig[0-9]*|bip0?01|character1_)[ _.-]*", "", bare)
     return re.sub(r"[\W_]+", "", shorter or bare)
+
+
+def alias_key(name: str) -> str:
+    """What of a name counts where names are compared: no namespace, prefix of a rig, case or punctuation."""
+    return _key(name)
 
 
 @cache

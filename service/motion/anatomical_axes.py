@@ -6,14 +6,19 @@ stand in (rigs whose bones all lie along one axis at rest). Rotations are those 
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
+from service.errors import ConversionError
 from service.motion.hub import Rest, walked
 from service.motion.rotations import inverse, multiply, rotate
 from service.motion.sides import sagittal
 from service.motion.skeleton import Array, Skeleton
+
+_MOST_POSES = 500
+"""Of a clip that are looked at for the most upright one."""
 
 _LOWEST = 0.3
 """Cosine: how upright a trunk, and how far down a leg, must point in a pose that a body stands in."""
@@ -76,22 +81,39 @@ class Stance:
     on: Array
 
 
-def stance_of(skeleton: Skeleton, rest: Rest, rotations: Array, up: Array) -> Stance:
-    """The rest pose where a body could stand in it, else the first frame.
+def stance_of(
+    skeleton: Skeleton,
+    rest: Rest,
+    translations: Array,
+    rotations: Array,
+    up: Array,
+    facing: Array | None = None,
+) -> Stance:
+    """The rest pose where a body could stand in it, else the most upright frame.
 
-    rotations: (n, J, 4) local, of the hub form. up: (3,). Raises ConversionError where nothing tells left from right.
+    translations: (n, J, 3), rotations: (n, J, 4) local, of the hub form; rigs whose offsets come with the motion lie in
+    a heap at rest. up: (3,). facing: (3,) where the body faces in that pose; else names of joints tell left from right.
+    Raises ConversionError where neither does.
     """
     still = np.tile(np.array([0.0, 0.0, 0.0, 1.0]), (1, len(skeleton), 1))
-    for pose in (still, rotations[:1]):
-        positions, turned = walked(skeleton, rest.offsets[None], pose)
-        if pose is not still or _stands(skeleton, positions[0], up):
-            break
-    plane = sagittal(skeleton, positions[0], up)
-    return Stance(positions[0], turned[0], plane.normal, up, np.cross(plane.normal, up))
+    positions, turned = walked(skeleton, rest.offsets[None], still)
+    if _uprightness(skeleton, positions[0], up) > _LOWEST:
+        with suppress(ConversionError):
+            return _stance(skeleton, positions[0], turned[0], up, facing)
+    # A pose a few frames from the most upright one is hardly less so.
+    chosen = slice(None, None, -(-len(rotations) // _MOST_POSES))
+    positions, turned = walked(skeleton, translations[chosen], rotations[chosen])
+    best = int(np.argmax([_uprightness(skeleton, pose, up) for pose in positions]))
+    return _stance(skeleton, positions[best], turned[best], up, facing)
 
 
-def _stands(skeleton: Skeleton, positions: Array, up: Array) -> bool:
-    """Whether legs point down, the trunk up and the left side is on one side."""
+def _stance(skeleton: Skeleton, positions: Array, turned: Array, up: Array, facing: Array | None) -> Stance:
+    plane = sagittal(skeleton, positions, up, facing)
+    return Stance(positions, turned, plane.normal, up, np.cross(plane.normal, up))
+
+
+def _uprightness(skeleton: Skeleton, positions: Array, up: Array) -> float:
+    """The cosine, at least, with which legs point down and the trunk up; -1 where the left side is on both sides."""
     places = {joint.name: index for index, joint in enumerate(skeleton.joints)}
 
     def points(start: str, end: str) -> float:
@@ -99,7 +121,7 @@ def _stands(skeleton: Skeleton, positions: Array, up: Array) -> bool:
             return 1.0
         vector = positions[places[end]] - positions[places[start]]
         length = float(np.linalg.norm(vector))
-        return float(vector @ up) / length if length else 1.0
+        return float(vector @ up) / length if length else 0.0
 
     legs = [-points(f"{side}_up_leg", f"{side}_foot") for side in ("left", "right") if f"{side}_foot" in places]
     pairs = [
@@ -108,7 +130,7 @@ def _stands(skeleton: Skeleton, positions: Array, up: Array) -> bool:
         if f"left_{part}" in places and f"right_{part}" in places
     ]
     alike = len(pairs) < 2 or float(pairs[0] @ pairs[1]) > 0
-    return alike and min([points("Root", "Head"), *legs]) > _LOWEST
+    return min([points("Root", "Head"), *legs]) if alike else -1.0
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ The source's own numbers and units are kept; nothing is scaled or turned here.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -68,14 +69,15 @@ class ClipHead:
     properties: tuple[tuple[str, str, str], ...] = ()
 
     def seconds_per_frame(self) -> float | None:
-        """Frame time as a number, from `frame_time` or else 1 / dataframe_rate; None where neither is usable."""
-        if self.frame_time is not None:
-            value = float(self.frame_time)
-            return value if value > 0 else None
-        rate = self.fields.get("dataframe_rate")
-        if rate is not None and float(rate) > 0:
-            return 1.0 / float(rate)
-        return None
+        """Frame time as a number, from `frame_time` or else 1 / dataframe_rate; None where neither is usable.
+
+        It is usable where it is positive, and so is the rate that it makes.
+        """
+        text = self.frame_time if self.frame_time is not None else self.fields.get("dataframe_rate")
+        value = 0.0 if text is None else float(text)
+        if not (value > 0 and math.isfinite(value) and math.isfinite(1.0 / value)):
+            return None
+        return value if self.frame_time is not None else 1.0 / value
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ import numpy as np
 
 from service.errors import ConversionError, Notice
 from service.motion.clip import ClipHead, ClipStream, FrameBlock, full_shape
+from service.motion.extremes import within_doubles
 from service.motion.hub import HubBlock, HubReader, Rest
 from service.motion.markers import as_markers
 from service.motion.plan_fixed import plan_fixed
@@ -46,7 +47,7 @@ def convert(clip: ClipStream, to: Convention, *, keep_translations: bool = False
             "markers have no skeleton: they cannot become joints", remedy="Export them as TRC, C3D or MCML."
         )
     if to is Convention.MARKER:
-        return as_markers(clip)
+        return within_doubles(as_markers(clip))
     notices = clip.notices
     factor = float(clip.head.fields.get("scale_factor", "1"))
     if factor != 1.0:
@@ -70,7 +71,7 @@ def convert(clip: ClipStream, to: Convention, *, keep_translations: bool = False
             yield translator.translate(block)
         _report_missing(translator.missing, notices)
 
-    return ClipStream(_head(clip.head, plan, to), blocks, clip.frames, notices)
+    return within_doubles(ClipStream(_head(clip.head, plan, to), blocks, clip.frames, notices))
 
 
 def _head(head: ClipHead, plan: Plan, to: Convention) -> ClipHead:

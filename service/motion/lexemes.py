@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import math
+
+from service.errors import ConversionError
 from service.motion.skeleton import Array, Triple
 
 
 def lexeme(value: float) -> str:
-    """The shortest text of a finite double, whole numbers without a point: `0`, `1.5`, `1e-05`."""
+    """The shortest text of a double, whole numbers without a point: `0`, `1.5`, `1e-05`.
+
+    Raises ConversionError for one that is not finite.
+    """
     if value == 0:
         return "0"
+    if not math.isfinite(value):
+        raise ConversionError(
+            "A number of the skeleton is beyond the largest that a file can hold.",
+            remedy="Check the numbers of the source: they are near 1e308.",
+        )
     text = repr(float(value))
     return text.removesuffix(".0")
 

@@ -58,23 +58,27 @@ class Suggestion:
 def suggest_movements(
     skeleton: Skeleton,
     rest: Rest,
+    translations: Array,
     rotations: Array,
     frame_time: float,
     up: str = "Y",
+    facing: str | None = None,
     thresholds: Thresholds | None = None,
 ) -> list[Suggestion]:
     """Anatomical movements of a clip, by their first frames.
 
-    rest: of the skeleton. rotations: (n, J, 4) local, of the hub form (`HubReader`). frame_time: seconds. Joints are
-    found by MCML's names. Raises ConversionError for a frame time that is not positive, and where nothing tells left
-    from right.
+    rest: of the skeleton. translations: (n, J, 3), rotations: (n, J, 4) local, of the hub form (`HubReader`).
+    frame_time: seconds. facing: the axis along which the body faces where it stands upright, such as "Z" or "-X", for
+    rigs whose names tell no sides. Joints are found by MCML's names. Raises ConversionError for a frame time that is
+    not positive, and where nothing tells left from right.
     """
     if not (np.isfinite(frame_time) and frame_time > 0):
         raise ConversionError(f"{frame_time} seconds a frame are no frame rate", remedy="Give a positive number.")
     limits = thresholds or Thresholds()
     if len(rotations) < 2:
         return []
-    stance = stance_of(skeleton, rest, rotations, np.eye(3)["XYZ".index(up.upper())])
+    ahead = None if facing is None else direction(facing)
+    stance = stance_of(skeleton, rest, translations, rotations, direction(up), ahead)
     world = walked(skeleton, np.tile(rest.offsets, (len(rotations), 1, 1)), rotations)[1]
     found = []
     for segment in segments_of(skeleton, rest, stance):
@@ -86,6 +90,12 @@ def suggest_movements(
         for rate in anatomical_rates(skeleton, segment, world, stance, frame_time):
             found += _spans(rate, busy, frame_time, limits)
     return sorted(found, key=lambda one: (one.first, one.last, one.part, one.side, one.movement))
+
+
+def direction(axis: str) -> Array:
+    """(3,) unit vector of an axis such as "Z" or "-X"."""
+    unit: Array = np.eye(3)["XYZ".index(axis[-1].upper())]
+    return -unit if axis.startswith("-") else unit
 
 
 def _smoothed(values: Array, frame_time: float, limits: Thresholds) -> Array:

@@ -22,6 +22,7 @@ from service.motion.skeleton import Array, Skeleton
 from service.motion.units import DEGREES, Reading
 
 _LARGEST_RATIO = 1000
+_MOST_FRAMES = 50_000_000
 _DRIFT = 0.01
 """Frames by which the stated frame times (`0.0333333`) may leave a ratio of whole numbers over a whole clip."""
 
@@ -44,7 +45,13 @@ def frame_places(frames: int, frame_time: float, new_frame_time: float) -> Array
     if whole and abs(float(whole) - ratio) / ratio * frames < _DRIFT:
         count = (frames - 1) * whole.denominator // whole.numerator + 1
         return np.arange(count, dtype=np.float64) * whole.numerator / whole.denominator
-    return np.arange(np.floor((frames - 1) / ratio) + 1, dtype=np.float64) * ratio
+    count = np.floor((frames - 1) / ratio) + 1
+    if not count <= _MOST_FRAMES:
+        raise ConversionError(
+            f"{frames} frames of {frame_time:g} seconds would become {count:.3g} of {new_frame_time:g} seconds",
+            remedy="Check the frame time.",
+        )
+    return np.arange(count, dtype=np.float64) * ratio
 
 
 def resampled(

@@ -9,6 +9,7 @@ import numpy as np
 
 from service.errors import ConversionError
 from service.motion.clip import ClipStream, FrameBlock, Shape
+from service.motion.extremes import within_doubles
 from service.motion.lexemes import lexeme, triple
 from service.motion.rotations import from_euler, from_fixed_euler, multiply, to_euler
 from service.motion.skeleton import CHANNELS, TRANSLATIONS, Convention, EndSite, Joint, Skeleton, Triple, numbers
@@ -44,7 +45,7 @@ def scale(clip: ClipStream, factor: float, unit: str | None = None) -> ClipStrea
             ]
             yield replace(block, values=block.values * np.where(lengths, factor, 1.0))
 
-    return ClipStream(head, blocks, clip.frames, clip.notices)
+    return within_doubles(ClipStream(head, blocks, clip.frames, clip.notices))
 
 
 def _scaled(joint: Joint, factor: float) -> Joint:

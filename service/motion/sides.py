@@ -111,7 +111,8 @@ def sagittal(skeleton: Skeleton, positions: Array, up: Array, facing: Array | No
     length = float(np.linalg.norm(across))
     if length < 1e-9:
         raise ConversionError(
-            "nothing tells left from right in this pose", remedy="Say where the body faces, across the axis up."
+            "nothing tells left from right in this pose",
+            remedy="Name its joints left and right, or say where the body faces, across the axis up.",
         )
     middle = [(positions[left] + positions[right]) / 2 for left, right in hips or pairs]
     point = np.mean(middle, axis=0) if middle else positions.mean(axis=0)

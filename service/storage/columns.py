@@ -5,25 +5,30 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
 import orjson
-from sqlalchemy import Select, and_, bindparam, select
+from numpy.typing import NDArray
+from sqlalchemy import ColumnElement, Select, and_, bindparam, select
 
-from service.motion.skeleton import CHANNELS
+from service.storage.damage import damage, describe_track_damage
 from service.storage.encoding import unpack_shape
 from service.storage.lists import OneOf
-from service.storage.moments import valid
-from service.storage.rows import to_elements
+from service.storage.moments import there, valid
+from service.storage.rows import to_elements, to_skeleton
+from service.storage.schema import CHANNEL_ENDS, CURRENT
+from service.storage.seals import PRIME, Checked, checked, track_checksums, unsound
 from service.storage.selected import listed_documents
 from service.storage.tables import (
-    CURRENT,
     bone,
+    content,
     document,
     frame_run,
     header,
     shape,
     shape_run,
+    skeleton,
     skeleton_element,
     span,
     timeline,
@@ -57,24 +62,29 @@ class Listed:
 
 
 # Made once: to make a statement takes longer than to run a short one.
-_TIMELINES = (
+_TIMELINES = checked(
     select(timeline.c.document, timeline.c.first, timeline.c.slot, timeline.c.count)
     .where(OneOf(timeline.c.document, "keys"), valid(timeline))
-    .order_by(timeline.c.document, timeline.c.first)
+    .order_by(timeline.c.document, timeline.c.first),
+    timeline,
 )
-_SHAPE_RUNS = (
+_SHAPE_RUNS = checked(
     select(shape_run.c.document, shape_run.c.slot, shape_run.c.count, shape_run.c.shape)
     .where(OneOf(shape_run.c.document, "keys"), valid(shape_run))
-    .order_by(shape_run.c.document, shape_run.c.slot)
+    .order_by(shape_run.c.document, shape_run.c.slot),
+    shape_run,
 )
-_SHAPES = select(shape.c.document, shape.c.shape, shape.c.bones).where(OneOf(shape.c.document, "keys"))
-_BONE_NAMES = select(bone.c.document, bone.c.bone, bone.c.name).where(OneOf(bone.c.document, "keys"), valid(bone))
-_SPANS = (
+_SHAPES = checked(select(shape.c.document, shape.c.shape, shape.c.bones).where(OneOf(shape.c.document, "keys")), shape)
+_BONE_NAMES = checked(
+    select(bone.c.document, bone.c.bone, bone.c.name).where(OneOf(bone.c.document, "keys"), valid(bone)), bone
+)
+_SPANS = checked(
     select(span.c.document, span.c.first, span.c.last, span.c.name)
     .where(OneOf(span.c.document, "keys"), valid(span))
-    .order_by(span.c.document, span.c.rank, span.c.id)
+    .order_by(span.c.document, span.c.rank, span.c.id),
+    span,
 )
-_FRAME_RUNS = (
+_FRAME_RUNS = checked(
     select(
         frame_run.c.document,
         frame_run.c.first,
@@ -84,7 +94,8 @@ _FRAME_RUNS = (
         frame_run.c.texts,
     )
     .where(OneOf(frame_run.c.document, "keys"), valid(frame_run))
-    .order_by(frame_run.c.document, frame_run.c.first)
+    .order_by(frame_run.c.document, frame_run.c.first),
+    frame_run,
 )
 _TRACK_KEY = (track.c.document, track.c.chunk, track.c.bone, track.c.from_commit)
 _IN_CHUNKS = and_(track.c.chunk >= bindparam("low"), track.c.chunk <= bindparam("high"))
@@ -96,13 +107,18 @@ _ZONES = select(
     track.c.channels,
     track.c.has_missing,
     track.c.count,
-    *(track.c[f"{end}_{channel}"] for channel in CHANNELS for end in ("min", "max")),
+    *(track.c[end] for end in CHANNEL_ENDS),
+    track.c.codec,
+    track.c.data_checksum,
+    track.c.to_commit,
+    track.c.checksum,
 ).where(OneOf(track.c.document, "keys"), valid(track))
 _ZONES_OF_BONES = _ZONES.where(_OF_BONES)
-_HEADERS = (
+_HEADERS = checked(
     select(header.c.document, header.c.level, header.c.tag, header.c.attributes, header.c.text)
     .where(OneOf(header.c.document, "keys"), valid(header))
-    .order_by(header.c.document, header.c.pre)
+    .order_by(header.c.document, header.c.pre),
+    header,
 )
 _SKELETONS = (
     select(
@@ -111,13 +127,27 @@ _SKELETONS = (
         skeleton_element.c.tag,
         skeleton_element.c.attributes,
         skeleton_element.c.text,
+        skeleton.c.hash,
     )
+    .join(skeleton, skeleton.c.id == skeleton_element.c.skeleton)
     .where(OneOf(skeleton_element.c.skeleton, "keys"))
     .order_by(skeleton_element.c.skeleton, skeleton_element.c.pre)
 )
 
 
-_DOCUMENTS = {past: listed_documents(past=past) for past in (False, True)}
+_NAMED: dict[str, ColumnElement[bool]] = {
+    table.name: and_(table.c.document == document.c.id, valid(table), there()) for table in (bone, span)
+}
+_NAMES = {table.name: select(table.c.name).where(_NAMED[table.name]).distinct() for table in (bone, span)}
+_HOLDERS = {
+    table.name: select(document.c.id).where(_NAMED[table.name], table.c.name == bindparam("name")).limit(1)
+    for table in (bone, span)
+}
+_OF_KEYS = OneOf(document.c.id, "keys")
+_NAMES_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _NAMES.items()}
+_HOLDERS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _HOLDERS.items()}
+_ZONE_WIDTH = 7 + len(CHANNEL_ENDS)
+_DOCUMENTS = {past: checked(listed_documents(past=past), document, content) for past in (False, True)}
 _DOCUMENTS_OF_KEYS = {past: query.where(OneOf(document.c.id, "keys")) for past, query in _DOCUMENTS.items()}
 
 
@@ -132,7 +162,7 @@ class Columns:
         past = self._tx.at < CURRENT - 1
         found: Iterable[Any]
         if keys is None:
-            found = self._tx.rows(_DOCUMENTS[past], {"at": self._tx.at})
+            found = self._tx.checked(_DOCUMENTS[past], {"at": self._tx.at})
         else:
             found = self._rows(_DOCUMENTS_OF_KEYS[past], keys)
         listed = [Listed(*row) for row in found]
@@ -154,13 +184,17 @@ class Columns:
         """The name of each bone by (document, number)."""
         return {(row[0], row[1]): row[2] for row in self._rows(_BONE_NAMES, keys)}
 
-    def used_bone_names(self, keys: Sequence[int]) -> list[str]:
-        """The names of all bones of the documents."""
-        return sorted({row[2] for row in self._rows(_BONE_NAMES, keys)})
+    def used_names(self, kind: Literal["bone", "span"], keys: Sequence[int] | None) -> list[str]:
+        """The different names of bones, or motion names of spans, in the documents (in all, if no keys are given)."""
+        if keys is None:
+            return sorted(row[0] for row in self._tx.rows(_NAMES[kind], {"at": self._tx.at}))
+        return sorted({row[0] for row in self._rows(_NAMES_OF_KEYS[kind], keys)})
 
-    def used_motion_names(self, keys: Sequence[int]) -> list[str]:
-        """The names of all spans of the documents."""
-        return sorted({row[3] for row in self._rows(_SPANS, keys)})
+    def is_used(self, kind: Literal["bone", "span"], name: str, keys: Sequence[int] | None) -> bool:
+        """Whether a bone has the name, or a frame the motion name, in one of the documents."""
+        if keys is None:
+            return bool(self._tx.rows(_HOLDERS[kind], {"at": self._tx.at, "name": name}))
+        return any(True for _ in self._rows(_HOLDERS_OF_KEYS[kind], keys, name=name))
 
     def spans(self, keys: Sequence[int]) -> list[Any]:
         """Rows (document, first, last, name) in order of document and of the motion_names in a frame."""
@@ -180,9 +214,11 @@ class Columns:
     def skeletons(self, keys: Sequence[int]) -> dict[int, list[Element]]:
         """The `root` element, where there is one, and the `skeleton` element of each skeleton."""
         rows: dict[int, list[Any]] = {}
-        for skeleton_key, *row in self._rows(_SKELETONS, keys):
+        hashes: dict[int, str] = {}
+        for skeleton_key, *row, hashed in self._rows(_SKELETONS, keys):
             rows.setdefault(skeleton_key, []).append(row)
-        return {key: to_elements(found) for key, found in rows.items()}
+            hashes[skeleton_key] = hashed
+        return {key: to_skeleton(found, hashes[key]) for key, found in rows.items()}
 
     def tracks(self, keys: Sequence[int], chunks: tuple[int, int], bones: Sequence[int] | None = None) -> Iterator[Any]:
         """Rows (document, chunk, bone, from_commit, channels) of the tracks of some bones or all, of chunks first to
@@ -191,29 +227,55 @@ class Columns:
         given = {} if bones is None else {"bones": list(bones)}
         return self._rows(query, keys, low=chunks[0], high=chunks[1], **given)
 
-    def zones(self, keys: Sequence[int], bones: Sequence[int] | None = None) -> list[Any]:
-        """Rows (document, chunk, bone, from_commit, channels, has_missing, count, and for each channel least and
-        greatest sample, None where it has none) of the tracks of some bones or all."""
-        if bones is None:
-            return list(self._rows(_ZONES, keys))
-        return list(self._rows(_ZONES_OF_BONES, keys, bones=list(bones)))
+    def zones(self, keys: Sequence[int], bones: Sequence[int] | None = None) -> NDArray[np.float64]:
+        """Of the tracks of some bones or all: (n, 7 + 2 * channels), each (document, chunk, bone, from_commit,
+        channels, has_missing, count, and for each channel least and greatest sample, NaN where it has none)."""
+        narrowed = {} if bones is None else {"bones": list(bones)}
+        rows = list(self._rows(_ZONES if bones is None else _ZONES_OF_BONES, keys, **narrowed))
+        try:
+            found, wrong = _zones(rows)
+        except (TypeError, ValueError, OverflowError):
+            # A bit that flipped changed the type of a value.
+            raise damage("A document", "the zone map of a track") from None
+        for index in np.flatnonzero(wrong)[:1].tolist():
+            raise describe_track_damage(self._tx, *rows[index][:3])
+        return found
 
     def track_data(self, keys: Sequence[tuple[int, int, int, int]]) -> Iterator[Any]:
-        """Rows (document, chunk, bone, from_commit, codec, data) of the tracks that are named by their first four."""
+        """Rows (document, chunk, bone, from_commit, codec, data, checksum of the data) of the tracks that are named by
+        their first four."""
         for start in range(0, len(keys), TRACKS_AT_A_TIME):
             given = {"keys": orjson.dumps(keys[start : start + TRACKS_AT_A_TIME]).decode()}
-            yield from self._tx.rows(self._tx.dialect.tracks_by_key, given)
+            rows = self._tx.rows(self._tx.dialect.tracks_by_key, given)
+            if (wrong := unsound(rows, codec=4)) is not None:
+                raise describe_track_damage(self._tx, *wrong[:3])
+            yield from rows
 
     def tracks_over(self, chunks: Sequence[tuple[int, int]]) -> Iterator[Any]:
-        """Rows (document, chunk, bone, channels, count, codec, data) of all tracks over some chunks (document, chunk),
-        those of a chunk by bone."""
+        """Rows (document, chunk, bone, channels, count, codec, data, checksum of the data) of all tracks over some
+        chunks (document, chunk), those of a chunk by bone."""
         for start in range(0, len(chunks), CHUNKS_AT_A_TIME):
             keys = orjson.dumps(chunks[start : start + CHUNKS_AT_A_TIME]).decode()
             rows = self._tx.rows(self._tx.dialect.tracks_over_chunks, {"keys": keys, "at": self._tx.at})
+            if (wrong := unsound(rows, codec=5)) is not None:
+                raise describe_track_damage(self._tx, *wrong[:3])
             yield from sorted(rows, key=itemgetter(0, 1, 2))
 
-    def _rows(self, query: Select[Any], keys: Sequence[int], **given: Any) -> Iterator[Any]:
+    def _rows(self, query: Select[Any] | Checked, keys: Sequence[int], **given: Any) -> Iterator[Any]:
         given["at"] = self._tx.at
+        read = self._tx.checked if isinstance(query, Checked) else self._tx.rows
         for start in range(0, len(keys), KEYS_AT_A_TIME):
             given["keys"] = list(keys[start : start + KEYS_AT_A_TIME])
-            yield from self._tx.rows(query, given)
+            yield from read(query, given)  # type: ignore[arg-type]
+
+
+def _zones(rows: Sequence[Any]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Zone maps as an array, and which of them have not their checksum."""
+    found = np.array(rows, np.float64).reshape(-1, _ZONE_WIDTH + 4)
+    # Doubles hold all of these, but for the last commit, which is none.
+    found[:, -2][found[:, -2] >= CURRENT] = CURRENT % PRIME
+    document_key, chunk, number, begin, bits, gaps, count = found[:, :7].T.astype(np.int64)
+    codec, data, end, checksum = found[:, _ZONE_WIDTH:].T.astype(np.int64)
+    facts = np.stack([document_key, chunk, number, count, bits, gaps, codec, data])
+    zones = found[:, :_ZONE_WIDTH]
+    return zones, track_checksums(facts, zones[:, 7:].T) + 2 * (begin % PRIME) + end % PRIME != checksum

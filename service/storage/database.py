@@ -5,13 +5,13 @@
 
 A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.heads`, `tx.tracks`,
 `tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`, `tx.jobs`, `tx.results`,
-`tx.mappings`.
+`tx.mappings` `tx.aliases`.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from typing import Any
@@ -32,25 +32,32 @@ from sqlalchemy.exc import ArgumentError, DBAPIError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.sql import ColumnElement
 
-from service.errors import ConflictError, DocumentError, SpaceError, StoreError
+from service.errors import ConflictError, DamageError, DocumentError, SpaceError, StoreError, UnavailableError
 from service.resources import migrations_path
 from service.storage import tables
+from service.storage.aliases import Aliases
 from service.storage.columns import Columns
+from service.storage.damage import REMEDY, describe_damage
 from service.storage.dialects import DIALECTS, Dialect
 from service.storage.documents import Documents
 from service.storage.heads import Heads
 from service.storage.identifiers import now
 from service.storage.jobs import Jobs
+from service.storage.layout import require_layout
 from service.storage.mappings import Mappings
 from service.storage.moments import valid
 from service.storage.projects import Projects, Tokens
 from service.storage.results import Results
+from service.storage.schema import CURRENT
+from service.storage.seals import Checked, sealed
 from service.storage.spans import Spans
-from service.storage.tables import CURRENT
 from service.storage.tracks import Tracks
 from service.storage.uploads import Uploads
 
 _NEWEST_COMMIT = select(func.coalesce(func.max(tables.commit.c.number), 0))
+
+MOST_KNOWN = 10_000
+"""Answers of which it is kept that they were compared."""
 
 LATEST = CURRENT - 1
 """Read at this commit to see what is current."""
@@ -82,7 +89,7 @@ class Transaction:
         self.dialect.order_commits(self.connection)
         newest = self.newest_commit()
         row = (newest + 1, now(), self._author)
-        self.dialect.insert(self.connection, tables.commit, ("number", "time", "author"), [row])
+        self.dialect.insert(self.connection, tables.commit, *sealed(tables.commit, ("number", "time", "author"), [row]))
         self._commit = newest + 1
         return self._commit
 
@@ -106,9 +113,37 @@ class Transaction:
         """What a statement that the program makes once reads. Lists among the values are for `OneOf`."""
         return self.dialect.rows(self.connection, statement, values or {})
 
+    def checked(self, statement: Checked, values: dict[str, Any]) -> Sequence[tuple[Any, ...]]:
+        """As `rows`, each row compared with its checksum. DamageError for the first that has another."""
+        found, damaged = statement.check(self.rows(statement.statement, values))
+        if damaged is not None:
+            raise describe_damage(self, *damaged)
+        return found
+
+    def checked_again(self, statement: Checked, values: dict[str, Any]) -> Sequence[tuple[Any, ...]]:
+        """As `checked`, for a statement that is often asked and reads the same many rows: what this process has
+        compared before is not compared again."""
+        rows = self.rows(statement.plain, values)
+        mark = hash((id(statement), tuple(rows)))
+        known = self.dialect.known_sound
+        if mark not in known:
+            rows = list(self.checked(statement, values))
+            if len(known) >= MOST_KNOWN:
+                known.clear()
+            known.add(mark)
+        return rows
+
+    def checked_once(self, statement: Checked, values: dict[str, Any] | None = None) -> Sequence[tuple[Any, ...]]:
+        """As `checked`, for a statement that is not made once."""
+        found, damaged = statement.check([tuple(row) for row in self.connection.execute(statement.statement, values)])
+        if damaged is not None:
+            raise describe_damage(self, *damaged)
+        return found
+
     def insert_row(self, table: Table, **values: Any) -> int:
         """Insert one row and answer the key it got."""
-        return self.dialect.insert_one(self.connection, table, values)
+        names, rows = sealed(table, tuple(values), [tuple(values.values())])
+        return self.dialect.insert_one(self.connection, table, dict(zip(names, rows[0], strict=True)))
 
     def insert_rows(self, table: Table, rows: list[dict[str, Any]]) -> None:
         """Insert rows that have the same columns."""
@@ -116,10 +151,11 @@ class Transaction:
             names = tuple(rows[0])
             self.insert_tuples(table, names, [tuple(row[name] for name in names) for row in rows])
 
-    def insert_tuples(self, table: Table, names: tuple[str, ...], rows: list[tuple[Any, ...]]) -> None:
+    def insert_tuples(self, table: Table, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]]) -> None:
         """Insert rows that hold the values of these columns."""
         if not rows:
             return
+        names, rows = sealed(table, names, rows)
         if self._gathered is None:
             self.dialect.insert(self.connection, table, names, rows)
         else:
@@ -182,6 +218,10 @@ class Transaction:
         return Results(self)
 
     @cached_property
+    def aliases(self) -> Aliases:
+        return Aliases(self)
+
+    @cached_property
     def mappings(self) -> Mappings:
         return Mappings(self)
 
@@ -233,7 +273,10 @@ class Database:
         try:
             yield
         except PoolTimeout as error:
-            raise StoreError("All connections to the store are in use.", remedy="Try again soon.") from error
+            raise UnavailableError("All connections to the store are in use.", remedy="Try again soon.") from error
+        except UnicodeDecodeError as error:
+            # The driver meets texts that are none, even in its own messages.
+            raise DamageError("The store is damaged: a text cannot be read.", remedy=REMEDY) from error
         except (DBAPIError, driver.Error) as error:
             cause = error.orig if isinstance(error, DBAPIError) else error
             if isinstance(cause, driver.DataError):
@@ -245,7 +288,11 @@ class Database:
                 raise ConflictError("Another write came in between.", remedy="Repeat the request.") from error
             if self.dialect.is_full(cause):
                 raise SpaceError from error
+            if self.dialect.is_away(cause):
+                raise UnavailableError("The store cannot be reached now.", remedy="Try again soon.") from error
             said = str(cause).strip().split("\n")[0]
+            if self.dialect.is_damaged(cause):
+                raise DamageError(f"The store is damaged: {said}.", remedy=REMEDY) from error
             raise StoreError(
                 f"The store does not answer: {said}", remedy="Check its address, the disk and your rights."
             ) from error
@@ -255,7 +302,9 @@ class Database:
         found, wanted = self.schema_versions()
         if found == wanted:
             # Reading commands need no write lock, and work while another process writes.
+            self._require_layout()
             return
+        _refuse_newer(found, wanted)
         # Imported late: it takes as long as all else that a short command needs.
         from alembic import command
         from alembic.config import Config
@@ -279,10 +328,16 @@ class Database:
         """StoreError unless the schema is this program's."""
         found, wanted = self.schema_versions()
         if found != wanted:
+            _refuse_newer(found, wanted)
             raise StoreError(
                 f"The store's schema is {found or 'empty'}, this program needs {wanted}.",
                 remedy="Run `mcml db upgrade`.",
             )
+        self._require_layout()
+
+    def _require_layout(self) -> None:
+        with self._in_words(), self.dialect.reading() as connection:
+            require_layout(connection)
 
     def sweep(self, lease_before: float | None = None) -> int:
         """Remove what broken imports left behind; returns the number of documents removed.
@@ -295,12 +350,12 @@ class Database:
             tx.uploads.remove_orphans(limit)
             return removed
 
-    def check(self) -> list[str]:
-        """Faults found in the store, in words; empty when it is sound."""
+    def check(self, *, past: bool = False) -> list[str]:
+        """Faults found in the store, in words; empty when it is sound. past: in all past revisions too."""
         from service.storage.checks import faults
 
         with self.read() as tx:
-            return faults(tx)
+            return faults(tx, past=past)
 
     def size(self) -> dict[str, int]:
         with self._in_words(), self.dialect.reading() as connection:
@@ -328,3 +383,12 @@ class Database:
             self._watch.close()
             self._watch = None
         self.dialect.engine.dispose()
+
+
+def _refuse_newer(found: str | None, wanted: str | None) -> None:
+    """StoreError where a newer program made or upgraded the store."""
+    if found is not None and wanted is not None and found > wanted:
+        raise StoreError(
+            f"The store is newer than this program: its schema is {found}, this program knows {wanted}.",
+            remedy="Update the program.",
+        )

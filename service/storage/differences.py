@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Column, Table, select
 
-from service.storage.tables import CHUNK, CLOSED_TRACK, shape_run, track
+from service.storage.schema import CHUNK
+from service.storage.tables import CLOSED_TRACK, shape_run, track
 from service.storage.tracks import Piece
 
 if TYPE_CHECKING:

@@ -8,14 +8,16 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import zstandard
-from sqlalchemy import Select, and_, bindparam, delete, func, insert, select, update
+from sqlalchemy import Select, and_, bindparam, delete, func, select, update
 
 from service.errors import NotFoundError
-from service.storage import tables
+from service.storage.damage import damage, named
 from service.storage.identifiers import new_uuid, stored_form
 from service.storage.moments import imported
+from service.storage.schema import CURRENT, metadata
+from service.storage.seals import SEALS, checked, closing
 from service.storage.selected import all_documents, one_document
-from service.storage.tables import CURRENT, commit, content, document, project, property_, revision, span
+from service.storage.tables import commit, content, document, project, property_, revision, span
 from service.storage.uploads import LEASE_SECONDS
 
 if TYPE_CHECKING:
@@ -26,23 +28,21 @@ KEYS_AT_A_TIME = 10_000
 """In one statement; SQLite takes 32,766 parameters, PostgreSQL 65,535."""
 
 # Made once: to build a statement takes four times as long as to run it.
+_WHOLE = checked(
+    select(*(document.c[name] for name in SEALS[document].columns)).where(document.c.id == bindparam("key")), document
+)
 _IMPORTING = update(document).where(document.c.id == bindparam("key"), document.c.state == "importing")
 _RENEW = _IMPORTING.values(lease=bindparam("until"))
 _MADE = ("document", "number", "commit", "parent", "operation", "message")
-_REVISE = insert(revision).from_select(
-    [*_MADE, "name", "project"],
-    select(
-        *(bindparam(f"new_{column}", type_=revision.c[column].type) for column in _MADE),
-        document.c.name,
-        document.c.project,
-    ).where(document.c.id == bindparam("new_document")),
-)
+_BEGUN = select(document.c.uuid, document.c.name, document.c.format).where(document.c.id == bindparam("key"))
+_NAMED = select(document.c.name, document.c.project).where(document.c.id == bindparam("key"))
 _PUBLISH = _IMPORTING.values(
     state="ready",
     lease=None,
     created_commit=bindparam("commit"),
     next_slot=bindparam("slot"),
     receipt=bindparam("packed"),
+    checksum=bindparam("sum"),
 )
 
 
@@ -147,11 +147,17 @@ class Documents:
     def publish(self, key: int, name: str, project_key: int, *, next_slot: int, receipt: str, message: str) -> None:
         """Make an imported document visible, as revision 1 of this transaction's commit. name, project_key: its own."""
         number = self._tx.commit
+        begun = self._tx.rows(_BEGUN, {"key": key})
+        if not begun:
+            raise _swept()
+        uuid, begun_as, format_name = begun[0]
+        row = (uuid, project_key, "ready", begun_as, format_name, number, CURRENT, next_slot)
         values = {"key": key, "commit": number, "slot": next_slot, "packed": _packed(receipt)}
+        values["sum"] = SEALS[document].of(row)
         if self._tx.run(_PUBLISH, values).rowcount != 1:
             raise _swept()
-        row = (key, 1, number, None, "import", message, stored_form(name), project_key)
-        self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [row])
+        made = (key, 1, number, None, "import", message, stored_form(name), project_key)
+        self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [made])
 
     def write_content(
         self,
@@ -179,14 +185,15 @@ class Documents:
             if held is not None and all(held[name] == value for name, value in values.items()):
                 return
             self._tx.connection.execute(delete(content).where(*current, content.c.from_commit == from_commit))
-            self._tx.connection.execute(update(content).where(*current).values(to_commit=from_commit))
+            self._tx.connection.execute(update(content).where(*current).values(closing(content, from_commit)))
         self._tx.insert_rows(content, [{"document": key, "from_commit": from_commit, "to_commit": CURRENT, **values}])
 
     def add_revision(self, stored: StoredDocument, operation: str, message: str = "") -> int:
         """Note that this transaction made a revision; returns its number. The caller checked `stored` is newest."""
         number = stored.revision + 1
         values = (stored.key, number, self._tx.commit, stored.revision, operation, message)
-        self._tx.run(_REVISE, {f"new_{column}": value for column, value in zip(_MADE, values, strict=True)})
+        (named,) = self._tx.rows(_NAMED, {"key": stored.key})
+        self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [(*values, *named)])
         return number
 
     def lock(self, key: int) -> None:
@@ -196,7 +203,7 @@ class Documents:
     def find(self, uuid: str, *, deleted: bool = False) -> StoredDocument | None:
         """The document as it is at the transaction's commit; `deleted` lets a deleted one be found."""
         statement = one_document(past=self._past, deleted=deleted)
-        rows = self._tx.rows(statement, {"uuid": uuid, "at": self._tx.at})
+        rows = self._tx.checked(statement, {"uuid": uuid, "at": self._tx.at})
         return _stored(rows[0]) if rows else None
 
     def get(self, uuid: str, *, deleted: bool = False) -> StoredDocument:
@@ -211,8 +218,8 @@ class Documents:
         for start in range(0, len(keys), KEYS_AT_A_TIME):
             some = document.c.id.in_(keys[start : start + KEYS_AT_A_TIME])
             query = all_documents(past=self._past).where(some, document.c.deleted_commit > self._tx.at)
-            for row in self._tx.connection.execute(query, {"at": self._tx.at}):
-                found[row.key] = _stored(row)
+            for row in self._tx.checked_once(checked(query, document, content), {"at": self._tx.at}):
+                found[row[0]] = _stored(row)
         return found
 
     @property
@@ -234,7 +241,8 @@ class Documents:
             if after is not None:
                 name, key = after
                 query = query.where((document.c.name > name) | (document.c.name == name) & (document.c.id > key))
-        return [_stored(row) for row in self._tx.connection.execute(query.limit(limit), {"at": self._tx.at})]
+        found = self._tx.checked_once(checked(query.limit(limit), document, content), {"at": self._tx.at})
+        return [_stored(row) for row in found]
 
     def count(self, wanted: DocumentFilter) -> int:
         query = _filtered(select(func.count()).select_from(document).join(project), wanted, self._tx)
@@ -243,18 +251,26 @@ class Documents:
             query = query.join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
         return int(self._tx.connection.execute(query).scalar_one())
 
+    def everything(self) -> list[tuple[int, str, str]]:
+        """(key, uuid, name) of all documents whose import was complete, deleted ones too."""
+        query = select(document.c.id, document.c.uuid, document.c.name).where(imported(self._tx.at))
+        return [(key, uuid, name) for key, uuid, name in self._tx.connection.execute(query.order_by(document.c.id))]
+
     def receipt(self, key: int) -> str:
         packed = self._tx.connection.execute(select(document.c.receipt).where(document.c.id == key)).scalar_one()
-        return zstandard.ZstdDecompressor().decompress(packed).decode()
+        try:
+            return zstandard.ZstdDecompressor().decompress(packed).decode()
+        except (zstandard.ZstdError, UnicodeDecodeError):
+            raise damage(named(self._tx, key), "its receipt") from None
 
     def rename(self, key: int, name: str) -> None:
-        self._tx.connection.execute(update(document).where(document.c.id == key).values(name=stored_form(name)))
+        self._change(key, name=stored_form(name))
 
     def move(self, key: int, project_key: int) -> None:
-        self._tx.connection.execute(update(document).where(document.c.id == key).values(project=project_key))
+        self._change(key, project=project_key)
 
     def set_next_slot(self, key: int, slot: int) -> None:
-        self._tx.connection.execute(update(document).where(document.c.id == key).values(next_slot=slot))
+        self._change(key, next_slot=slot)
 
     def delete(self, key: int) -> None:
         """Hide the document from this transaction's commit on; nothing is lost."""
@@ -264,7 +280,15 @@ class Documents:
         self._set_deleted(key, CURRENT)
 
     def _set_deleted(self, key: int, number: int) -> None:
-        self._tx.connection.execute(update(document).where(document.c.id == key).values(deleted_commit=number))
+        self._change(key, deleted_commit=number)
+
+    def _change(self, key: int, **values: Any) -> None:
+        """Give the row of a document other values. DamageError where it is not what was written."""
+        (held,) = self._tx.checked(_WHOLE, {"key": key})
+        row = dict(zip(SEALS[document].columns, held, strict=True)) | values
+        self._tx.connection.execute(
+            update(document).where(document.c.id == key).values(**values, checksum=SEALS[document].of((*row.values(),)))
+        )
 
     def revisions(self, key: int, *, before: int | None = None, limit: int = 100) -> list[StoredRevision]:
         """Newest first, those with numbers below `before`."""
@@ -288,15 +312,15 @@ class Documents:
         )
         if before is not None:
             query = query.where(revision.c.number < before)
-        return [StoredRevision(*row) for row in self._tx.connection.execute(query)]
+        return [StoredRevision(*row) for row in self._tx.checked_once(checked(query, revision, commit))]
 
     def commit_of(self, key: int, number: int) -> int:
         """The commit that made a revision; NotFoundError."""
         query = select(revision.c.commit).where(revision.c.document == key, revision.c.number == number)
-        found = self._tx.connection.execute(query).scalar_one_or_none()
-        if found is None:
+        found = self._tx.checked_once(checked(query, revision))
+        if not found:
             raise NotFoundError(f"The document has no revision {number}.", remedy="List its revisions.")
-        return int(found)
+        return int(found[0][0])
 
     def remove_broken_imports(self, lease_before: float) -> int:
         """Delete all rows of imports that never became visible and whose lease has ended."""
@@ -312,7 +336,7 @@ class Documents:
 
     def _remove(self, keys: list[int]) -> None:
         for key in keys:
-            for table in reversed(tables.metadata.sorted_tables):
+            for table in reversed(metadata.sorted_tables):
                 if "document" in table.c and table is not document:
                     self._tx.connection.execute(delete(table).where(table.c.document == key))
             self._tx.connection.execute(delete(document).where(document.c.id == key))
@@ -323,7 +347,7 @@ def _swept() -> NotFoundError:
 
 
 def _packed(receipt: str) -> bytes:
-    return zstandard.ZstdCompressor(level=3).compress(receipt.encode())
+    return zstandard.ZstdCompressor(level=3, write_checksum=True).compress(receipt.encode())
 
 
 _INTACT = [field.name for field in fields(StoredDocument)].index("intact")

@@ -18,7 +18,7 @@ from pcodec import ChunkConfig, DeltaSpec, ModeSpec, standalone
 from service.errors import StoreError
 from service.motion.clip import FrameBlock, Shape, full_shape
 from service.motion.skeleton import CHANNELS, Array
-from service.storage.tables import CHUNK
+from service.storage.schema import CHUNK
 
 PCODEC = 1
 """Codec number of `track.data`: one pcodec stream of the bone's columns, one after the other."""
@@ -110,6 +110,11 @@ def pack_shape(shape: Shape) -> bytes:
 def unpack_shape(data: bytes) -> Shape:
     numbers = struct.unpack(f"<{len(data) // 2}H", data)
     return tuple(zip(numbers[::2], numbers[1::2], strict=True))
+
+
+def is_plain_integer(text: str) -> bool:
+    """Whether an id is kept as an integer: in the one spelling that the number has, and of at most 18 characters."""
+    return text.isascii() and text.removeprefix("-").isdigit() and len(text) < 19 and str(int(text)) == text
 
 
 class FrameIdRuns:
@@ -255,7 +260,7 @@ class ClipEncoder:
     def _submit(self, *, whole: bool) -> None:
         if not self._waiting:
             return
-        values, columns = _joined(self._pending)
+        values, columns = joined(self._pending)
         first_chunk = (self.frames - self._waiting) // CHUNK
         end = len(values) // CHUNK * CHUNK if whole else len(values)
         for start in range(0, end, CHUNK):
@@ -292,7 +297,7 @@ class ClipEncoder:
             raise StoreError("A block of frames holds a value that is not a finite number.")
 
 
-def _joined(blocks: list[FrameBlock]) -> tuple[Array, tuple[tuple[int, int], ...]]:
+def joined(blocks: Sequence[FrameBlock]) -> tuple[Array, tuple[tuple[int, int], ...]]:
     """The values of several blocks as one array, columns in the union of their layouts."""
     columns = blocks[0].columns
     if all(block.columns == columns for block in blocks):

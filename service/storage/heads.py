@@ -5,12 +5,15 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import BigInteger, and_, bindparam, delete, func, insert, or_, select, update
+from sqlalchemy import BigInteger, and_, bindparam, delete, func, or_, select, update
 
-from service.mcml.elements import Element
+from service.mcml.elements import Element, mcml_attributes
+from service.storage.damage import damage, named
 from service.storage.moments import of_document
-from service.storage.rows import ELEMENT_COLUMNS, SkeletonRows, to_elements, to_rows
-from service.storage.tables import CURRENT, bone, content, document, header, property_, skeleton, skeleton_element
+from service.storage.rows import ELEMENT_COLUMNS, SkeletonRows, to_elements, to_rows, to_skeleton
+from service.storage.schema import CURRENT
+from service.storage.seals import checked, closing
+from service.storage.tables import bone, content, document, header, property_, skeleton, skeleton_element
 
 if TYPE_CHECKING:
     from service.storage.columns import Listed
@@ -18,17 +21,20 @@ if TYPE_CHECKING:
     from service.storage.documents import StoredDocument
 
 # Made once: to make a statement takes longer than to run a short one.
-_HEADER = (
+_HEADER = checked(
     select(header.c.level, header.c.tag, header.c.attributes, header.c.text)
     .where(of_document(header))
-    .order_by(header.c.pre)
+    .order_by(header.c.pre),
+    header,
 )
+_ELEMENTS = skeleton_element.c
 _SKELETON = (
-    select(skeleton_element.c.level, skeleton_element.c.tag, skeleton_element.c.attributes, skeleton_element.c.text)
+    select(_ELEMENTS.level, _ELEMENTS.tag, _ELEMENTS.attributes, _ELEMENTS.text, skeleton.c.hash)
+    .join(skeleton, skeleton.c.id == _ELEMENTS.skeleton)
     .where(skeleton_element.c.skeleton == bindparam("skeleton", type_=BigInteger))
     .order_by(skeleton_element.c.pre)
 )
-_BONE_NAMES = select(bone.c.bone, bone.c.name).where(of_document(bone)).order_by(bone.c.bone)
+_BONE_NAMES = checked(select(bone.c.bone, bone.c.name).where(of_document(bone)).order_by(bone.c.bone), bone)
 _EQUAL_SKELETON = select(skeleton.c.id).where(
     skeleton.c.project == bindparam("project"), skeleton.c.hash == bindparam("hash")
 )
@@ -40,46 +46,50 @@ class Heads:
 
     def header(self, document_key: int) -> Element:
         """The `header` element."""
-        return to_elements(self._tx.rows(_HEADER, {"document": document_key, "at": self._tx.at}))[0]
+        rows = self._tx.checked(_HEADER, {"document": document_key, "at": self._tx.at})
+        if not rows:
+            raise damage(named(self._tx, document_key), "it has no header")
+        return to_elements(rows)[0]
 
     def skeleton(self, skeleton_key: int) -> list[Element]:
         """The `root` element, if there is one, and the `skeleton` element."""
-        return to_elements(self._tx.rows(_SKELETON, {"skeleton": skeleton_key}))
+        rows = self._tx.rows(_SKELETON, {"skeleton": skeleton_key})
+        return to_skeleton([row[:-1] for row in rows], rows[0][-1] if rows else "")
 
     def document(self, stored: StoredDocument | Listed) -> Element:
         """The `mcml` element without its motion: header, root, skeleton."""
         children = [self.header(stored.key), *self.skeleton(stored.skeleton)]
-        return Element("mcml", {"version": stored.version}, "", children)
+        return Element("mcml", mcml_attributes(stored.version), "", children)
 
     def bone_names(self, document_key: int) -> dict[int, str]:
         """Name of each bone number, the root's among them."""
-        return dict(self._tx.rows(_BONE_NAMES, {"document": document_key, "at": self._tx.at}))
+        return dict(self._tx.checked(_BONE_NAMES, {"document": document_key, "at": self._tx.at}))
 
     def documents_with_bone(self, name: str) -> dict[int, int]:
         """Bone number in each document that has a bone of this name, by document key."""
         query = select(bone.c.document, bone.c.bone).where(bone.c.name == name, self._tx.valid(bone))
-        return {row.document: row.bone for row in self._tx.connection.execute(query)}
+        return dict(self._tx.checked_once(checked(query, bone)))
 
     def write_header(self, document_key: int, element: Element, from_commit: int) -> None:
         """Make this the header from a commit on; the one before it is closed there. The last call in a commit wins."""
         if from_commit:
             current = (header.c.document == document_key, header.c.to_commit == CURRENT)
             self._tx.connection.execute(delete(header).where(*current, header.c.from_commit == from_commit))
-            self._tx.connection.execute(update(header).where(*current).values(to_commit=from_commit))
+            self._tx.connection.execute(update(header).where(*current).values(closing(header, from_commit)))
         names = ("document", "from_commit", "to_commit", *ELEMENT_COLUMNS)
         rows = [(document_key, from_commit, CURRENT, *row) for row in to_rows([element], level=1)]
         self._tx.insert_tuples(header, names, rows)
         if from_commit:
             self.refresh_properties(document_key, element)
         else:
-            self._tx.insert_rows(property_, _properties(document_key, element))
+            self._tx.insert_rows(property_, properties_of(document_key, element))
 
     def write_header_rows(self, document_key: int, rows: list[dict[str, Any]]) -> None:
         """Make these rows the header from this transaction's commit on."""
         current = (header.c.document == document_key, header.c.to_commit == CURRENT)
         commit = self._tx.commit
         self._tx.connection.execute(delete(header).where(*current, header.c.from_commit == commit))
-        self._tx.connection.execute(update(header).where(*current).values(to_commit=commit))
+        self._tx.connection.execute(update(header).where(*current).values(closing(header, commit)))
         made = {"document": document_key, "from_commit": commit, "to_commit": CURRENT}
         self._tx.insert_rows(header, [row | made for row in rows])
         self.refresh_properties(document_key, self.header(document_key))
@@ -87,7 +97,7 @@ class Heads:
     def refresh_properties(self, document_key: int, element: Element) -> None:
         """Make the searchable properties those of the current header."""
         self._tx.connection.execute(delete(property_).where(property_.c.document == document_key))
-        self._tx.insert_rows(property_, _properties(document_key, element))
+        self._tx.insert_rows(property_, properties_of(document_key, element))
 
     def add_skeleton(self, project_key: int, made: SkeletonRows, joints: int) -> int:
         """The key of this skeleton in the project: the stored one where an equal one is stored."""
@@ -113,19 +123,19 @@ class Heads:
         """Give a bone another name from this transaction's commit on."""
         self.close_bone(document_key, number)
         row = {"document": document_key, "bone": number, "from_commit": self._tx.commit, "to_commit": CURRENT}
-        self._tx.connection.execute(insert(bone).values(row | {"name": name}))
+        self._tx.insert_rows(bone, [row | {"name": name}])
 
     def add_bone(self, document_key: int, name: str) -> None:
         """A bone more, from this transaction's commit on, under a number that no bone of the document ever had."""
         newest = select(func.coalesce(func.max(bone.c.bone), -1)).where(bone.c.document == document_key)
         number = int(self._tx.connection.execute(newest).scalar_one()) + 1
         row = {"document": document_key, "bone": number, "from_commit": self._tx.commit, "to_commit": CURRENT}
-        self._tx.connection.execute(insert(bone).values(row | {"name": name}))
+        self._tx.insert_rows(bone, [row | {"name": name}])
 
     def close_bone(self, document_key: int, number: int) -> None:
         """The document has this bone no more, from this transaction's commit on."""
         valid = and_(bone.c.document == document_key, bone.c.bone == number, bone.c.to_commit == CURRENT)
-        self._tx.connection.execute(update(bone).where(valid).values(to_commit=self._tx.commit))
+        self._tx.connection.execute(update(bone).where(valid).values(closing(bone, self._tx.commit)))
 
     def skeletons(self, project_key: int | None, after: int, limit: int) -> list[Any]:
         """Rows (id, hash, joints, project, documents) of skeletons in use, by key, after a key."""
@@ -149,7 +159,8 @@ class Heads:
         return list(self._tx.connection.execute(query))
 
 
-def _properties(document_key: int, element: Element) -> list[dict[str, Any]]:
+def properties_of(document_key: int, element: Element) -> list[dict[str, Any]]:
+    """The rows that make the properties of a header searchable."""
     rows: dict[str, dict[str, Any]] = {}
     for child in element.children:
         if child.tag == "property":

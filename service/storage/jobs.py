@@ -11,7 +11,8 @@ from sqlalchemy import Row, Select, and_, func, or_, select, update
 
 from service.errors import ConflictError, NotFoundError
 from service.storage.identifiers import new_uuid, now, stored_form
-from service.storage.tables import job, project, result
+from service.storage.tables import project
+from service.storage.work_tables import job, result
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction

@@ -10,7 +10,9 @@ from sqlalchemy import Row, delete, select, tuple_, update
 
 from service.errors import NotFoundError
 from service.storage.identifiers import now, stored_form
-from service.storage.tables import joint_mapping, project
+from service.storage.seals import SEALS
+from service.storage.tables import project
+from service.storage.work_tables import joint_mapping
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction
@@ -68,8 +70,11 @@ class Mappings:
             key = self._tx.projects.get_or_add(project_name)
             self._tx.insert_row(joint_mapping, project=key, name=stored_form(name), version=1, **values)
         else:
+            key = self._tx.projects.get(project_name)
+            row = {"project": key, "name": found.name, "version": found.version + 1, **values}
+            checksum = SEALS[joint_mapping].of(tuple(row[name] for name in SEALS[joint_mapping].columns))
             chosen = update(joint_mapping).where(joint_mapping.c.id == found.key)
-            self._tx.connection.execute(chosen.values(version=found.version + 1, **values))
+            self._tx.connection.execute(chosen.values(**row, checksum=checksum))
         return self.get(project_name, name)
 
     def remove(self, stored: StoredMapping) -> None:

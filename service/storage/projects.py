@@ -7,7 +7,7 @@ import secrets
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from sqlalchemy import bindparam, delete, insert, select
+from sqlalchemy import bindparam, delete, select
 
 from service.errors import ConflictError, NotFoundError
 from service.storage.identifiers import now, stored_form
@@ -81,7 +81,7 @@ class Tokens:
             raise ConflictError(f"There is a token {name!r} already.", remedy="Choose another name or revoke that one.")
         secret = f"mcml_{secrets.token_urlsafe(32)}"
         row = {"name": name, "sha256": _digest(secret), "hint": secret[:9], "created": now(), "expires": expires}
-        self._tx.connection.execute(insert(token).values(row))
+        self._tx.insert_row(token, **row)
         return secret
 
     def all(self) -> list[TokenSummary]:

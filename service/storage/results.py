@@ -14,8 +14,11 @@ from numpy.typing import NDArray
 from sqlalchemy import Row, delete, select, update
 
 from service.errors import NotFoundError
+from service.storage.damage import damage, describe_damage
 from service.storage.identifiers import new_uuid, now, stored_form
-from service.storage.tables import document, job, project, result, result_block, result_part
+from service.storage.seals import checked
+from service.storage.tables import document, project
+from service.storage.work_tables import job, result, result_block, result_part
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction
@@ -32,6 +35,7 @@ _LISTED = (
     .join(project, project.c.id == result.c.project)
     .outerjoin(_PARENT, _PARENT.c.id == result.c.parent)
 )
+_PART = (result_part.c.name, result_part.c.kind, result_part.c.data, result_part.c.arrays)
 
 
 @dataclass(frozen=True)
@@ -155,20 +159,16 @@ class Results:
 
     def parts(self, key: int) -> list[StoredPart]:
         query = (
-            select(result_part, document.c.uuid)
+            select(*_PART, document.c.uuid)
             .outerjoin(document, document.c.id == result_part.c.document)
             .where(result_part.c.result == key)
             .order_by(result_part.c.name)
         )
         return [
             StoredPart(
-                row.name,
-                row.kind,
-                orjson.loads(zstandard.ZstdDecompressor().decompress(row.data)),
-                json.loads(row.arrays),
-                row.uuid,
+                name, kind, orjson.loads(zstandard.ZstdDecompressor().decompress(data)), json.loads(arrays), uuid
             )
-            for row in self._tx.connection.execute(query)
+            for name, kind, data, arrays, uuid in self._tx.checked_once(checked(query, result_part))
         ]
 
     def array(self, key: int, part: StoredPart, name: str) -> NDArray[Any]:
@@ -184,10 +184,18 @@ class Results:
             .where(result_block.c.result == key, result_block.c.part == part.name, result_block.c.array == name)
             .order_by(result_block.c.number)
         )
-        for data in self._tx.connection.execute(query.execution_options(yield_per=4)).scalars():
+        sealed = checked(query, result_block)
+        rows = self._tx.connection.execute(sealed.statement.execution_options(yield_per=4))
+        for row in rows:
+            found, damaged = sealed.check([tuple(row)])
+            if damaged is not None:
+                raise describe_damage(self._tx, *damaged)
+            ((data,),) = found
             block = np.frombuffer(zstandard.ZstdDecompressor().decompress(data), np.uint8)
             flat[start : start + len(block)] = block
             start += len(block)
+        if start != flat.nbytes:
+            raise damage("The store", f"the array {name!r} of a result")
         return values
 
     def remove(self, key: int) -> None:

@@ -10,6 +10,7 @@ from typing import Any, Final, TypeAlias
 
 import orjson
 
+from service.errors import DamageError
 from service.mcml.elements import Element
 
 ELEMENT_COLUMNS: Final = ("pre", "size", "level", "tag", "attributes", "text")
@@ -72,5 +73,19 @@ class SkeletonRows:
 def skeleton_rows(forest: Sequence[Element]) -> SkeletonRows:
     """The rows of the `root` element, where there is one, and the `skeleton` element."""
     rows = to_rows(forest, level=1)
-    content = [row[2:] for row in rows]
-    return SkeletonRows(hashlib.sha256(orjson.dumps(content)).hexdigest(), tuple(rows))
+    return SkeletonRows(_hash([row[2:] for row in rows]), tuple(rows))
+
+
+def to_skeleton(rows: Sequence[Any], hashed: str) -> list[Element]:
+    """As `to_elements`. DamageError where the rows have not the hash that was kept of them."""
+    if _hash(rows) != hashed:
+        raise DamageError(
+            "A skeleton is damaged in the store: its elements are not those that were written.",
+            remedy="Run `mcml db check`, and restore the store from a backup.",
+        )
+    return to_elements(rows)
+
+
+def _hash(rows: Sequence[Any]) -> str:
+    """rows: (level, tag, attributes, text)."""
+    return hashlib.sha256(orjson.dumps(rows)).hexdigest()

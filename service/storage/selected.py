@@ -8,6 +8,7 @@ from typing import Any
 from sqlalchemy import Select, and_, bindparam, func, select
 
 from service.storage.moments import AT, imported, there, valid
+from service.storage.seals import Checked, checked
 from service.storage.tables import commit, content, document, header, project, revision
 
 _NEWEST = (
@@ -18,10 +19,10 @@ _NEWEST = (
 
 
 @cache
-def one_document(*, past: bool, deleted: bool) -> Select[Any]:
+def one_document(*, past: bool, deleted: bool) -> Checked:
     """The document of a `uuid`. deleted: a deleted one too."""
     query = all_documents(past=past).where(document.c.uuid == bindparam("uuid"))
-    return query if deleted else query.where(document.c.deleted_commit > AT)
+    return checked(query if deleted else query.where(document.c.deleted_commit > AT), document, content)
 
 
 @cache

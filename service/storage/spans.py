@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import BigInteger, bindparam, func, select, update
 
 from service.storage.moments import DOCUMENT, of_document, there, valid
-from service.storage.tables import CURRENT, document, project, span
+from service.storage.schema import CURRENT
+from service.storage.seals import checked, closing
+from service.storage.tables import document, project, span
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction
@@ -35,15 +37,16 @@ _VISIBLE = (
     .where(valid(span), there())
     .order_by(span.c.document, span.c.first)
 )
-_NAMED = _VISIBLE.where(span.c.name.in_(bindparam("names", expanding=True)))
+_NAMED = checked(_VISIBLE.where(span.c.name.in_(bindparam("names", expanding=True))), span)
 _NAMED_IN = _NAMED.where(span.c.document.in_(bindparam("documents", expanding=True)))
-_OF_ONE_NAME = _VISIBLE.where(span.c.name == bindparam("name"))
+_OF_ONE_NAME = checked(_VISIBLE.where(span.c.name == bindparam("name")), span)
 _OF_ONE_NAME_IN_ONE = _OF_ONE_NAME.where(span.c.document == DOCUMENT)
-_TOUCHING = (
+_TOUCHING = checked(
     select(span.c.first, span.c.last, span.c.rank, span.c.name, span.c.id)
     .where(of_document(span))
     .where(span.c.last >= bindparam("first", type_=BigInteger), span.c.first <= bindparam("last", type_=BigInteger))
-    .order_by(span.c.first, span.c.rank, span.c.id)
+    .order_by(span.c.first, span.c.rank, span.c.id),
+    span,
 )
 """Made once: the shortest questions take as long as their statements."""
 
@@ -55,7 +58,7 @@ class Spans:
     def of(self, document_key: int, first: int = 1, last: int | None = None) -> list[StoredSpan]:
         """Spans of a document that touch the frames first to last, in order of their first frame and rank."""
         given = {"document": document_key, "at": self._tx.at, "first": first, "last": CURRENT if last is None else last}
-        return [StoredSpan(*row) for row in self._tx.rows(_TOUCHING, given)]
+        return [StoredSpan(*row) for row in self._tx.checked(_TOUCHING, given)]
 
     def named(self, names: list[str], documents: list[int] | None = None) -> dict[int, list[tuple[int, int]]]:
         """Ranges (first, last) of frames that carry one of the names, by document key.
@@ -74,13 +77,13 @@ class Spans:
     def _named(self, names: list[str], documents: list[int] | None) -> Iterable[Any]:
         # One name, in all documents or one, is what is asked most.
         if len(names) == 1 and documents is None:
-            return self._tx.rows(_OF_ONE_NAME, {"name": names[0], "at": self._tx.at})
+            return self._tx.checked_again(_OF_ONE_NAME, {"name": names[0], "at": self._tx.at})
         if len(names) == 1 and documents is not None and len(documents) == 1:
             given = {"name": names[0], "document": documents[0], "at": self._tx.at}
-            return self._tx.rows(_OF_ONE_NAME_IN_ONE, given)
+            return self._tx.checked_again(_OF_ONE_NAME_IN_ONE, given)
         query = _NAMED if documents is None else _NAMED_IN
         narrowed = {} if documents is None else {"documents": documents}
-        return self._tx.connection.execute(query, {"names": names, "at": self._tx.at, **narrowed})
+        return self._tx.checked_once(query, {"names": names, "at": self._tx.at, **narrowed})
 
     def write(self, document_key: int, rows: list[dict[str, Any]], from_commit: int) -> None:
         """Add spans ({name, first, last, rank}) that hold from a commit on."""
@@ -107,7 +110,7 @@ class Spans:
     def close(self, keys: list[int]) -> None:
         """End spans with this transaction's commit."""
         if keys:
-            self._tx.connection.execute(update(span).where(span.c.id.in_(keys)).values(to_commit=self._tx.commit))
+            self._tx.connection.execute(update(span).where(span.c.id.in_(keys)).values(closing(span, self._tx.commit)))
 
     def counts(self, project_name: str | None = None) -> list[tuple[str, int, int]]:
         """(motion name, documents, frames) of every name in use."""

@@ -20,7 +20,6 @@ from sqlalchemy import (
     Index,
     Integer,
     LargeBinary,
-    MetaData,
     SmallInteger,
     String,
     Table,
@@ -29,29 +28,15 @@ from sqlalchemy import (
     literal_column,
 )
 
-from service.motion.skeleton import CHANNELS
+from service.storage.schema import CHANNEL_ENDS, CURRENT, KEY, NAME, checksum, metadata
 
-CHUNK = 256
-"""Frames in one track row."""
-
-CURRENT = 2**63 - 1
-"""`to_commit` of rows that no later commit has closed."""
-
-NAME = String(1024).with_variant(String(1024, collation="C"), "postgresql")
-"""Names compare by code point in every database, as XPath's string comparison does."""
-
-KEY = BigInteger().with_variant(Integer, "sqlite")
-"""SQLite numbers rows by itself only in a column typed INTEGER."""
-
-metadata = MetaData(
-    naming_convention={
-        "ix": "ix_%(table_name)s_%(column_0_N_name)s",
-        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
-        "fk": "fk_%(table_name)s_%(column_0_N_name)s",
-        "pk": "pk_%(table_name)s",
-    }
+store = Table(
+    "store",
+    metadata,
+    Column("name", String(32), primary_key=True),
+    Column("value", Text, nullable=False),
 )
-
+"""What a program must agree with to read the rest (`service.storage.layout`)."""
 
 project = Table(
     "project",
@@ -59,6 +44,7 @@ project = Table(
     Column("id", KEY, primary_key=True),
     Column("name", NAME, nullable=False, unique=True),
     Column("created", String(32), nullable=False),
+    checksum(),
 )
 
 token = Table(
@@ -70,6 +56,7 @@ token = Table(
     Column("hint", String(16), nullable=False),
     Column("created", String(32), nullable=False),
     Column("expires", String(32)),
+    checksum(),
 )
 
 commit = Table(
@@ -78,6 +65,7 @@ commit = Table(
     Column("number", KEY, primary_key=True),
     Column("time", String(32), nullable=False),
     Column("author", NAME, nullable=False),
+    checksum(),
 )
 
 document = Table(
@@ -94,6 +82,7 @@ document = Table(
     Column("deleted_commit", BigInteger, nullable=False),
     Column("next_slot", BigInteger, nullable=False),
     Column("receipt", LargeBinary, nullable=False),
+    checksum(),
     Index(None, "project", "name"),
 )
 
@@ -108,6 +97,7 @@ revision = Table(
     Column("message", Text, nullable=False),
     Column("name", NAME, nullable=False),
     Column("project", ForeignKey("project.id"), nullable=False),
+    checksum(),
     sqlite_with_rowid=False,
 )
 """`name`, `project`: what the revision left in the row of the document, which has the present ones."""
@@ -119,6 +109,7 @@ skeleton = Table(
     Column("project", ForeignKey("project.id"), nullable=False),
     Column("hash", String(64), nullable=False),
     Column("joints", Integer, nullable=False),
+    checksum(),
     UniqueConstraint("project", "hash"),
 )
 
@@ -146,6 +137,7 @@ content = Table(
     Column("frames", BigInteger, nullable=False),
     Column("frame_time", String(64)),
     Column("intact", Boolean, nullable=False),
+    checksum(),
     Index(None, "skeleton"),
     sqlite_with_rowid=False,
 )
@@ -164,6 +156,7 @@ header = Table(
     Column("tag", String(32), nullable=False),
     Column("attributes", Text, nullable=False),
     Column("text", Text, nullable=False),
+    checksum(),
     sqlite_with_rowid=False,
 )
 
@@ -175,6 +168,7 @@ property_ = Table(
     Column("number", Float),
     Column("text", Text, nullable=False),
     Column("unit", String(64), nullable=False),
+    checksum(),
     Index(None, "name", "number"),
     sqlite_with_rowid=False,
 )
@@ -188,6 +182,7 @@ bone = Table(
     Column("from_commit", BigInteger, primary_key=True),
     Column("to_commit", BigInteger, nullable=False),
     Column("name", NAME, nullable=False),
+    checksum(),
     Index(None, "name", "document"),
     sqlite_with_rowid=False,
 )
@@ -201,6 +196,7 @@ timeline = Table(
     Column("to_commit", BigInteger, nullable=False),
     Column("slot", BigInteger, nullable=False),
     Column("count", BigInteger, nullable=False),
+    checksum(),
     sqlite_with_rowid=False,
 )
 
@@ -215,6 +211,7 @@ frame_run = Table(
     Column("first_id", BigInteger),
     Column("step", BigInteger),
     Column("texts", Text),
+    checksum(),
     sqlite_with_rowid=False,
 )
 
@@ -224,6 +221,7 @@ shape = Table(
     Column("document", ForeignKey("document.id"), primary_key=True),
     Column("shape", Integer, primary_key=True),
     Column("bones", LargeBinary, nullable=False),
+    checksum(),
     sqlite_with_rowid=False,
 )
 """`bones`: pairs of little-endian 16-bit numbers (bone, channel bits), in the order of the frame_bones."""
@@ -237,6 +235,7 @@ shape_run = Table(
     Column("to_commit", BigInteger, nullable=False),
     Column("count", BigInteger, nullable=False),
     Column("shape", Integer, nullable=False),
+    checksum(),
     sqlite_with_rowid=False,
 )
 
@@ -251,6 +250,7 @@ span = Table(
     Column("first", BigInteger, nullable=False),
     Column("last", BigInteger, nullable=False),
     Column("rank", Integer, nullable=False),
+    checksum(),
     Index(None, "name", "document"),
     Index(None, "document", "first"),
 )
@@ -266,11 +266,14 @@ track = Table(
     Column("count", SmallInteger, nullable=False),
     Column("channels", SmallInteger, nullable=False),
     Column("has_missing", SmallInteger, nullable=False),
-    *(Column(f"{end}_{channel}", Float(53)) for channel in CHANNELS for end in ("min", "max")),
+    *(Column(end, Float(53)) for end in CHANNEL_ENDS),
     Column("codec", SmallInteger, nullable=False),
     Column("data", LargeBinary, nullable=False),
+    checksum("data_checksum"),
+    checksum(),
 )
-"""`channels`, `has_missing`: bit i stands for `CHANNELS[i]`. The zone map (min, max) covers the samples present."""
+"""`channels`, `has_missing`: bit i stands for `CHANNELS[i]`. The zone map (min, max) covers the samples present.
+`data_checksum` is that of the data, `checksum` of all else."""
 
 CLOSED_TRACK = track.c.to_commit < literal_column(str(CURRENT))
 """What a query must say, word for word, to find tracks of the past by `to_commit` without reading all: the index holds
@@ -293,6 +296,7 @@ upload_block = Table(
     Column("upload", ForeignKey("upload.id"), primary_key=True),
     Column("number", Integer, primary_key=True),
     Column("data", LargeBinary, nullable=False),
+    checksum(),
 )
 
 document_upload = Table(
@@ -302,91 +306,6 @@ document_upload = Table(
     Column("part", String(16), primary_key=True),
     Column("file_name", NAME, nullable=False),
     Column("upload", ForeignKey("upload.id"), nullable=False, index=True),
+    checksum(),
     sqlite_with_rowid=False,
-)
-
-joint_mapping = Table(
-    "joint_mapping",
-    metadata,
-    Column("id", KEY, primary_key=True),
-    Column("project", ForeignKey("project.id"), nullable=False),
-    Column("name", NAME, nullable=False),
-    Column("version", Integer, nullable=False),
-    Column("author", NAME, nullable=False),
-    Column("changed", String(32), nullable=False),
-    Column("pairs", Text, nullable=False),
-    UniqueConstraint("project", "name"),
-)
-"""Which joint of a source is which of a target, under a name. `pairs`: JSON, [[source, target], …]."""
-
-job = Table(
-    "job",
-    metadata,
-    Column("id", KEY, primary_key=True),
-    Column("uuid", String(36), nullable=False, unique=True),
-    Column("project", ForeignKey("project.id"), nullable=False),
-    Column("analysis", String(64), nullable=False),
-    Column("name", NAME, nullable=False),
-    Column("owner", NAME, nullable=False),
-    Column("state", String(16), nullable=False),
-    Column("inputs", Text, nullable=False),
-    Column("parameters", Text, nullable=False),
-    Column("stage", String(256), nullable=False),
-    Column("share", Float, nullable=False),
-    Column("attempt", Integer, nullable=False),
-    Column("runner", String(64)),
-    Column("lease", Float),
-    Column("cancel", Boolean, nullable=False),
-    Column("created", String(32), nullable=False),
-    Column("started", String(32)),
-    Column("ended", String(32)),
-    Column("problem", Text),
-    Column("result", ForeignKey("result.id")),
-    Index(None, "state"),
-    Index(None, "project"),
-)
-"""`state`: waiting, running, done, failed, cancelled. `inputs`, `parameters`, `problem`: JSON. `runner`, `lease`: who
-works on it, and until when that may be believed without news."""
-
-result = Table(
-    "result",
-    metadata,
-    Column("id", KEY, primary_key=True),
-    Column("uuid", String(36), nullable=False, unique=True),
-    Column("project", ForeignKey("project.id"), nullable=False),
-    Column("parent", ForeignKey("result.id")),
-    Column("analysis", String(64), nullable=False),
-    Column("name", NAME, nullable=False),
-    Column("owner", NAME, nullable=False),
-    Column("inputs", Text, nullable=False),
-    Column("parameters", Text, nullable=False),
-    Column("made_with", Text, nullable=False),
-    Column("created", String(32), nullable=False),
-    Index(None, "project"),
-    Index(None, "parent"),
-)
-"""`parent`: the result from which an operation made this one. `inputs`: documents with the revisions that were read.
-`made_with`: versions of the libraries that computed it."""
-
-result_part = Table(
-    "result_part",
-    metadata,
-    Column("result", ForeignKey("result.id"), primary_key=True),
-    Column("name", String(64), primary_key=True),
-    Column("kind", String(16), nullable=False),
-    Column("data", LargeBinary, nullable=False),
-    Column("arrays", Text, nullable=False),
-    Column("document", ForeignKey("document.id")),
-)
-"""`data`: JSON. `arrays`: name -> type and shape of what lies in `result_block`. `document`: the clip of a part that is
-one."""
-
-result_block = Table(
-    "result_block",
-    metadata,
-    Column("result", ForeignKey("result.id"), primary_key=True),
-    Column("part", String(64), primary_key=True),
-    Column("array", String(64), primary_key=True),
-    Column("number", Integer, primary_key=True),
-    Column("data", LargeBinary, nullable=False),
 )

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import BigInteger, Select, and_, bindparam, delete, func, insert, select, update
+from sqlalchemy import BigInteger, Select, and_, bindparam, delete, func, select, update
 
 from service.errors import NotFoundError, StoreError
 from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import Array
 from service.storage.blocks import Stretch, gathered, side_by_side
+from service.storage.damage import describe_track_damage
 from service.storage.encoding import (
     DATA_PLACE,
     TRACK_COLUMNS,
@@ -23,6 +24,7 @@ from service.storage.encoding import (
     TrackRow,
     channels_of,
     decompress,
+    is_plain_integer,
     pack_shape,
     track_row,
     unpack_shape,
@@ -30,7 +32,9 @@ from service.storage.encoding import (
 from service.storage.lists import OneOf
 from service.storage.moments import of_document
 from service.storage.runs import intersection
-from service.storage.tables import CHUNK, CURRENT, frame_run, shape, shape_run, timeline, track
+from service.storage.schema import CHUNK, CURRENT
+from service.storage.seals import Checked, checked, closing, unsound
+from service.storage.tables import frame_run, shape, shape_run, timeline, track
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction
@@ -52,25 +56,29 @@ _TRACK_ROW = ("document", "from_commit", "to_commit", *TRACK_COLUMNS)
 _FIRST, _LAST = bindparam("first", type_=BigInteger), bindparam("last", type_=BigInteger)
 
 # Made once: to make a statement takes longer than to run a short one. Each gives what touches first to last.
-_PIECES = (
+_PIECES = checked(
     select(timeline.c.first, timeline.c.slot, timeline.c.count)
     .where(of_document(timeline), timeline.c.first <= _LAST, timeline.c.first + timeline.c.count > _FIRST)
-    .order_by(timeline.c.first)
+    .order_by(timeline.c.first),
+    timeline,
 )
-_SHAPE_RUNS = (
+_SHAPE_RUNS = checked(
     select(shape_run.c.slot, shape_run.c.count, shape.c.bones)
     .join(shape, and_(shape.c.document == shape_run.c.document, shape.c.shape == shape_run.c.shape))
     .where(of_document(shape_run), shape_run.c.slot <= _LAST, shape_run.c.slot + shape_run.c.count > _FIRST)
-    .order_by(shape_run.c.slot)
+    .order_by(shape_run.c.slot),
+    shape_run,
+    shape,
 )
-_FRAME_RUNS = (
+_FRAME_RUNS = checked(
     select(frame_run.c.first, frame_run.c.count, frame_run.c.first_id, frame_run.c.step, frame_run.c.texts)
     .where(of_document(frame_run), frame_run.c.first <= _LAST, frame_run.c.first + frame_run.c.count > _FIRST)
-    .order_by(frame_run.c.first)
+    .order_by(frame_run.c.first),
+    frame_run,
 )
-_TRACKS = select(track.c.chunk, track.c.bone, track.c.channels, track.c.count, track.c.codec, track.c.data).where(
-    of_document(track), track.c.chunk >= _FIRST, track.c.chunk <= _LAST
-)
+_TRACKS = select(
+    track.c.chunk, track.c.bone, track.c.channels, track.c.count, track.c.codec, track.c.data, track.c.data_checksum
+).where(of_document(track), track.c.chunk >= _FIRST, track.c.chunk <= _LAST)
 _TRACKS_OF_BONES = _TRACKS.where(OneOf(track.c.bone, "bones"))
 
 
@@ -113,7 +121,7 @@ class Tracks:
         """Close current rows; those that this commit itself wrote were never seen, and go."""
         commit = self._tx.commit
         self._tx.connection.execute(delete(table).where(rows, table.c.from_commit == commit))
-        self._tx.connection.execute(update(table).where(rows).values(to_commit=commit))
+        self._tx.connection.execute(update(table).where(rows).values(closing(table, commit)))
 
     def shape_number(self, document_key: int, wanted: Shape) -> int:
         """The number of a shape in the document, a new one where it has none like it."""
@@ -124,7 +132,7 @@ class Tracks:
             return int(found)
         newest = select(func.coalesce(func.max(shape.c.shape), -1)).where(shape.c.document == document_key)
         number = int(self._tx.connection.execute(newest).scalar_one()) + 1
-        self._tx.connection.execute(insert(shape).values(document=document_key, shape=number, bones=packed))
+        self._tx.insert_rows(shape, [{"document": document_key, "shape": number, "bones": packed}])
         return number
 
     def rewrite_chunk(self, document_key: int, chunk: int, bone: int, channels: list[int], columns: Array) -> int:
@@ -150,10 +158,15 @@ class Tracks:
         """Replace the ids of all frames from this commit on. Texts that are plain integers are kept as such."""
         runs = FrameIdRuns()
         for part in parts:
-            plain = isinstance(part, np.ndarray) or all(_is_plain(text) for text in part)
+            plain = isinstance(part, np.ndarray) or all(is_plain_integer(text) for text in part)
             runs.add(np.array(part, dtype=np.int64) if plain else part)
         self.close(frame_run, document_key)
         self.write_frame_runs(document_key, runs.rows, self._tx.commit)
+
+    def shapes(self, document_key: int) -> dict[int, Shape]:
+        """Every shape that a frame of the document has had, by its number."""
+        query = select(shape.c.shape, shape.c.bones).where(shape.c.document == document_key)
+        return {number: unpack_shape(packed) for number, packed in self._tx.connection.execute(query)}
 
     def shapes_in_use(self, document_key: int) -> list[Shape]:
         """Every distinct shape that a current frame has."""
@@ -163,7 +176,7 @@ class Tracks:
             .where(shape.c.document == document_key, self._tx.valid(shape_run))
             .distinct()
         )
-        return [unpack_shape(packed) for packed in self._tx.connection.execute(query).scalars()]
+        return [unpack_shape(packed) for (packed,) in self._tx.checked_once(checked(query, shape))]
 
     def shape_ranges(self, document_key: int, ranges: Sequence[tuple[int, int]]) -> Iterator[tuple[int, int, Shape]]:
         """The ranges (first, last: positions, ascending) cut where the shape of frames changes, each with its shape."""
@@ -192,13 +205,15 @@ class Tracks:
 
     def chunk(self, document_key: int, chunk: int, bone: int) -> tuple[list[int], Array] | None:
         """(channels, (k, n) columns) of one track row, None where the bone has none in that chunk."""
-        query = select(track.c.channels, track.c.codec, track.c.data).where(
+        query = select(track.c.channels, track.c.codec, track.c.data, track.c.data_checksum).where(
             track.c.document == document_key, track.c.chunk == chunk, track.c.bone == bone, self._tx.valid(track)
         )
         row = self._tx.connection.execute(query).one_or_none()
         if row is None:
             return None
         channels = channels_of(row.channels)
+        if unsound([tuple(row)], codec=1) is not None:
+            raise describe_track_damage(self._tx, document_key, chunk, bone)
         return channels, decompress(row.data, len(channels), row.codec).copy()
 
     # -- reading ---------------------------------------------------------------------------------------------------
@@ -263,8 +278,10 @@ class Tracks:
             rows = self._rows(_TRACKS, document_key, first_chunk, last_chunk)
         else:
             rows = self._rows(_TRACKS_OF_BONES, document_key, first_chunk, last_chunk, bones=list(bones))
-        for chunk, *found in sorted(rows, key=itemgetter(0, 1)):
-            tracks[chunk].append(tuple(found))
+        if (wrong := unsound(rows, codec=4)) is not None:
+            raise describe_track_damage(self._tx, document_key, *wrong[:2])
+        for row in sorted(rows, key=itemgetter(0, 1)):
+            tracks[row[0]].append(row[1:6])
         stretches = []
         for chunk, held in tracks.items():
             begin, stop = max(start, chunk * CHUNK), min(end, (chunk + 1) * CHUNK)
@@ -304,9 +321,11 @@ class Tracks:
             return np.concatenate([*parts, np.empty(0, np.int64)])
         return [str(item) for part in parts for item in part]
 
-    def _rows(self, query: Select[Any], document_key: int, first: int, last: int, **given: Any) -> Sequence[Any]:
+    def _rows(
+        self, query: Select[Any] | Checked, document_key: int, first: int, last: int, **given: Any
+    ) -> Sequence[Any]:
         given |= {"document": document_key, "at": self._tx.at, "first": first, "last": last}
-        return self._tx.rows(query, given)
+        return self._tx.checked(query, given) if isinstance(query, Checked) else self._tx.rows(query, given)
 
     def positions_of_id(self, document_key: int, text: str) -> list[int]:
         """Positions of the frames with this id, ascending."""
@@ -314,17 +333,14 @@ class Tracks:
             frame_run.c.first, frame_run.c.count, frame_run.c.first_id, frame_run.c.step, frame_run.c.texts
         ).where(frame_run.c.document == document_key, self._tx.valid(frame_run))
         found: list[int] = []
-        for first, count, first_id, step, texts in self._tx.connection.execute(query.order_by(frame_run.c.first)):
+        runs = self._tx.checked_once(checked(query.order_by(frame_run.c.first), frame_run))
+        for first, count, first_id, step, texts in runs:
             if texts is not None:
                 found += [first + i for i, other in enumerate(json.loads(texts)) if other == text]
-            elif _is_plain(text):
+            elif is_plain_integer(text):
                 ids = first_id + step * np.arange(count, dtype=np.int64)
                 found += [first + int(i) for i in np.flatnonzero(ids == int(text))]
         return found
-
-
-def _is_plain(text: str) -> bool:
-    return text.isascii() and text.removeprefix("-").isdigit() and str(int(text)) == text and len(text) < 19
 
 
 def _every(block: FrameBlock, skip: int, step: int) -> FrameBlock:

@@ -1,19 +1,22 @@
 """Taking back what one commit did to a document, while later commits stay.
 
 A row is the least that is taken back. It can be, as long as no later commit has touched it; what is one row a revision
-(the content) or renewed as a whole (the header) is compared value by value.
+(the content) or renewed as a whole (the header) is compared value by value, and tracks sample by sample.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import and_, insert, literal, select, update
+from sqlalchemy import and_, literal, select, update
 
 from service.errors import ConflictError
 from service.storage.moments import valid
-from service.storage.restoring import REVISIONED
-from service.storage.tables import CLOSED_TRACK, CURRENT, content, frame_run, header, span, timeline, track
+from service.storage.restoring import REVISIONED, copy_rows, show_copies
+from service.storage.schema import CURRENT
+from service.storage.seals import closing
+from service.storage.tables import CLOSED_TRACK, content, frame_run, header, shape_run, span, timeline, track
+from service.storage.undoing_samples import take_back_shapes, take_back_tracks
 
 if TYPE_CHECKING:
     from sqlalchemy import ColumnElement, Table
@@ -41,7 +44,10 @@ def undo_rows(tx: Transaction, stored: StoredDocument, at: int) -> None:
             raise _touched("frames came or went, and their names or ids were changed")
         if moved_since and table in _BY_POSITION and _touches(tx, table, stored, at):
             raise _touched("names or ids of frames were changed, and frames came or went")
-        _take_back(tx, table, stored, at)
+        if table in (track, shape_run) and _is_touched(tx, table, stored, at):
+            _take_back_samples(tx, table, stored, at)
+        else:
+            _take_back(tx, table, stored, at)
     _merge_header(tx, stored, at)
     _merge_content(tx, stored, at)
 
@@ -90,20 +96,46 @@ def _take_back(tx: Transaction, table: Table, stored: StoredDocument, at: int) -
     what = {"track": "values", "span": "motion names", "bone": "bones"}.get(table.name, "frames")
     if any(row["to_commit"] not in (CURRENT, at) for row in written):
         raise _touched(f"{what} it set were changed")
-    keys = [column.name for column in table.primary_key if column.name not in ("document", "from_commit", "id")]
+    keys = _keys(table)
     if keys:
         later = _rows(tx, table, stored, table.c.from_commit > at, table.c.to_commit == CURRENT)
         if {_key(row, keys) for row in closed} & {_key(row, keys) for row in later}:
             raise _touched(f"{what} it took away were set")
     of_document = table.c.document == stored.key
-    names = [column.name for column in table.columns if column.name not in ("from_commit", "to_commit", "id")]
-    copies = select(
-        *(table.c[name] for name in names), literal(tx.commit).label("from_commit"), literal(-1).label("to_commit")
-    ).where(of_document, *_closed_at(table, at))
-    tx.connection.execute(insert(table).from_select([*names, "from_commit", "to_commit"], copies))
+    copy_rows(tx, table, of_document, *_closed_at(table, at))
     mine = and_(of_document, table.c.from_commit == at, table.c.to_commit == CURRENT)
-    tx.connection.execute(update(table).where(mine).values(to_commit=tx.commit))
-    tx.connection.execute(update(table).where(of_document, table.c.to_commit == -1).values(to_commit=CURRENT))
+    tx.connection.execute(update(table).where(mine).values(closing(table, tx.commit)))
+    show_copies(tx, table, stored)
+
+
+def _is_touched(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> bool:
+    """Whether a later commit has written one of the rows that the commit wrote or closed."""
+    written, closed = _written(tx, table, stored, at), _closed(tx, table, stored, at)
+    if any(row["to_commit"] not in (CURRENT, at) for row in written):
+        return True
+    keys = _keys(table)
+    later = _rows(tx, table, stored, table.c.from_commit > at, table.c.to_commit == CURRENT) if closed else []
+    return not {_key(row, keys) for row in closed}.isdisjoint(_key(row, keys) for row in later)
+
+
+def _take_back_samples(tx: Transaction, table: Table, stored: StoredDocument, at: int) -> None:
+    """As `_take_back`, sample by sample: other ones of the same rows may have been set since."""
+    try:
+        if table is track:
+            rows = _written(tx, table, stored, at) + _closed(tx, table, stored, at)
+            take_back_tracks(tx, stored, at, {(row["chunk"], row["bone"]) for row in rows})
+        else:
+            was, became, now = (
+                [(row["slot"], row["count"], row["shape"]) for row in _at(tx, table, stored, commit)]
+                for commit in (at - 1, at, CURRENT - 1)
+            )
+            take_back_shapes(tx, stored, (was, became, now))
+    except LookupError:
+        raise _touched("values it set were changed") from None
+
+
+def _keys(table: Table) -> list[str]:
+    return [column.name for column in table.primary_key if column.name not in ("document", "from_commit", "id")]
 
 
 def _key(row: Row, names: list[str]) -> tuple[Any, ...]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import zstandard
 from sqlalchemy import bindparam, delete, func, select, update
 
-from service.errors import StoreError
+from service.storage.seals import checked
 from service.storage.tables import document, document_upload, upload, upload_block
 
 if TYPE_CHECKING:
@@ -39,6 +39,12 @@ _MADE_OF = (
         select(func.count()).select_from(_PARTS).where(_PARTS.c.document == document.c.id).scalar_subquery()
         == bindparam("parts")
     )
+)
+_BLOCK = checked(
+    select(upload_block.c.data).where(
+        upload_block.c.upload == bindparam("key"), upload_block.c.number == bindparam("number")
+    ),
+    upload_block,
 )
 _MADE_COMPLETE = update(upload).where(upload.c.id == bindparam("key")).values(complete=True, lease=None)
 
@@ -120,24 +126,20 @@ class Uploads:
         return sorted(candidates or ())
 
     def read(self, document_key: int, part: str) -> Iterator[bytes] | None:
-        """The bytes of a kept file in blocks, or None where it is not kept. StoreError where they are damaged."""
+        """The bytes of a kept file in blocks, or None where it is not kept. DamageError where they are damaged."""
         query = select(document_upload.c.upload).where(
             document_upload.c.document == document_key, document_upload.c.part == part
         )
-        key = self._tx.connection.execute(query).scalar_one_or_none()
-        return None if key is None else self._blocks(key)
+        rows = self._tx.checked_once(checked(query, document_upload))
+        return self._blocks(rows[0][0]) if rows else None
 
     def _blocks(self, key: int) -> Iterator[bytes]:
         number = 0
         while True:
-            query = select(upload_block.c.data).where(upload_block.c.upload == key, upload_block.c.number == number)
-            data = self._tx.connection.execute(query).scalar_one_or_none()
-            if data is None:
+            rows = self._tx.checked(_BLOCK, {"key": key, "number": number})
+            if not rows:
                 return
-            try:
-                yield zstandard.ZstdDecompressor().decompress(data, max_output_size=BLOCK_BYTES)
-            except zstandard.ZstdError as error:
-                raise StoreError(f"A kept upload is damaged: {error}", remedy="Run `mcml db check`.") from error
+            yield zstandard.ZstdDecompressor().decompress(rows[0][0], max_output_size=BLOCK_BYTES)
             number += 1
 
     def forget(self, document_key: int) -> None:

@@ -9,9 +9,9 @@ from typing import Literal
 
 from service.mcml.content import declarations
 from service.mcml.vocabulary import MOTION_NAME, NAME
-from service.xpath.parse import FUNCTIONS
 from service.xpath.projection import DOCUMENT, Types, reach
 from service.xpath.rules import after
+from service.xpath.signatures import FUNCTIONS
 from service.xpath.tree import AXES, KIND_TESTS, Step
 
 Kind = Literal["element", "attribute", "axis", "function", "motion name", "bone name"]

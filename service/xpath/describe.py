@@ -23,10 +23,11 @@ from service.xpath.numbering import (
     frames_of,
     slots_of,
 )
+from service.xpath.worker import NAMESPACE
 
 
 def describe_nodes(forest: Forest, nodes: Ints) -> Iterator[tuple[str, str]]:
-    """(kind, address) of each node. An address is an XPath that finds the node; a namespace node has none."""
+    """(kind, address) of each node. An address is an XPath that finds the node."""
     kinds, _ = kinds_and_names(forest, nodes)
     frames, slots = frames_of(nodes), slots_of(nodes)
     inner = np.flatnonzero(frames > 0)
@@ -38,8 +39,9 @@ def describe_nodes(forest: Forest, nodes: Ints) -> Iterator[tuple[str, str]]:
     names = dict(zip(inner.tolist(), forest.labels.sizes(nodes[inner]).tolist(), strict=True))
     outside = dict(zip(outer.tolist(), addresses, strict=True))
     for place, (kind, frame, slot) in enumerate(zip(kinds.tolist(), frames.tolist(), slots.tolist(), strict=True)):
-        if kind == IS_NAMESPACE:
-            yield KIND_NAMES[kind], ""
+        if frame and kind == IS_NAMESPACE:
+            element = _in_frame(slot - NAMESPACE_SLOT, names[place])
+            yield KIND_NAMES[kind], f"/mcml/motion/frame[{frame}]{element}/{NAMESPACE}"
         elif frame:
             yield KIND_NAMES[kind], f"/mcml/motion/frame[{frame}]{_in_frame(slot, names[place])}"
         else:

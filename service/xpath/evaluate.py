@@ -17,10 +17,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import psutil
+
 from service.errors import LimitError, QueryError, StoreError
+from service.xpath.limits import Limits
 from service.xpath.parse import Query
 from service.xpath.projection import may_select_document
+from service.xpath.turns import Turns
 from service.xpath.worker import LAST, read_message, write_message
+
+LOOK_SECONDS = 0.02
+SECONDS_OF_SHORT = 1.0
+"""After these a query is a long one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,18 +66,53 @@ class Nodes:
     total: int
 
 
+class Watch(threading.Thread):
+    """Looks at a process while it works: kills it when the query must end, or when it holds more memory than it may.
+
+    Memory is seen from outside, for what Saxon reserves escapes the limits that the system sets. A process that works
+    long gets what time others leave.
+    """
+
+    def __init__(self, process: subprocess.Popen[bytes], limits: Limits, memory: int) -> None:
+        super().__init__(daemon=True)
+        self.demoted = False
+        self._process = process
+        self._limits = limits
+        self._memory = memory
+        self._ended = threading.Event()
+        self.start()
+
+    def run(self) -> None:
+        long_from = time.monotonic() + SECONDS_OF_SHORT
+        with suppress(psutil.NoSuchProcess):
+            seen = psutil.Process(self._process.pid)
+            while not self._ended.wait(LOOK_SECONDS):
+                if self._limits.over or seen.memory_info().rss > self._memory:
+                    self._process.kill()
+                    return
+                if not self.demoted and time.monotonic() > long_from:
+                    self.demoted = True
+                    seen.nice(10)
+
+    def end(self) -> None:
+        """Looks no more."""
+        self._ended.set()
+        self.join()
+
+
 class Evaluator:
-    """A small pool of processes. Threads may share it; at most `processes` queries run at once, others wait.
+    """A small pool of processes. Threads may share it; at most `processes` queries run at once, all but one of one
+    client; others wait in turn.
 
     program: what a process runs; it takes the memory that it may use as its argument.
     """
 
     program = Path(__file__).with_name("worker.py")
 
-    def __init__(self, *, seconds: float = 10.0, memory_bytes: int = 1 << 30, processes: int = 2) -> None:
+    def __init__(self, *, seconds: float = 10.0, memory_bytes: int = 1 << 30, processes: int = 4) -> None:
         self._seconds = seconds
         self._memory = memory_bytes
-        self._free = threading.BoundedSemaphore(processes)
+        self._turns = Turns(processes)
         self._idle: list[subprocess.Popen[bytes]] = []
         self._lock = threading.Lock()
 
@@ -80,12 +123,12 @@ class Evaluator:
         *,
         limit: int = 1000,
         offset: int = 0,
-        seconds: float | None = None,
+        limits: Limits | None = None,
     ) -> Scalar | Nodes:
         """The value of an expression, the document as context node.
 
         document: its XML in pieces, without white space between elements (`Layout.COMPACT`), projected or whole.
-        limit, offset: the page of nodes. seconds: less time than the pool's.
+        limit, offset: the page of nodes. limits: of the whole query; default the seconds of the pool.
         Raises LimitError (details: code "query-timeout" or "query-memory"), QueryError where libxml2 refuses the
         expression, StoreError where it refuses the document.
         """
@@ -95,18 +138,17 @@ class Evaluator:
             "limit": limit,
             "offset": offset,
         }
-        return _read_answer(self.ask(request, document, seconds))
+        return _read_answer(self.ask(request, document, limits))
 
-    def ask(self, request: dict[str, Any], document: Iterable[bytes], seconds: float | None) -> Any:
+    def ask(self, request: dict[str, Any], document: Iterable[bytes], limits: Limits | None) -> Any:
         """What a process answers to a request on a document. Raises LimitError as `evaluate` does."""
-        allowed = min(self._seconds, seconds if seconds is not None else self._seconds)
-        deadline = time.monotonic() + allowed
-        if not self._free.acquire(timeout=allowed):
-            raise _timeout(allowed)
+        limits = limits or Limits(self._seconds, 0)
+        if not self._turns.take(limits.client, limits.seconds_left):
+            raise limits.timeout()
         try:
-            answer = self._ask(request, document, deadline, allowed)
+            answer = self._ask(request, document, limits)
         finally:
-            self._free.release()
+            self._turns.give(limits.client)
         if answer.get("error") == "memory":
             raise _out_of_memory(self._memory)
         return answer
@@ -118,17 +160,9 @@ class Evaluator:
         for process in idle:
             _end(process)
 
-    def _ask(self, request: dict[str, Any], document: Iterable[bytes], deadline: float, allowed: float) -> Any:
+    def _ask(self, request: dict[str, Any], document: Iterable[bytes], limits: Limits) -> Any:
         process = self._take()
-        expired = threading.Event()
-
-        def expire() -> None:
-            expired.set()
-            process.kill()
-
-        timer = threading.Timer(max(0.0, deadline - time.monotonic()), expire)
-        timer.daemon = True
-        timer.start()
+        watch = Watch(process, limits, self._memory)
         answer = None
         # A process that dies breaks the pipe: what it said before, if anything, decides.
         try:
@@ -136,15 +170,14 @@ class Evaluator:
                 _send(process, request, document)
             answer = read_message(process.stdout) if process.stdout is not None else None
         finally:
-            timer.cancel()
+            watch.end()
             if answer is None:
                 _end(process)
         if answer is None:
-            if expired.is_set():
-                raise _timeout(allowed)
+            limits.check()
             raise _out_of_memory(self._memory)
         read = json.loads(answer)
-        if read.get("error") in LAST:
+        if read.get("error") in LAST or watch.demoted:
             _end(process)
             return read
         with self._lock:
@@ -195,14 +228,6 @@ def _read_answer(answer: dict[str, Any]) -> Scalar | Nodes:
     value = answer["value"]
     special = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
     return Scalar(special[value] if answer["type"] == "number" and isinstance(value, str) else value)
-
-
-def _timeout(seconds: float) -> LimitError:
-    return LimitError(
-        f"The query took more than {seconds:g} seconds.",
-        remedy="Ask fewer documents, or narrow the expression by motion name, bone or position.",
-        code="query-timeout",
-    )
 
 
 def _out_of_memory(memory: int) -> LimitError:

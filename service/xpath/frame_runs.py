@@ -12,6 +12,7 @@ import numpy as np
 from service.mcml.lexical import escape
 from service.storage.columns import Listed
 from service.storage.database import Transaction
+from service.storage.encoding import is_plain_integer
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, NAME_WIDTH, NAMES_FROM, Ints, slots_of
 from service.xpath.pairs import expand
 from service.xpath.texts import to_number
@@ -143,19 +144,42 @@ class IdRuns:
 
     def find(self, wanted: str | float) -> Ints:
         """The frame elements whose id is a text, or has this number; ascending."""
-        number = wanted if isinstance(wanted, float) else to_number(wanted)
-        found = [np.empty(0, np.int64)]
-        exact = not isinstance(wanted, str) or (number.is_integer() and str(int(number)) == wanted)
-        if number.is_integer() and abs(number) < 2**53 and exact:
-            distance = int(number) - self._first
-            step = np.where(self._step == 0, 1, self._step)
-            within = distance // step
-            hit = (distance % step == 0) & (within >= 0) & (within < self._count) & ~self._is_text
-            found.append(self._keys[hit] + within[hit])
+        found = [self._of_text(wanted) if isinstance(wanted, str) else self._of_number(wanted)]
         for run, texts in self._texts.items():
             places = [i for i, text in enumerate(texts) if text == wanted or to_number(text) == wanted]
             found.append(self._keys[run] + np.array(places, np.int64))
         return np.sort(np.concatenate(found)) << FRAME_SHIFT
+
+    def _of_text(self, wanted: str) -> Ints:
+        return self._hits(int(wanted)) if is_plain_integer(wanted) else np.empty(0, np.int64)
+
+    def _of_number(self, wanted: float) -> Ints:
+        if abs(wanted) < 2**53:
+            return self._hits(int(wanted)) if wanted.is_integer() else np.empty(0, np.int64)
+        # Several integers beyond are one and the same double.
+        within = [np.arange(count) for count in self._count.tolist()]
+        return np.concatenate(
+            [
+                np.empty(0, np.int64),
+                *(
+                    self._keys[run] + inner[(self._first[run] + self._step[run] * inner).astype(np.float64) == wanted]
+                    for run, inner in enumerate(within)
+                    if not self._is_text[run]
+                ),
+            ]
+        )
+
+    def _hits(self, wanted: int) -> Ints:
+        """The frames whose id is an integer, as keys."""
+        distance = wanted - self._first
+        equal = self._step == 0
+        step = np.where(equal, 1, self._step)
+        within = distance // step
+        hit = np.where(equal, distance == 0, (distance % step == 0) & (within >= 0) & (within < self._count))
+        runs = np.flatnonzero(hit & ~self._is_text)
+        # In a run of equal ids all frames have the one that is wanted.
+        source, inner = expand(np.where(equal[runs], self._count[runs], 1))
+        return np.asarray(self._keys[runs][source] + np.where(equal[runs], 0, within[runs])[source] + inner, np.int64)
 
     def numbers(self, nodes: Ints) -> tuple[Ints, dict[int, str]]:
         """The id of each node's frame as an integer; by index, those that are other texts."""

@@ -12,7 +12,7 @@ from service.mcml.writer import columns_of, frame_texts
 from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import Array
 from service.storage.blocks import Block, Stretch, evenly, gathered
-from service.storage.tables import CHUNK
+from service.storage.schema import CHUNK
 from service.xpath.forest import Forest
 from service.xpath.numbering import Ints, documents_of
 from service.xpath.tracks import BlockKey, read_blocks

@@ -73,7 +73,7 @@ class HeadRows:
         )
 
     def addresses(self, rows: Ints) -> list[str]:
-        """The canonical addresses of elements, attributes or texts; namespace nodes have none."""
+        """The canonical addresses of nodes."""
         documents = np.searchsorted(self.starts, rows, side="right") - 1
         within = (rows - self.starts[documents]).tolist()
         heads = [self.heads[place] for place in documents.tolist()]

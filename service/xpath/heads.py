@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from service.mcml.elements import Element
+from service.mcml.elements import Element, mcml_attributes
 from service.mcml.vocabulary import MCML, MOTION
 from service.mcml.writer import attribute_bytes, text_bytes
 from service.storage.columns import Listed
@@ -23,6 +23,7 @@ from service.xpath.numbering import (
     code_names,
     name_codes,
 )
+from service.xpath.worker import NAMESPACE
 
 XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
 
@@ -58,7 +59,7 @@ class Head:
     _kept: list[tuple[list[int], list[str], list[int]]] = field(default_factory=list)
 
     def address(self, row: int) -> str:
-        """The canonical address of the node in a row, an XPath that finds it. A namespace node has none.
+        """The canonical address of the node in a row, an XPath that finds it.
 
         An element that has siblings of its name is numbered among them.
         """
@@ -67,12 +68,14 @@ class Head:
             return known
         kinds, names, ends = self._lists()
         kind = kinds[row]
-        if kind in (IS_DOCUMENT, IS_NAMESPACE):
-            return "/" if kind == IS_DOCUMENT else ""
+        if kind == IS_DOCUMENT:
+            return "/"
         parent = int(self.part.parents[row])
         above = self.address(parent).rstrip("/")
         if kind in (IS_ATTRIBUTE, IS_TEXT):
             return f"{above}/@{names[row]}" if kind == IS_ATTRIBUTE else f"{above}/text()"
+        if kind == IS_NAMESPACE:
+            return f"{above}/{NAMESPACE}"
         by_name: dict[str, list[int]] = {}
         child = parent + 1
         while child <= ends[parent]:
@@ -187,7 +190,7 @@ def _assemble(version: str, parts: Sequence[Part], frames: int, frame_time: str 
 @lru_cache(maxsize=16)
 def _frame_of_parts(version: str) -> Part:
     """Document node and `mcml`."""
-    mcml = flatten([Element(MCML, {"version": version}, "", [])])
+    mcml = flatten([Element(MCML, mcml_attributes(version), "", [])])
     document = Part(np.array([IS_DOCUMENT], np.int8), np.zeros(1, np.int16), np.array([-1]), np.zeros(1, int), [""])
     moved = _moved(mcml, 1, parent=0)
     return Part(

@@ -8,7 +8,10 @@ from service.mcml.lexical import unescape
 from service.mcml.vocabulary import MOTION_NAME, NAME
 from service.storage.database import Transaction
 from service.storage.runs import intersection
-from service.xpath.tree import Call, Expression, Literal, Operation, Path, Step
+from service.xpath.tree import Call, Expression, Filter, Literal, Operation, Path, Step
+
+FAR = 2**38
+"""A position beyond the end of every list, as all greater ones are. It can be part of the number of a node."""
 
 Groups = tuple[tuple[str, ...], ...]
 """((a, b), (c,)) stands for frames named (a or b) and c."""
@@ -75,7 +78,17 @@ def position_of(predicate: Expression) -> int | None:
                 value = other
     if not isinstance(value, Literal) or not isinstance(value.value, float):
         return None
-    return int(value.value) if value.value >= 1 and value.value.is_integer() else None
+    # Infinity is no integer, and NaN is not at least 1.
+    return int(min(value.value, FAR)) if value.value >= 1 and value.value.is_integer() else None
+
+
+def without_index(tree: Expression) -> tuple[Expression, int | None]:
+    """`(…)[n]` around the whole counts over all documents: the expression inside, and n."""
+    if isinstance(tree, Filter) and len(tree.predicates) == 1 and isinstance(tree.predicates[0], Literal):
+        position = position_of(tree.predicates[0])
+        if position is not None:
+            return tree.operand, position
+    return tree, None
 
 
 def without_self(steps: Sequence[Step]) -> tuple[Step, ...]:

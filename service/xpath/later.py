@@ -9,36 +9,40 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from service.errors import Place, QueryError
-from service.xpath.tree import (
-    BOOLEAN_FUNCTIONS,
-    LATER_FUNCTIONS,
-    NODES_FUNCTIONS,
-    NUMBER_FUNCTIONS,
-    STRING_FUNCTIONS,
-    Sequence,
-)
+from elementpath import XPath2Parser
+from elementpath.exceptions import ElementPathError
+from elementpath.tdop import Parser
 
-AGGREGATES = frozenset({"count", "sum", "min", "max", "avg", "exists", "empty", "distinct-values", "string-join"})
-"""Functions that, around the whole expression, make one value of all documents together."""
-SAFE_FUNCTIONS = (
-    NODES_FUNCTIONS | NUMBER_FUNCTIONS | STRING_FUNCTIONS | BOOLEAN_FUNCTIONS | LATER_FUNCTIONS | AGGREGATES
-) | {
-    "matches", "replace", "tokenize", "index-of", "data", "reverse", "subsequence", "insert-before", "remove",
-    "compare", "deep-equal", "codepoints-to-string", "string-to-codepoints", "round-half-to-even", "zero-or-one",
-    "one-or-more", "exactly-one", "root", "unordered",
-}  # fmt: skip
-"""Functions that see nothing but their arguments and the document."""
+from service.errors import Place, QueryError
+from service.xpath.grammar import check_arity
+from service.xpath.signatures import AGGREGATES, SAFE_FUNCTIONS
+from service.xpath.tree import Sequence
+
 TYPES = frozenset({"string", "double", "decimal", "integer", "boolean", "float"})
 """Types of `xs:` that may be named."""
 _BINDERS = ("for", "some", "every")
 _NODE_OPERATORS = ("union", "intersect", "except", "|")
 _STEPS = ("@", "*", ".", "..")
+_KIND_TEST_BEFORE_SIGN = re.compile(
+    r"""'[^']*'|"[^"]*"|\b((?:node|text|comment|processing-instruction)\(\s*\))(?=\s*[+*?])"""
+)
+_ATTRIBUTE_KIND_TEST = re.compile(r"""'[^']*'|"[^"]*"|(@)(?=\s*(?:node|text|comment|processing-instruction)\s*\()""")
+_NEXT_BINDING = re.compile(r",\s*\$[^\s,]+\s+in\s")
+"""A comma of `for $a in …, $b in …`, which no argument can begin with."""
 _COMMENT = re.compile(r"""'[^']*'|"[^"]*"|(\(:)""")
 
 
-def sequence(text: str, root: Any, variables: Mapping[str, str | float | bool]) -> Sequence:
-    """The expression as a tree of one node. root: elementpath's tokens of it. QueryError for what may not be asked."""
+def sequence(text: str, variables: Mapping[str, str | float | bool]) -> Sequence:
+    """The expression as a tree of one node.
+
+    elementpath parses it. Its ordinary entry evaluates constants while parsing, which a hostile text makes last for
+    minutes; `tdop.Parser.parse` only parses. Raises QueryError for what is no XPath 2.0, or may not be asked.
+    """
+    text = readable(text)
+    try:
+        root = Parser.parse(XPath2Parser(), text)
+    except ElementPathError as error:
+        raise _query_error(text, str(error)) from None
     for comment in _COMMENT.finditer(text):
         if comment.group(1):
             raise QueryError("an expression cannot hold comments", at=Place(column=comment.start() + 1))
@@ -58,6 +62,25 @@ def sequence(text: str, root: Any, variables: Mapping[str, str | float | bool]) 
     return Sequence(text, bound, function, tuple(inner), _gives_nodes(root))
 
 
+def readable(text: str) -> str:
+    """The expression as elementpath reads it rightly."""
+    # It takes the + of `node() + 1` for an occurrence indicator of XPath 2.0; a predicate keeps them apart.
+    text = _KIND_TEST_BEFORE_SIGN.sub(lambda match: match.group() + "[true()]" * bool(match.group(1)), text)
+    # It knows `attribute::node()`, but not its abbreviation.
+    return _ATTRIBUTE_KIND_TEST.sub(lambda match: "attribute::" if match.group(1) else match.group(), text)
+
+
+def _query_error(text: str, message: str) -> QueryError:
+    found = re.search(r"at line (\d+), column (\d+): (?:\[err:(\w+)\] )?(.*)", message, re.DOTALL)
+    column = 1
+    what = message
+    if found:
+        lines = text.split("\n")[: int(found.group(1)) - 1]
+        column = sum(len(line) + 1 for line in lines) + int(found.group(2))
+        what = found.group(4)
+    return QueryError(what.rstrip("."), at=Place(column=column))
+
+
 def _check(token: Any) -> None:
     column = token.span[0] + 1
     if token.symbol == ":":
@@ -74,7 +97,9 @@ def _check(token: Any) -> None:
             at=Place(column=column),
             remedy="Use the functions that docs/xpath.md lists.",
         )
-    if token.label == "constructor function" and token.symbol not in TYPES | SAFE_FUNCTIONS:
+    if token.label == "function":
+        check_arity(token.symbol, len(token), column)
+    if token.label == "constructor function" and token.symbol not in TYPES | set(SAFE_FUNCTIONS):
         raise QueryError(f"the type {token.symbol} is not offered", at=Place(column=column))
 
 
@@ -123,7 +148,7 @@ def arguments(text: str) -> list[str]:
             depth -= 1
             if depth == 0:
                 return [part.strip() for part in result] if place == len(inner) - 1 else []
-        elif letter == "," and depth == 1:
+        elif letter == "," and depth == 1 and not _NEXT_BINDING.match(inner, place):
             result.append("")
             continue
         result[-1] += letter

@@ -9,10 +9,12 @@ from service.errors import LimitError
 
 
 class Limits:
-    """seconds: how long the query may take. max_elements: how many elements it may look at, or answer, as XML."""
+    """seconds: how long the query may take, from now on. max_elements: how many elements it may look at, or answer, as
+    XML. client: who asks; those who ask share the evaluating processes fairly."""
 
-    def __init__(self, seconds: float, max_elements: int) -> None:
+    def __init__(self, seconds: float, max_elements: int, client: str = "") -> None:
         self.max_elements = max_elements
+        self.client = client
         self._seconds = seconds
         self._end = time.monotonic() + seconds
         self._cancelled = threading.Event()
@@ -32,9 +34,15 @@ class Limits:
         if time.monotonic() > self._end:
             raise self.timeout()
 
+    @property
+    def over(self) -> bool:
+        """Whether the query must end."""
+        return self._cancelled.is_set() or time.monotonic() > self._end
+
     def timeout(self) -> LimitError:
+        """The error of a query whose time is up."""
         return LimitError(
-            f"The query took longer than {self._seconds:g} s.",
-            remedy="Ask fewer documents, or ask for a motion name first.",
+            f"The query took longer than {self._seconds:g} s, the limit.",
+            remedy="Ask fewer documents, or narrow the expression by motion name, bone or position.",
             code="query-timeout",
         )

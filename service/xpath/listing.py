@@ -8,21 +8,27 @@ from functools import cached_property
 
 from service.storage.columns import Listed
 from service.storage.database import Transaction
+from service.xpath.hints import Kind, compared_names, not_found
 from service.xpath.kept import Kept
+from service.xpath.tree import Expression
 
 STATES = 4
 """States of the store whose documents are kept: the present one, and some that pages or streams still read."""
+
+KNOWN_NAMES = 10_000
+"""Texts for which it is kept whether names equal them."""
 
 
 @dataclass
 class State:
     """What was read of the store as one commit left it: all documents, once somebody asked for them, and single ones by
-    key; keys by id. commit: that one."""
+    key; keys by id; what was said of names that were compared, by scope. commit: that one."""
 
     commit: int
     whole: list[Listed] | None = None
     documents: dict[int, Listed] = field(default_factory=dict)
     keys: dict[str, int] = field(default_factory=dict)
+    unused: dict[tuple[Kind, str, tuple[int, ...] | None, int | None], str | None] = field(default_factory=dict)
 
 
 class Listing:
@@ -69,6 +75,30 @@ class Scope:
             state.documents.update({listed.key: listed for listed in self._tx.columns.documents(missing)})
         chosen = [state.documents[key] for key in dict.fromkeys(keys) if key in state.documents]
         return sorted(chosen, key=lambda listed: (listed.name, listed.key))
+
+    def used_names(self, kind: Kind) -> list[str]:
+        """The different names of bones, or the motion names, that occur."""
+        return self._tx.columns.used_names(kind, self._narrowed())
+
+    def unused_names(self, tree: Expression) -> list[str]:
+        """For each text that names are compared with and that none here equals, the nearest one that occurs."""
+        asked = None if self.keys is None else tuple(self.keys)
+        found = []
+        for kind, said in compared_names(tree):
+            warnings = self.state.unused
+            if len(warnings) > KNOWN_NAMES:
+                warnings.clear()
+            if (kind, said, asked, self.project) not in warnings:
+                used = self._tx.columns.is_used(kind, said, self._narrowed())
+                warnings[kind, said, asked, self.project] = (
+                    None if used else not_found(kind, said, self.used_names(kind))
+                )
+            found.append(warnings[kind, said, asked, self.project])
+        return [warning for warning in found if warning is not None]
+
+    def _narrowed(self) -> list[int] | None:
+        """Keys of the documents, None for all."""
+        return self.keys if self.project is None else [listed.key for listed in self.documents()]
 
     def _key(self, uuid: str) -> int:
         keys = self.state.keys

@@ -1,9 +1,4 @@
-"""Text to tree, with errors that have a column.
-
-elementpath parses; its tokens become our own tree, so that nothing else depends on it. The ordinary entry of
-elementpath evaluates constants while parsing, which a hostile text makes last for minutes; `tdop.Parser.parse` only
-parses. The text and its nesting are bounded before.
-"""
+"""Text to tree, with errors that have a column. The text and its nesting are bounded before anything reads it."""
 
 from __future__ import annotations
 
@@ -12,20 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from elementpath import XPath1Parser, XPath2Parser
-from elementpath.exceptions import ElementPathError
-from elementpath.tdop import Parser
-
 from service.errors import LimitError, Place, QueryError
-from service.xpath.later import SAFE_FUNCTIONS, sequence
+from service.xpath.grammar import ArityError, read
+from service.xpath.later import sequence
 from service.xpath.meaning import bind, from_document, with_stored_names
-from service.xpath.tokens import expression
+from service.xpath.signatures import FUNCTIONS, SAFE_FUNCTIONS
 from service.xpath.tree import (
-    BOOLEAN_FUNCTIONS,
-    LATER_FUNCTIONS,
-    NEED_NODES,
-    NODES_FUNCTIONS,
-    NUMBER_FUNCTIONS,
     STRING_FUNCTIONS,
     Call,
     Expression,
@@ -33,6 +20,7 @@ from service.xpath.tree import (
     Operation,
     Path,
     Sequence,
+    children,
     type_of,
     walk,
 )
@@ -40,13 +28,17 @@ from service.xpath.unparse import unparse
 
 MAX_LENGTH = 10_000
 MAX_NESTING = 100
-FUNCTIONS = NODES_FUNCTIONS | NUMBER_FUNCTIONS | STRING_FUNCTIONS | BOOLEAN_FUNCTIONS | LATER_FUNCTIONS
-_KIND_TEST_BEFORE_SIGN = re.compile(
-    r"""'[^']*'|"[^"]*"|\b((?:node|text|comment|processing-instruction)\(\s*\))(?=\s*[+*?])"""
-)
-_ATTRIBUTE_KIND_TEST = re.compile(r"""'[^']*'|"[^"]*"|(@)(?=\s*(?:node|text|comment|processing-instruction)\s*\()""")
+MAX_DEPTH = 150
+"""Of expressions in expressions; what evaluates them calls itself for each."""
 _OF_STRINGS = frozenset({"string-length", "contains", "starts-with", "ends-with"})
 _WHOLE = frozenset({"count", "position", "last", "string-length"})
+_OF_XPATH_3 = (
+    (r"\blet\s+\$", "`let` is XPath 3. Write `for $x in … return …`, or the expression in place of the variable."),
+    (r"\|\|", "`||` is XPath 3. Write concat(…) to join texts, `or` between conditions."),
+    (r"=>", "`=>` is XPath 3. Write the function around its first argument."),
+    (r"!(?!=)", "`!` is XPath 3. Write a slash, or `for $x in … return …`; not(…) negates."),
+)
+"""What a text may hold that only XPath 3 has, and what to write instead."""
 _LONG_NUMBER = re.compile(r"""'[^']*'|"[^"]*"|([0-9]{301})""")
 
 
@@ -79,65 +71,43 @@ def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) 
     Raises QueryError with the column and a hint for what is none, LimitError for a text that is too long or nested
     too deeply.
     """
-    _bound(text, MAX_LENGTH)
-    text = readable(text)
+    _bound(text)
     warnings: list[str] = []
     try:
-        tree = _parse_tree(text, variables or {})
+        tree = _tree(text, variables or {})
+        _bound_depth(tree)
         tree = from_document(with_stored_names(tree, warnings, in_name=False))
     except RecursionError:
         raise LimitError("the expression is nested too deeply", remedy="Write it flatter.") from None
     return Query(tree, tuple(dict.fromkeys(warnings)))
 
 
-def readable(text: str) -> str:
-    """The expression as elementpath reads it rightly."""
-    # It takes the + of `node() + 1` for an occurrence indicator of XPath 2.0; a predicate keeps them apart.
-    text = _KIND_TEST_BEFORE_SIGN.sub(lambda match: match.group() + "[true()]" * bool(match.group(1)), text)
-    # It knows `attribute::node()`, but not its abbreviation.
-    return _ATTRIBUTE_KIND_TEST.sub(lambda match: "attribute::" if match.group(1) else match.group(), text)
-
-
-def _parse_tree(text: str, variables: Mapping[str, str | float | bool]) -> Expression:
-    _bound(text, MAX_LENGTH * 2)
+def _tree(text: str, variables: Mapping[str, str | float | bool]) -> Expression:
+    """What is XPath 1.0, with functions of 2.0 on columns, has a tree of ours. The rest may be XPath 2.0."""
     try:
-        tree = expression(Parser.parse(XPath1Parser(), text))
-    except (ElementPathError, QueryError) as error:
-        return _parse_more(text, error, variables)
-    tree = bind(tree, variables) if "$" in text else tree
-    _check_types(tree)
-    return _parse_later(text, variables) if _writes_numbers(tree) else tree
-
-
-def _parse_later(text: str, variables: Mapping[str, str | float | bool]) -> Expression:
-    return sequence(text, Parser.parse(XPath2Parser(), text), variables)
-
-
-def _parse_more(
-    text: str, error: ElementPathError | QueryError, variables: Mapping[str, str | float | bool]
-) -> Expression:
-    """What the parser of XPath 1.0 refuses: a path that starts with a function is XPath 1.0, the rest may be 2.0."""
+        tree = read(text)
+        tree = bind(tree, variables) if "$" in text else tree
+    except QueryError as error:
+        return _later(text, error, variables)
     try:
-        root = Parser.parse(XPath2Parser(), text)
-    except ElementPathError as later:
-        first = error if isinstance(error, QueryError) else _query_error(text, str(error))
-        other = _query_error(text, str(later))
-        # The parser that came further is the one that the writer had in mind.
-        raise max(first, other, key=_column) from None
-    if root.symbol == "+" and len(root) == 1 and isinstance(error, QueryError):
+        _check_types(tree)
+    except QueryError as error:
+        if not _is_later(tree):
+            raise
+        return _later(text, error, variables)
+    return sequence(unparse(read(text)), variables) if _writes_numbers(tree) else tree
+
+
+def _later(text: str, error: QueryError, variables: Mapping[str, str | float | bool]) -> Expression:
+    """The expression as XPath 2.0. error: why it is no XPath 1.0."""
+    if isinstance(error, ArityError) or text.lstrip().startswith("+"):
         raise error
     try:
-        tree = expression(root)
-        unknown = any(isinstance(part, Call) and part.function not in FUNCTIONS for part in walk(tree))
-        if not unknown:
-            tree = bind(tree, variables)
-            _check_types(tree)
-            if not _writes_numbers(tree):
-                return tree
-    except QueryError:
-        # Our tree has no place for it.
-        pass
-    return sequence(text, root, variables)
+        return sequence(text, variables)
+    except QueryError as later:
+        # The parser that came further is the one that the writer had in mind.
+        chosen = max(error, later, key=_column)
+        raise QueryError(chosen.what, at=chosen.at, remedy=chosen.remedy or _hint(text, chosen.what)) from None
 
 
 def _column(error: QueryError) -> int:
@@ -155,7 +125,7 @@ def _writes_numbers(tree: Expression) -> bool:
 
 
 def _is_later(tree: Expression) -> bool:
-    return any(isinstance(part, Call) and part.function in LATER_FUNCTIONS for part in walk(tree))
+    return any(isinstance(part, Call) and FUNCTIONS[part.function].later for part in walk(tree))
 
 
 def _check_types(tree: Expression) -> None:
@@ -168,7 +138,7 @@ def _check_types(tree: Expression) -> None:
             needed = (part.start,)
         elif isinstance(part, Operation) and part.operator == "|":
             needed = part.operands
-        elif isinstance(part, Call) and part.function in NEED_NODES:
+        elif isinstance(part, Call) and FUNCTIONS[part.function].of_nodes:
             needed = part.arguments[:1]
         for operand in needed:
             if type_of(operand) != "nodes":
@@ -179,10 +149,20 @@ def _check_types(tree: Expression) -> None:
                 )
 
 
-def _bound(text: str, max_length: int) -> None:
+def _bound_depth(tree: Expression) -> None:
+    """Refuses a tree that is too deep, such as one of minus and plus signs in turn, without recursion."""
+    depth, level = 0, [tree]
+    while level:
+        depth += 1
+        if depth > MAX_DEPTH:
+            raise LimitError(f"expressions stand in each other deeper than {MAX_DEPTH}", remedy="Write it flatter.")
+        level = [inner for part in level for inner in children(part)]
+
+
+def _bound(text: str) -> None:
     """Refuses texts that are too long or nested too deeply, before anything recursive sees them."""
-    if len(text) > max_length:
-        raise LimitError(f"the expression has {len(text)} characters, the limit is {max_length}")
+    if len(text) > MAX_LENGTH:
+        raise LimitError(f"the expression has {len(text)} characters, the limit is {MAX_LENGTH}")
     if "\x00" in text:
         raise QueryError("an expression cannot hold the character U+0000", at=Place(column=text.index("\x00") + 1))
     depth = 0
@@ -205,23 +185,15 @@ def _bound(text: str, max_length: int) -> None:
         raise LimitError("more than 100 minus signs in a row")
 
 
-def _query_error(text: str, message: str) -> QueryError:
-    found = re.search(r"at line (\d+), column (\d+): (?:\[err:(\w+)\] )?(.*)", message, re.DOTALL)
-    column = 1
-    what = message
-    if found:
-        lines = text.split("\n")[: int(found.group(1)) - 1]
-        column = sum(len(line) + 1 for line in lines) + int(found.group(2))
-        what = found.group(4)
-    return QueryError(what.rstrip("."), at=Place(column=column), remedy=_hint(text, what))
-
-
 def _hint(text: str, what: str) -> str:
     if text.count("'") % 2 and text.count('"') % 2 == 0:
         return "A quotation mark is not closed."
     for opening, closing in ("[]", "()"):
         if text.count(opening) != text.count(closing):
             return f"The brackets {opening} {closing} do not match."
+    for sign, instead in _OF_XPATH_3:
+        if re.search(sign, text):
+            return instead
     unknown = re.search(r"unknown function '(?:fn:)?([\w.-]+)'", what)
     near = get_close_matches(unknown[1], sorted(SAFE_FUNCTIONS), 1, 0.5) if unknown else []
     if near:
@@ -230,6 +202,6 @@ def _hint(text: str, what: str) -> str:
         return "MCML has no namespaces: leave the prefix out."
     if "==" in text:
         return "Compare with a single = sign."
-    if "&&" in text or "||" in text:
+    if "&&" in text:
         return "Write `and` and `or`."
     return "Write XPath, such as //frame[motion_name='walk']."

@@ -14,13 +14,13 @@ from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.evaluate import Evaluator, Nodes, Scalar
 from service.xpath.evaluate import Node as Found
+from service.xpath.labels import without_index
 from service.xpath.limits import Limits
 from service.xpath.nodes import Node, Run
 from service.xpath.parse import Query
 from service.xpath.projection import Projection, projection
 from service.xpath.render import bone_names, labelled_blocks
-from service.xpath.tree import Call, Expression, Filter, type_of
-from service.xpath.tree import Literal as Constant
+from service.xpath.tree import Call, Expression, type_of
 
 
 class Projected:
@@ -32,7 +32,8 @@ class Projected:
         self.evaluator = evaluator
         self.tx = tx
         self.limits = limits
-        self.query, self.nth = without_index(query)
+        inner, self.nth = without_index(query.tree)
+        self.query = replace(query, tree=inner)
         self.documents = documents
         self._xml = Xml(tx, limits, self.query.tree)
 
@@ -96,12 +97,7 @@ class Projected:
 
     def _evaluate(self, stored: Listed, offset: int, limit: int) -> Nodes | Scalar:
         self.limits.check()
-        left = self.limits.seconds_left
-        try:
-            return self.evaluator.evaluate(self.query, self._xml.of(stored), limit=limit, offset=offset, seconds=left)
-        except LimitError as error:
-            # The time that was left is not the time that the query had.
-            raise self.limits.timeout() if error.details.get("code") == "query-timeout" else error from None
+        return self.evaluator.evaluate(self.query, self._xml.of(stored), limit=limit, offset=offset, limits=self.limits)
 
 
 class Xml:
@@ -156,16 +152,6 @@ def runs_of_nodes(found: Iterable[tuple[Listed, Sequence[Node | Found]]]) -> Ite
             waiting = Run(stored, position, position)
         if waiting is not None:
             yield waiting
-
-
-def without_index(query: Query) -> tuple[Query, int | None]:
-    """`(…)[n]` counts over all documents: the expression inside, and n."""
-    tree = query.tree
-    if isinstance(tree, Filter) and len(tree.predicates) == 1 and isinstance(tree.predicates[0], Constant):
-        value = tree.predicates[0].value
-        if isinstance(value, float) and value >= 1 and value.is_integer():
-            return replace(query, tree=tree.operand), int(value)
-    return query, None
 
 
 _FRAME = re.compile(r"/mcml/motion/frame(?:\[(\d+)\])?(?:/|$)")

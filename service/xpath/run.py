@@ -27,6 +27,7 @@ from service.xpath.forest import Forest
 from service.xpath.functions import NotOnColumnsError
 from service.xpath.hints import unknown_names
 from service.xpath.items import Kind, kind_of_value, node_item, plain, run_items, scalars
+from service.xpath.labels import without_index
 from service.xpath.limits import Limits
 from service.xpath.listing import Scope
 from service.xpath.nodes import Node, Run
@@ -42,8 +43,7 @@ from service.xpath.sequences import Sequences
 from service.xpath.shared import Shared
 from service.xpath.sources import Nth, Source
 from service.xpath.streams import Answer, Shown, collect
-from service.xpath.tree import Expression, Filter, is_constant, type_of
-from service.xpath.tree import Literal as Constant
+from service.xpath.tree import Expression, is_constant, type_of
 from service.xpath.values import TooLongError
 
 MAX_RUNS = 100_000
@@ -73,29 +73,34 @@ class Queries:
         for a document or project that does not exist, LimitError for what exceeds the limits.
         """
         start = time.perf_counter()
+        limits = limits or self.limits()
         query = parse(request.q, request.variables)
         cursor = read_cursor(request)
         kind = type_of(query.tree)
         if request.as_ != "json" and kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
-        limits = limits or self.limits()
         with self.database.read(self._commit(request) if cursor is None else cursor.commit) as tx:
             scope = Scope(tx, self.shared.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=request.explain)
             page = _Page(self.shared, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
-            answer = asking.answer(page)
+            try:
+                answer = asking.answer(page)
+            except LimitError as error:
+                if request.explain:
+                    error.details["explain"] = asking.explained((time.perf_counter() - start) * 1000).model_dump()
+                raise
             if request.explain:
                 answer.explain = asking.explained((time.perf_counter() - start) * 1000)
-        answer.warnings += [*query.warnings, *unknown_names(query.tree)]
+            answer.warnings += [*query.warnings, *unknown_names(query.tree), *scope.unused_names(query.tree)]
         return answer
 
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
         """All nodes of an answer (or the first `limit`), to be shown bit by bit. Raises as `answer` does."""
+        limits = limits or self.limits()
         query = parse(request.q, request.variables)
         kind = type_of(query.tree)
         if kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
-        limits = limits or self.limits()
         with self.database.read(self._commit(request)) as tx:
             scope = Scope(tx, self.shared.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=False)
@@ -131,13 +136,12 @@ class Queries:
     ) -> tuple[int, list[Completion]]:
         """(first character that is replaced, completions) at a place in an expression, over a scope."""
         with self.database.read() as tx:
-            keys = [listed.key for listed in Scope(tx, self.shared.listing, documents, project).documents()]
-            columns = tx.columns
-            return complete(text, at, lambda: columns.used_motion_names(keys), lambda: columns.used_bone_names(keys))
+            scope = Scope(tx, self.shared.listing, documents, project)
+            return complete(text, at, lambda: scope.used_names("span"), lambda: scope.used_names("bone"))
 
-    def limits(self) -> Limits:
-        """The limits of one query."""
-        return Limits(self.settings.query_seconds, self.settings.query_elements)
+    def limits(self, client: str = "") -> Limits:
+        """The limits of one query that begins now. client: who asks."""
+        return Limits(self.settings.query_seconds, self.settings.query_elements, client)
 
 
 class _Asking:
@@ -339,15 +343,6 @@ class _Page:
         commit = min(tx.newest_commit(), tx.at)
         following = self.offset + (self.limit if shown is None else shown)
         return str(Cursor(commit, following, question(self.request)))
-
-
-def without_index(tree: Expression) -> tuple[Expression, int | None]:
-    """`(…)[n]` around the whole counts over all documents: the expression inside, and n."""
-    if isinstance(tree, Filter) and len(tree.predicates) == 1 and isinstance(tree.predicates[0], Constant):
-        value = tree.predicates[0].value
-        if isinstance(value, float) and value >= 1 and value.is_integer():
-            return tree.operand, int(value)
-    return tree, None
 
 
 def _kind(tree: Expression) -> Kind:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from service.errors import QueryError, StoreError
 from service.xpath.evaluate import Evaluator, Node
+from service.xpath.limits import Limits
 
 _SPECIAL = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
 
@@ -35,7 +36,7 @@ class Saxon(Evaluator):
         variables: Mapping[str, str | float | bool],
         offset: int,
         limit: int,
-        seconds: float,
+        limits: Limits | None = None,
     ) -> Items:
         """The value of an expression that has been checked (`later.py`), the document as context item.
 
@@ -47,7 +48,7 @@ class Saxon(Evaluator):
                 remedy="Install the extra xpath2 (pip install 'mcml-repository[xpath2]'), or ask in XPath 1.0.",
             )
         request = {"expression": text, "variables": dict(variables), "limit": limit, "offset": offset}
-        answer = self.ask(request, document, seconds)
+        answer = self.ask(request, document, limits)
         if answer.get("error") == "expression":
             raise QueryError(f"Saxon refuses the expression: {answer['message']}")
         if answer.get("error"):

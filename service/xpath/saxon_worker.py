@@ -22,7 +22,7 @@ if __name__ == "__main__":
 from lxml import etree
 from saxonche import PySaxonApiError, PySaxonProcessor
 
-from service.xpath.worker import LAST, Addresses, describe, read_message, write_message
+from service.xpath.worker import LAST, NAMESPACE, Addresses, describe, read_message, write_message
 
 _SPECIAL = {"INF": "Infinity", "+INF": "Infinity", "-INF": "-Infinity", "NaN": "NaN"}
 _NUMBERS = ("integer", "decimal", "double", "float")
@@ -121,7 +121,9 @@ class Places:
             own = self._addresses.of(current)
             if attribute:
                 return ["attribute", f"{own}/@{attribute}", current.get(attribute)]
-            return ["text", f"{own}/text()", current.text] if text else ["namespace", "", node.string_value]
+            if text:
+                return ["text", f"{own}/text()", current.text]
+            return ["namespace", f"{own}/{NAMESPACE}", node.string_value]
         return describe(current, self._addresses)
 
     def _child(self, parent: Any, name: str, number: int) -> Any:

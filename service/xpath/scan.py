@@ -19,7 +19,7 @@ from service.storage.blocks import Some, evenly
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.encoding import channels_of
-from service.storage.tables import CHUNK
+from service.storage.schema import CHUNK
 from service.xpath.axes import step as axis_step
 from service.xpath.forest import Forest
 from service.xpath.intervals import Interval

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.evaluate import Node as Found
-from service.xpath.later import AGGREGATES
+from service.xpath.labels import without_index
 from service.xpath.limits import Limits
 from service.xpath.nodes import Node, Run
 from service.xpath.parse import Query
-from service.xpath.projected import Xml, runs_of_nodes, without_index
+from service.xpath.projected import Xml, runs_of_nodes
 from service.xpath.saxon import Items, Saxon
+from service.xpath.signatures import AGGREGATES
 from service.xpath.tree import Call, Literal, type_of
 from service.xpath.tree import Sequence as Written
 from service.xpath.unparse import unparse
@@ -41,7 +42,8 @@ class Sequences:
         self.saxon = saxon
         self.limits = limits
         self.documents = documents
-        query, self.nth = without_index(query)
+        inner, self.nth = without_index(query.tree)
+        query = replace(query, tree=inner)
         self.tree = query.tree
         self.xml = Xml(tx, limits, query.tree)
         self.text = query.text
@@ -134,7 +136,7 @@ class Sequences:
             variables=self.variables,
             offset=offset,
             limit=limit,
-            seconds=self.limits.seconds_left,
+            limits=self.limits,
         )
 
 

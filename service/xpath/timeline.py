@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from service.storage.tables import CHUNK
+from service.storage.schema import CHUNK
 from service.xpath.layouts import ShapeRuns
 from service.xpath.numbering import FRAME_SHIFT, Bools, Ints, frames_of
 

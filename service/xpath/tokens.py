@@ -1,153 +1,52 @@
-"""Tokens of elementpath to our own tree."""
+"""The tokens of an expression, each with its place. XPath 1.0 §3.7."""
 
 from __future__ import annotations
 
-from typing import Any
+import re
+from dataclasses import dataclass
 
 from service.errors import Place, QueryError
-from service.xpath.tree import AXES, KIND_TESTS, Call, Expression, Filter, Literal, Operation, Path, Span, Step
 
-OPERATORS = ("or", "and", "=", "!=", "<", "<=", ">", ">=", "+", "-", "*", "div", "mod", "|")
-ANY_NODE = Step("descendant-or-self", "node()")
-
-
-def expression(token: Any) -> Expression:
-    """The tree of a token and of all that hangs from it. QueryError for what is no XPath 1.0."""
-    symbol, operands = token.symbol, list(token)
-    span = _span(token)
-    if symbol in ("/", "//"):
-        return _path(token)
-    if symbol == "[":
-        return _filter(token)
-    if symbol == "(" and len(operands) == 1:
-        return expression(operands[0])
-    if _is_step(token):
-        return Path((_step(token),), span=span)
-    if symbol == "(string)":
-        return Literal(str(token.value), span)
-    if symbol in ("(integer)", "(decimal)", "(float)"):
-        return Literal(float(token.value), span)
-    if symbol in ("-", "+") and len(operands) == 1:
-        if symbol == "+":
-            raise QueryError("XPath has no unary plus", at=Place(column=span[0] + 1), remedy="Leave it out.")
-        return Operation("negate", (expression(operands[0]),), span)
-    if symbol in OPERATORS and len(operands) == 2:
-        return _operation(token)
-    if token.label in ("function", "constructor function") or symbol == "id":
-        return Call(symbol, tuple(expression(operand) for operand in operands), span)
-    if symbol == "$":
-        return Call(f"${token[0].value}", (), span)
-    raise QueryError(f"{symbol!r} cannot be used here", at=Place(column=span[0] + 1))
+_START = (
+    "A-Z_a-z\u00c0-\u00d6\u00d8-\u00f6\u00f8-\u02ff\u0370-\u037d\u037f-\u1fff\u200c\u200d\u2070-\u218f\u2c00-\u2fef"
+)
+_START += "\u3001-\ud7ff\uf900-\ufdcf\ufdf0-\ufffd\U00010000-\U000effff"
+_NAME = f"[{_START}][{_START}0-9.\u00b7\u0300-\u036f\u203f\u2040-]*"
+_TOKEN = re.compile(
+    # An exponent is of XPath 2.0 and of libxml2.
+    rf"""[ \t\r\n]*(?:
+        (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)
+      | (?P<string>'[^']*'|"[^"]*")
+      | (?P<name>{_NAME})
+      | (?P<symbol>::|//|!=|<=|>=|\.\.|[/@\[\]().,*|+=<>$:-])
+      | (?P<end>\Z)
+    )""",
+    re.VERBOSE,
+)
 
 
-def _operation(token: Any) -> Operation:
-    """An operator with all operands it joins from the left: `1 + 2 + 3` is one node, without recursion."""
-    symbol = token.symbol
-    operands = []
-    current = token
-    while current.symbol == symbol and len(current) == 2:
-        operands.append(expression(current[1]))
-        current = current[0]
-    operands.append(expression(current))
-    first = operands[-1]
-    if symbol == "|" and isinstance(first, Operation) and first.operator == "negate" and current.symbol == "-":
-        # XPath 1.0 binds | more tightly than a minus sign, later versions do not.
-        union = Operation("|", (*first.operands, *reversed(operands[:-1])), _span(token))
-        return Operation("negate", (union,), _span(token))
-    return Operation(symbol, tuple(reversed(operands)), _span(token))
+@dataclass(frozen=True, slots=True)
+class Token:
+    """kind: "number", "string", "name", "symbol" or "end". start, end: its place in the text."""
+
+    kind: str
+    text: str
+    start: int
+    end: int
 
 
-def _path(token: Any) -> Path:
-    """Steps from right to left, without recursion."""
-    span = _span(token)
-    steps: list[Step] = []
-    current = token
-    while current.symbol in ("/", "//"):
-        operands = list(current)
-        if operands:
-            steps.extend(reversed(_steps(operands[-1])))
-        if current.symbol == "//":
-            steps.append(ANY_NODE)
-        if len(operands) < 2:
-            return Path(tuple(reversed(steps)), absolute=True, span=span)
-        current = operands[0]
-    start = expression(current)
-    if isinstance(start, Path) and start.start is None:
-        return Path((*start.steps, *reversed(steps)), start.absolute, span=span)
-    return Path(tuple(reversed(steps)), start=start, span=span)
-
-
-def _steps(token: Any) -> list[Step]:
-    """The right side of a slash."""
-    predicates: list[Expression] = []
-    current = token
-    while current.symbol == "[":
-        predicates.append(expression(current[1]))
-        current = current[0]
-    if not _is_step(current):
-        raise QueryError(
-            f"{current.symbol!r} cannot follow a slash",
-            at=Place(column=_span(current)[0] + 1),
-            remedy="A path goes on with steps such as frame or @Rx.",
-        )
-    step = _step(current)
-    return [Step(step.axis, step.name, tuple(reversed(predicates)), _span(token))]
-
-
-def _filter(token: Any) -> Expression:
-    predicates: list[Expression] = []
-    current = token
-    while current.symbol == "[":
-        predicates.append(expression(current[1]))
-        current = current[0]
-    if _is_step(current):
-        return Path(tuple(_steps(token)), span=_span(token))
-    return Filter(expression(current), tuple(reversed(predicates)), _span(token))
-
-
-def _is_step(token: Any) -> bool:
-    symbol = token.symbol
-    is_name = symbol == "(name)" or (symbol == "*" and not len(token))
-    return is_name or symbol in (".", "..", "@", *KIND_TESTS) or (symbol in AXES and len(token) == 1)
-
-
-def _step(token: Any) -> Step:
-    span = _span(token)
-    symbol = token.symbol
-    if symbol == ".":
-        return Step("self", "node()", span=span)
-    if symbol == "..":
-        return Step("parent", "node()", span=span)
-    if symbol == "@":
-        return Step("attribute", _test(token[0]), span=span)
-    if symbol in AXES and len(token) == 1:
-        return Step(symbol, _test(token[0]), span=span)
-    return Step("child", _test(token), span=span)
-
-
-def _test(token: Any) -> str:
-    if token.symbol == "(name)":
-        return str(token.value)
-    if token.symbol in KIND_TESTS:
-        inner = f"'{token[0].value}'" if len(token) else ""
-        return f"{token.symbol}({inner})"
-    if token.symbol == "*" and not len(token):
-        return "*"
-    raise QueryError(f"{token.symbol!r} is no node test", at=Place(column=_span(token)[0] + 1))
-
-
-def _span(token: Any) -> Span:
-    """From the first character of the whole expression to the last of the token that joins it."""
-    # Noted on each token: a long sum leans to the left, and all its parts begin where it does.
-    below: list[Any] = []
-    current = token
-    while "first_character" not in current.__dict__:
-        below.append(current)
-        if not len(current):
-            break
-        current = current[0]
-    first = current.__dict__.get("first_character", current.span[0])
-    for part in reversed(below):
-        first = min(first, int(part.span[0]))
-        part.first_character = first
-    return first, int(token.span[1])
+def tokens(text: str) -> list[Token]:
+    """All tokens, the last one of kind "end". QueryError for what is none."""
+    found: list[Token] = []
+    place = 0
+    while True:
+        match = _TOKEN.match(text, place)
+        if match is None:
+            start = len(text) - len(text[place:].lstrip(" \t\r\n"))
+            what = "a text is not closed" if text[start] in "'\"" else f"{text[start]!r} is no part of XPath 1.0"
+            raise QueryError(what, at=Place(column=start + 1))
+        kind = match.lastgroup or "end"
+        found.append(Token(kind, match[kind], match.start(kind), match.end(kind)))
+        if kind == "end":
+            return found
+        place = match.end()

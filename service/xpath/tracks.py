@@ -53,11 +53,11 @@ class Tracks:
 def read_blocks(tx: Transaction, chunks: Sequence[tuple[int, int]]) -> dict[tuple[int, int], Block]:
     """The block of each chunk (document, chunk)."""
     tracks: dict[tuple[int, int], list[tuple[int, int, int, int, bytes]]] = {chunk: [] for chunk in chunks}
-    for document, chunk, *track in tx.columns.tracks_over(list(tracks)):
-        tracks[document, chunk].append(tuple(track))
+    for row in tx.columns.tracks_over(list(tracks)):
+        tracks[row[:2]].append(row[2:7])
     return {chunk: side_by_side(rows) for chunk, rows in tracks.items()}
 
 
 def _fetch(tx: Transaction, keys: Sequence[Key]) -> dict[Key, Packed]:
     found = tx.columns.track_data(keys)
-    return {(document, chunk, bone, commit): (codec, data) for document, chunk, bone, commit, codec, data in found}
+    return {row[:4]: row[4:6] for row in found}

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
+from service.xpath.signatures import FUNCTIONS, giving
+
 Span: TypeAlias = tuple[int, int]
 """First and last + 1 character in the text."""
 
@@ -17,6 +19,9 @@ FORWARD_AXES = ("child", "descendant", "descendant-or-self", "self", "attribute"
 REVERSE_AXES = ("parent", "ancestor", "ancestor-or-self", "preceding", "preceding-sibling")
 AXES = (*FORWARD_AXES, *REVERSE_AXES, "namespace")
 KIND_TESTS = ("node", "text", "comment", "processing-instruction")
+LEVELS = {"or": 1, "and": 2, "=": 3, "!=": 3, "<": 4, "<=": 4, ">": 4, ">=": 4, "+": 5, "-": 5}
+LEVELS |= {"*": 6, "div": 6, "mod": 6, "negate": 7, "|": 8}
+"""How tightly operators bind. XPath 1.0 §3.3 to §3.5."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,41 +106,8 @@ class Sequence:
 
 Expression: TypeAlias = Literal | Path | Filter | Call | Operation | Sequence
 
-NODES_FUNCTIONS = frozenset({"id"})
-NUMBER_FUNCTIONS = frozenset(
-    {"last", "position", "count", "string-length", "number", "sum", "floor", "ceiling", "round"}
-    | {"min", "max", "avg", "abs"}
-)
-STRING_FUNCTIONS = frozenset(
-    {
-        "local-name",
-        "namespace-uri",
-        "name",
-        "string",
-        "concat",
-        "substring-before",
-        "substring-after",
-        "substring",
-        "normalize-space",
-        "translate",
-    }
-    | {"lower-case", "upper-case", "string-join"}
-)
-BOOLEAN_FUNCTIONS = frozenset({"boolean", "not", "true", "false", "lang", "contains", "starts-with"}) | {
-    "ends-with",
-    "exists",
-    "empty",
-}
-LATER_FUNCTIONS = frozenset(
-    {"min", "max", "avg", "abs", "lower-case", "upper-case", "string-join", "ends-with", "exists", "empty"}
-    | {"distinct-values"}
-)
-"""Functions of XPath 2.0 that run on columns."""
-NEED_NODES = frozenset(
-    {"count", "sum", "name", "local-name", "namespace-uri", "min", "max", "avg", "exists", "empty"}
-    | {"distinct-values", "string-join"}
-)
-"""Functions whose first argument is a node set."""
+NODES_FUNCTIONS = giving("nodes")
+STRING_FUNCTIONS = giving("string")
 
 
 def type_of(expression: Expression) -> str:
@@ -147,13 +119,7 @@ def type_of(expression: Expression) -> str:
     if isinstance(expression, Path | Filter):
         return "nodes"
     if isinstance(expression, Call):
-        if expression.function in NODES_FUNCTIONS:
-            return "nodes"
-        if expression.function in NUMBER_FUNCTIONS:
-            return "number"
-        if expression.function == "distinct-values":
-            return "strings"
-        return "string" if expression.function in STRING_FUNCTIONS else "boolean"
+        return FUNCTIONS[expression.function].result
     if expression.operator == "|":
         return "nodes"
     return "number" if expression.operator in ("+", "-", "*", "div", "mod", "negate") else "boolean"

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from decimal import Decimal
 
-from service.xpath.tree import Call, Expression, Filter, Literal, Path, Sequence, Step
-
-_LEVELS = {"or": 1, "and": 2, "=": 3, "!=": 3, "<": 4, "<=": 4, ">": 4, ">=": 4, "+": 5, "-": 5}
-_LEVELS |= {"*": 6, "div": 6, "mod": 6, "negate": 7, "|": 8}
+from service.xpath.tree import LEVELS, Call, Expression, Filter, Literal, Path, Sequence, Step
 
 
 def unparse(expression: Expression | Step) -> str:
@@ -26,14 +23,17 @@ def unparse(expression: Expression | Step) -> str:
         predicates = "".join(f"[{unparse(predicate)}]" for predicate in expression.predicates)
         return f"({unparse(expression.operand)}){predicates}"
     if isinstance(expression, Call):
+        if expression.function.startswith("$"):
+            return expression.function
         return f"{expression.function}({', '.join(unparse(argument) for argument in expression.arguments)})"
     if isinstance(expression, Sequence):
         return expression.text
-    level = _LEVELS[expression.operator]
+    level = LEVELS[expression.operator]
     if expression.operator == "negate":
         return "-" + _inner(expression.operands[0], level)
     first, *others = expression.operands
-    parts = [_inner(first, level), *(_inner(operand, level + 1) for operand in others)]
+    # A comparison of a comparison needs parentheses in XPath 2.0.
+    parts = [_inner(first, level + (3 <= level <= 4)), *(_inner(operand, level + 1) for operand in others)]
     return f" {expression.operator} ".join(parts)
 
 
@@ -42,7 +42,7 @@ def _inner(expression: Expression, level: int) -> str:
     text = unparse(expression)
     if isinstance(expression, Filter | Call | Literal | Sequence) or (isinstance(expression, Path) and level < 9):
         return text
-    own = 0 if isinstance(expression, Path) else _LEVELS[expression.operator]
+    own = 0 if isinstance(expression, Path) else LEVELS[expression.operator]
     return f"({text})" if own < level else text
 
 

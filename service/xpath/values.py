@@ -7,7 +7,7 @@ import orjson
 
 from service.motion.skeleton import CHANNELS
 from service.storage.encoding import channels_of
-from service.storage.tables import CHUNK
+from service.storage.schema import CHUNK
 from service.xpath.forest import Forest
 from service.xpath.heads import XML_NAMESPACE
 from service.xpath.numbering import (

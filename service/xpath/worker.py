@@ -12,12 +12,16 @@ import resource
 import struct
 import sys
 from collections import Counter
+from collections.abc import Iterator
 from typing import IO, Any
 
 from lxml import etree
 
 ALWAYS_NUMBERED = ("frame", "frame_bone")
 """Tags that have their position in an address even where they stand alone."""
+
+NAMESPACE = "namespace::xml"
+"""The last step of the address of a namespace node. An element of MCML has no other."""
 
 LAST = ("memory", "document")
 """Errors after which the process ends: the rest of the request was not read, or memory may be in pieces."""
@@ -68,15 +72,28 @@ def evaluate(tree: Any, expression: str, document: bool, limit: int, offset: int
         nodes = [tree, *nodes]
     addresses = Addresses()
     page = nodes[offset : offset + limit]
-    return {"type": "nodes", "total": len(nodes), "items": [describe(node, addresses) for node in page]}
+    owners = namespace_owners(tree, expression) if any(isinstance(node, tuple) for node in page) else iter(())
+    for node in nodes[:offset]:
+        if isinstance(node, tuple):
+            next(owners, None)
+    items = [describe(node, addresses, owners) for node in page]
+    return {"type": "nodes", "total": len(nodes), "items": items}
 
 
-def describe(node: Any, addresses: Addresses) -> list[str]:
-    """Kind, canonical address and value of a node."""
+def namespace_owners(tree: Any, expression: str) -> Iterator[Any]:
+    """The elements of the namespace nodes that an expression selects; lxml does not tell whose they are."""
+    # Every element has one namespace node, that of xml.
+    owners: Any = etree.XPath(f"({expression})[count(. | ../namespace::*) = count(../namespace::*)]/..")(tree)
+    return iter(owners)
+
+
+def describe(node: Any, addresses: Addresses, owners: Iterator[Any] = iter(())) -> list[str]:
+    """Kind, canonical address and value of a node. owners: the elements of namespace nodes that come."""
     if isinstance(node, etree._ElementTree):
         return ["document", "/", etree.tostring(node.getroot(), encoding="unicode")]
     if isinstance(node, tuple):
-        return ["namespace", "", str(node[1])]
+        owner = next(owners, None)
+        return ["namespace", "" if owner is None else f"{addresses.of(owner)}/{NAMESPACE}", str(node[1])]
     if isinstance(node, str):
         smart: Any = node
         parent = addresses.of(smart.getparent())

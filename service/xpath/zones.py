@@ -50,9 +50,7 @@ def rows_of(about: Ints) -> list[Row]:
 
 def read_zones(tx: Transaction, documents: Sequence[Listed], numbers: Sequence[int] | None = None) -> dict[int, Zones]:
     """The zone maps of each document by its key. numbers: only those of these bones."""
-    width = BITS + 3 + 2 * len(CHANNELS)
-    found = tx.columns.zones([listed.key for listed in documents], numbers)
-    rows = np.array(list(map(tuple, found)), np.float64).reshape(-1, width)
+    rows = tx.columns.zones([listed.key for listed in documents], numbers)
     rows = rows[np.lexsort((rows[:, CHUNK_NUMBER], rows[:, BONE], rows[:, DOCUMENT]))]
     result = {}
     for listed in documents:

@@ -115,11 +115,12 @@ def changed_at_random(database: Database, seed: int, steps: int) -> None:
                         anchor.addprevious(frame) if anchor is not None else motion(tree).append(frame)
             elif what == "reverse":
                 reverse(tx, stored, first, last)
-                bones = [[bone for bone in frame if bone.tag == "frame_bone"] for frame in frames[first - 1 : last]]
-                for frame, new in zip(frames[first - 1 : last], reversed(bones), strict=True):
-                    for old in frame.findall("frame_bone"):
+                # Names and bones go, ids stay.
+                insides = [[copy.deepcopy(child) for child in frame] for frame in frames[first - 1 : last]]
+                for frame, new in zip(frames[first - 1 : last], reversed(insides), strict=True):
+                    for old in list(frame):
                         frame.remove(old)
-                    frame.extend(copy.deepcopy(new))
+                    frame.extend(new)
             elif what == "values":
                 new = np.round(np.random.default_rng(seed).normal(0, 9, (last - first + 1, 2)), 3)
                 try:
@@ -254,3 +255,30 @@ def test_ids_with_a_gap_stay_whatever_is_left_in_between(database: Database) -> 
     assert ids(moved) == [4, 5, 6, 1, 2]
     assert ids(kept) == [2, 3, 4]
     assert ids(deleted) == [4, 6]
+
+
+def test_names_go_with_frames_that_are_turned_round(database: Database) -> None:
+    uuid = store(database, {"walk.bvh": bvh(20)})[0]
+    with database.write() as tx:
+        stored = tx.documents.get(uuid)
+        add_labels(tx, stored, [("walk", 1, 10), ("run", 4, 6), ("wave", 6, 20)])
+    with database.read() as tx:
+        document = tx.documents.get(uuid)
+        before = {span.name: (span.first, span.last) for span in tx.spans.of(document.key)}
+        values = np.concatenate([block.values for block in tx.tracks.blocks(document.key, 1, 20)])
+    with database.write() as tx:
+        reverse(tx, tx.documents.get(uuid), 3, 12)
+    with database.read() as tx:
+        document = tx.documents.get(uuid)
+        spans = [(span.name, span.first, span.last) for span in tx.spans.of(document.key)]
+        after = np.concatenate([block.values for block in tx.tracks.blocks(document.key, 1, 20)])
+    # One label where it was one, two where the end of the turned frames cuts it.
+    assert sorted(spans) == [("run", 9, 11), ("walk", 1, 2), ("walk", 5, 12), ("wave", 3, 9), ("wave", 13, 20)]
+    for name, (first, last) in before.items():
+        named = {row.tobytes() for row in values[first - 1 : last]}
+        now = {row.tobytes() for _, a, b in (s for s in spans if s[0] == name) for row in after[a - 1 : b]}
+        assert now == named, name
+    with database.write() as tx:
+        reverse(tx, tx.documents.get(uuid), 3, 12)
+    with database.read() as tx:
+        assert {s.name: (s.first, s.last) for s in tx.spans.of(tx.documents.get(uuid).key)} == before

@@ -6,10 +6,13 @@ import pytest
 from sqlalchemy import func, select
 
 from service.actions import import_motion, keep_upload
+from service.actions.import_motion import import_files
+from service.actions.import_options import ImportOptions
 from service.errors import McmlError, NotFoundError
+from service.settings import Settings
 from service.storage import tables
 from service.storage.database import Database
-from tests.builders import bvh, store
+from tests.builders import ASF, amc, bvh, source, store
 
 
 @pytest.fixture(autouse=True)
@@ -71,3 +74,23 @@ def test_an_import_whose_lease_ended_says_so(database: Database, monkeypatch: py
     with pytest.raises(NotFoundError, match="swept"):
         store(database, {"long.bvh": bvh(3000)})
     assert rows(database) == {}
+
+
+@pytest.mark.parametrize(
+    ("files", "what", "remedy"),
+    [
+        ({}, "sent with it: none", "Send the .asf in the same request"),
+        ({"a.asf": ASF, "b.asf": ASF}, "sent with it: a.asf, b.asf", "Give the .asf the name of its motion"),
+        ({"leg.asf": b"bones\n"}, "sent with it: leg.asf, which cannot be read", "Mend the .asf"),
+    ],
+)
+def test_the_remedy_for_a_motion_without_its_skeleton_is_one(
+    database: Database, files: dict[str, bytes], what: str, remedy: str
+) -> None:
+    motion = amc().replace(b"#!OML:ASF leg.asf\n", b"")
+    sent = [source(*item) for item in (*files.items(), ("walk.amc", motion))]
+    done = import_files(database, sent, ImportOptions(), Settings())
+    (error,) = [error for name, error in done.problems if name == "walk.amc"]
+    assert what in error.what
+    assert error.remedy is not None
+    assert remedy in error.remedy

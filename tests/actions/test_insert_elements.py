@@ -207,6 +207,47 @@ def test_what_may_not_stand_there_is_refused(client: TestClient, url: str, fragm
     assert client.get(url).json()["revision"] == 1
 
 
+FRAME_10 = {"xpath": "//frame[10]"}
+TWICE = b"<frame id='1'><frame_bone name='Spine' Rx='1'/><frame_bone name='Spine' Rx='1'/></frame>"
+FAULTS = [
+    (b"<frame_bone name='tail' Rx='1'/>", "into", ["frame[10]/frame_bone[4]/@name"]),
+    (b"<frame_bone name='Spine' Rx='abc' Ry='1' Rz='x'/>", "into", ["frame_bone[4]/@Rx", "frame_bone[4]/@Rz"]),
+    (b"<motion_name>x</motion_name><motion_name>  </motion_name>", "into", ["frame[10]/motion_name[2]"]),
+    (b"<frame_bone name='tail'/><frame_bone name='ear'/>", "into", ["frame_bone[4]/@name", "frame_bone[5]/@name"]),
+    (b"<frame id='1'><frame_bone name='tail'/></frame>", "after", ["frame[11]/frame_bone[1]/@name"]),
+    (b"<frame id='1'/><frame id='2'><frame_bone name='tail'/></frame>", "before", ["frame[11]/frame_bone[1]/@name"]),
+    (b"<frame/><frame id='1'><x/></frame>", "after", ["frame[11]", "frame[12]/x[1]"]),
+    (TWICE, "after", ["frame[11]"]),
+]
+
+
+@pytest.mark.parametrize(("fragment", "where", "places"), FAULTS)
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_every_fault_is_told_where_it_would_stand(
+    client: TestClient, url: str, fragment: bytes, where: str, places: list[str]
+) -> None:
+    answer = client.post(f"{url}/elements", params={**FRAME_10, "where": where}, content=fragment, headers=ANY)
+    assert answer.status_code == 422, answer.text
+    problem = answer.json()
+    assert problem["where"]["element"].endswith(places[0])
+    assert problem["where"].get("line") is None
+    assert (f"{len(places)} faults" in problem["detail"]) == (len(places) > 1)
+    for place in places if len(places) > 1 else ():
+        assert place in problem["detail"]
+
+
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_faults_in_the_head_have_addresses(client: TestClient, url: str) -> None:
+    content = b'<property name="a"/><property value="b"/>'
+    answer = client.post(f"{url}/elements", params={"xpath": "//header", "where": "into"}, content=content, headers=ANY)
+    assert answer.status_code == 422
+    detail = answer.json()["detail"]
+    assert "/mcml/header/property[1]: " in detail
+    assert "/mcml/header/property[2]: " in detail
+    # The first of them: behind the files that it came from no property can stand.
+    assert answer.json()["where"] == {"element": "/mcml/header"}
+
+
 def test_all_or_nothing(client: TestClient, url: str) -> None:
     edits = [
         {"do": "change", "xpath": "//frame[3]/frame_bone[2]", "attributes": {"Rx": "1"}},

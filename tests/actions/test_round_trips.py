@@ -8,17 +8,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from service.actions.convert_files import convert_files
+from service.actions.edit_element import Change, change_element, delete_element, read_element
 from service.actions.export_motion import ExportOptions, export_document
 from service.actions.import_motion import import_files
 from service.actions.import_options import ImportOptions
 from service.actions.read_clip import read_clip
+from service.errors import ConversionError, NotFoundError
 from service.formats import FORMATS
 from service.formats.format import ReadOptions, SourceFile
 from service.mcml.dtd import violations
 from service.motion.clip import ClipStream, FrameBlock
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import ASF, HTR, TRC, amc, bvh, c3d_file, store
+from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, store
 from tests.conftest import shared_folder
 
 SMALL = {
@@ -110,6 +113,42 @@ def round_trip(database: Database, format_name: str, files: dict[str, bytes]) ->
 @pytest.mark.parametrize("format_name", list(SMALL))
 def test_small_files(database: Database, format_name: str) -> None:
     round_trip(database, format_name, SMALL[format_name])
+
+
+def test_a_skeleton_alone_leaves_as_it_came(database: Database) -> None:
+    (uuid,) = store(database, {"leg.asf": ASF})
+    for original in (True, False):
+        with database.read() as tx:
+            stored = tx.documents.get(uuid)
+            export = export_document(tx, stored, ExportOptions("asf-amc", original=original))
+            assert export.file_name.endswith(".asf")
+            content = b"".join(export.content)
+            if original:
+                assert content == ASF
+            assert_same_clip(read("asf-amc", {"leg.asf": content}), read("asf-amc", {"leg.asf": ASF}))
+            with pytest.raises(ConversionError, match="without frames"):
+                b"".join(export_document(tx, stored, ExportOptions("amc")).content)
+    with convert_files([SourceFile("leg.asf", io.BytesIO(ASF))], "asf-amc", Settings()) as converted:
+        assert list(converted.files) == [".asf"]
+
+
+def test_a_document_may_lack_its_version(database: Database) -> None:
+    bare = MCML.replace(b' version="1.0">', b">", 1)
+    assert b"<mcml>" in bare
+    (uuid,) = store(database, {"hand.mcml": bare})
+    with database.read() as tx:
+        mcml = b"".join(export_document(tx, tx.documents.get(uuid), ExportOptions("mcml")).content)
+        assert b"<mcml>" in mcml
+        assert violations(io.BytesIO(mcml)) == []
+        with pytest.raises(NotFoundError):
+            read_element(tx, tx.documents.get(uuid), "/mcml/@version")
+    with database.write() as tx:
+        change_element(tx, tx.documents.get(uuid), "/mcml", Change({"version": "1.0"}))
+    with database.write() as tx:
+        assert read_element(tx, tx.documents.get(uuid), "/mcml/@version") == b"1.0"
+        delete_element(tx, tx.documents.get(uuid), "/mcml/@version")
+    with database.read() as tx:
+        assert b"".join(export_document(tx, tx.documents.get(uuid), ExportOptions("mcml")).content) == mcml
 
 
 def real_files() -> list[tuple[str, list[Path]]]:

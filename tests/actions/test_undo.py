@@ -162,3 +162,54 @@ def test_names_of_frames_that_moved_are_not_put_on_others(database: Database) ->
         assert [(span.name, span.first, span.last) for span in tx.spans.of(tx.documents.get(uuid).key)] == [
             ("hop", 10, 20)
         ]
+
+
+def samples(database: Database, uuid: str) -> dict[tuple[int, int, int], float]:
+    """Every sample of a document by frame, bone and channel."""
+    found = {}
+    with database.read() as tx:
+        stored, frame = tx.documents.get(uuid), 0
+        for block in tx.tracks.blocks(stored.key, 1, stored.frames):
+            for row in block.values.tolist():
+                frame += 1
+                found |= {
+                    (frame, *column): value for column, value in zip(block.columns, row, strict=True) if value == value
+                }
+    return found
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_samples_of_one_track_are_taken_back_apart(database: Database, seed: int) -> None:
+    """Edits of attributes of a few frames of two bones, taken back in any order: against a dictionary of samples."""
+    chance = Random(seed)
+    uuid = store(database, {"a.bvh": bvh(300)}, labels=())[0]
+    states = [samples(database, uuid)]
+    for _ in range(14):
+        # Frames on both sides of the end of a track, values that may be the same, attributes that come and go.
+        address = f"/mcml/motion/frame[{chance.choice([1, 2, 3, 256, 257])}]/frame_bone[{chance.choice([2, 3])}]"
+        text = chance.choice(["1.5", "2.5", None])
+        with database.write() as tx:
+            try:
+                change_element(tx, tx.documents.get(uuid), address, Change({chance.choice(["Rx", "Rz", "Tx"]): text}))
+            except McmlError:
+                continue
+        states.append(samples(database, uuid))
+    taken = refused = 0
+    for number in chance.sample(range(2, len(states) + 1), len(states) - 1):
+        before, after, now = states[number - 2], states[number - 1], samples(database, uuid)
+        changed = {key for key in before.keys() | after.keys() if before.get(key) != after.get(key)}
+        allowed = all(now.get(key) == after.get(key) for key in changed)
+        try:
+            with database.write() as tx:
+                undo_revision(tx, tx.documents.get(uuid), number)
+        except ConflictError:
+            assert not allowed, number
+            assert samples(database, uuid) == now
+            refused += 1
+            continue
+        assert allowed, number
+        expected = {key: value for key, value in now.items() if key not in changed}
+        assert samples(database, uuid) == expected | {key: before[key] for key in changed if key in before}
+        taken += 1
+    assert taken > 4
+    assert database.check() == []

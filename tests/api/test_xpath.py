@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
@@ -282,3 +283,92 @@ def test_a_page_of_large_documents_is_short(database: Database) -> None:
             assert max(whole) == 2
             lines = client.get(f"{API}/xpath", params={"q": text, "as": "ndjson"}).text.splitlines()
             assert [json.loads(line) for line in lines] == [item for page in pages for item in page]
+
+
+@pytest.mark.parametrize(
+    ("text", "warning"),
+    [
+        ("//frame[motion_name='wlak']", "no motion name here is 'wlak'; did you mean 'walk'?"),
+        ("//frame[motion_name[.='wlak']]/@id", "no motion name here is 'wlak'; did you mean 'walk'?"),
+        ("//motion_name['no-such' = text()]", "no motion name here is 'no-such'"),
+        ("//bone[name='LeftUpLeg']", "no bone here is named 'LeftUpLeg'; did you mean 'left_up_leg'?"),
+        ("//frame_bone[@name='LeftUpLeg']/@Rx", "no bone here is named 'LeftUpLeg'; did you mean 'left_up_leg'?"),
+        ("count(//frame[not(motion_name != 'wlak')])", "no motion name here is 'wlak'; did you mean 'walk'?"),
+        ("//frame[motion_name='walk' or @id='wlak']", None),
+        ("//bone[name='left_up_leg']", None),
+        ("//property[@name='nothing']", None),
+        ("//frame['walk'=motion_name]", None),
+    ],
+)
+def test_names_that_do_not_occur_are_told(library: tuple[TestClient, object], text: str, warning: str | None) -> None:
+    client, _ = library
+    for _ in range(2):
+        answer = client.get(f"{API}/xpath", params={"q": text}).json()
+        assert answer["warnings"] == ([] if warning is None else [warning])
+
+
+def test_names_are_told_for_the_documents_that_are_asked(client: TestClient) -> None:
+    hand, chain = (document["id"] for document in upload(client, {"a.mcml": MCML, "b.bvh": bvh(3)})["documents"])
+    for asked, wanted in (([hand], 0), ([chain], 1), ([hand, chain], 0), ([], 0)):
+        answer = client.get(f"{API}/xpath", params={"q": "//bone[name='left_up_leg']", "document": asked}).json()
+        assert len(answer["warnings"]) == wanted
+    client.delete(f"{API}/documents/{hand}", headers={"if-match": "*"})
+    answer = client.get(f"{API}/xpath", params={"q": "//bone[name='left_up_leg']"}).json()
+    assert answer["warnings"] == ["no bone here is named 'left_up_leg'"]
+
+
+def test_namespace_nodes_have_addresses_that_find_them(library: tuple[TestClient, object]) -> None:
+    client, trees = library
+    asked = {"document": trees[0][0]}
+    for text in ("//namespace::*", "//frame_bone/namespace::*", "//motion_name/namespace::node()[last()]"):
+        items = all_items(client, 500, q=text, **asked)
+        assert len({item["address"] for item in items}) == len(items) > 0
+        for item in items[:3] + items[-3:]:
+            (found,) = all_items(client, 5, q=item["address"], **asked)
+            assert found == item
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "sent"),
+    [
+        ("POST", "/labels", {"json": {"name": "a", "xpath": "//frame", "document": ["a"] * 10_001}}),
+        ("GET", "/xpath", {"params": {"q": "1" * 10_001}}),
+    ],
+)
+def test_what_a_model_refuses_is_a_problem(client: TestClient, method: str, path: str, sent: dict[str, Any]) -> None:
+    answer = client.request(method, API + path, **sent)
+    assert answer.status_code == 422
+    problem = answer.json()
+    assert problem["type"] == "/docs/problems#invalid-request"
+    assert problem["errors"]
+
+
+def test_many_documents_are_asked_at_once(client: TestClient) -> None:
+    (made,) = upload(client, {"a.bvh": bvh(3)})["documents"]
+    many = [made["id"]] * 5000
+    some = {"q": "count(//frame)", "document": many[:1100]}
+    assert client.get(f"{API}/xpath", params=some).json()["value"] == 3
+    assert client.post(f"{API}/xpath", json=some | {"document": many}).json()["value"] == 3
+    body = {"name": "a", "xpath": "//frame", "document": many}
+    assert client.post(f"{API}/labels", json=body).status_code == 200
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["//frame[1000000000000]", "//frame[position()=99999999999999999999]", "(//frame)[99999999999999999999]",
+     "//frame[-1]", "//frame[1e300]", "//frame[1 div 0]"],
+)  # fmt: skip
+def test_positions_that_no_frame_has(library: tuple[TestClient, object], text: str) -> None:
+    client, _ = library
+    answer = client.get(f"{API}/xpath", params={"q": text})
+    assert answer.json()["items"] == []
+
+
+def test_what_ends_for_its_time_shows_the_plan_and_the_limit(database: Database) -> None:
+    with served(database, Settings(query_seconds=0.5)) as client:
+        upload(client, {"a.bvh": bvh(3)})
+        text = f"//frame[matches('{'a' * 60}!', '^(a+)+$')]"
+        problem = client.get(f"{API}/xpath", params={"q": text, "explain": "true"}).json()
+    assert problem["code"] == "query-timeout"
+    assert "0.5 s, the limit" in problem["detail"]
+    assert "by Saxon" in problem["details"]["explain"]["plan"]

@@ -10,7 +10,7 @@ from alembic.autogenerate import compare_metadata
 from alembic.runtime.migration import MigrationContext
 
 from service.storage.database import Database
-from service.storage.tables import metadata
+from service.storage.schema import metadata
 
 ROOT = Path(__file__).resolve().parents[2]
 LINES = 400

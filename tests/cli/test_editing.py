@@ -13,7 +13,7 @@ from service.cli import app
 from service.demo import body
 from service.errors import McmlError
 from service.formats import FORMATS
-from tests.builders import bvh
+from tests.builders import ASF, amc, bvh
 
 Run = Callable[..., str]
 
@@ -72,6 +72,121 @@ def test_elements(run: Run, walk: str) -> None:
     assert "2 edited" in run("element", "batch", walk, "edits.json")
     assert "- frames 1-2" in run("diff", walk, "1")
     assert json.loads(run("show", walk, "--json"))["frames"] == 28
+
+
+@pytest.mark.parametrize(
+    ("label", "right"),
+    [
+        ("walk:0-2", "Frames are counted from 1"),
+        ("walk:5-2", "begins at frame 5 and ends at 2"),
+        ("jump:2", "such as jump:2-2"),
+        ("jump:0", "NAME:FIRST-LAST"),
+        ("walk:x-y", "NAME:FIRST-LAST"),
+        ("walk:1-", "NAME:FIRST-LAST"),
+        ("walk:", "NAME:FIRST-LAST"),
+        (":1-2", "NAME:FIRST-LAST"),
+        ("walk:29-31", "not in a document of 30 frames"),
+    ],
+)
+def test_a_label_that_is_none_is_refused(run: Run, walk: str, label: str, right: str) -> None:
+    before = run("labels", "list", walk, "--json")
+    assert right in run("label", walk, label, code=1)
+    assert run("labels", "list", walk, "--json") == before
+    if "29" not in label:
+        assert right in run("import", "walk.bvh", "--again", "--label", label, code=1)
+
+
+def test_names_may_hold_a_colon_where_frames_follow(run: Run, walk: str) -> None:
+    run("label", walk, "kim:walk:3-4", "turn : 5-6")
+    items = json.loads(run("labels", "list", walk, "--json"))["items"]
+    assert [(item["name"], item["first"], item["last"]) for item in items][1:] == [("kim:walk", 3, 4), ("turn", 5, 6)]
+
+
+def test_a_range_to_compose_is_no_xpath_expression(run: Run, walk: str) -> None:
+    assert "is not ID:FIRST-LAST" in run("compose", f"{walk}:5", "--name", "part", code=2)
+
+
+def test_names_of_joints(run: Run) -> None:
+    Path("walk.bvh").write_bytes(bvh(5, names=("Hüfte", "Wirbel", "LeftUpLeg")))
+    walk = json.loads(run("import", "walk.bvh", "--json"))["documents"][0]["id"]
+    assert "version 0" in run("mapping", "aliases")
+    assert "version 1" in run("mapping", "alias", "Hüfte=Root", "Wirbel=waist")
+    assert "version 2" in run("mapping", "alias", "wirbel=torso7", "Kopf=Head", "--remove", "hüfte")
+    items = json.loads(run("mapping", "aliases", "--json"))["items"]
+    assert [(item["source"], item["name"]) for item in items] == [("wirbel", "torso7"), ("Kopf", "Head")]
+    assert "1 of 1 documents would be changed" in run("names", "apply", "--project", "default", "--dry-run")
+    assert "Wirbel: Wirbel -> torso7" in run("names", "apply", walk)
+    assert "0 of 1 documents were changed" in run("names", "apply", walk)
+    assert "torso7" in run("show", walk)
+    run("undo", walk)
+    assert "torso7" not in run("show", walk)
+    run("mapping", "alias", "--remove", "wirbel", "--remove", "kopf")
+    assert "version 0" in run("mapping", "aliases")
+    assert "NAME=JOINT" in run("mapping", "alias", code=2)
+    assert "--project" in run("names", "apply", code=2)
+
+
+HEAP = """HIERARCHY
+ROOT Hips
+{
+OFFSET 0 0 0
+CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+JOINT Head
+{
+OFFSET 0 0 0
+CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+End Site
+{
+OFFSET 0 10 0
+}
+}
+%s}
+MOTION
+"""
+LEGS = "".join(
+    f"JOINT {side}UpLeg\n{{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
+    f"JOINT {side}Foot\n{{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
+    "End Site\n{\nOFFSET 0 0 10\n}\n}\n}\n"
+    for side in ("Left", "Right")
+)
+
+
+def heap(legs: bool) -> bytes:
+    """A rig whose offsets come with the motion; the head nods."""
+    rows = []
+    for frame in range(60):
+        row = f"0 90 0 0 0 0 0 60 0 0 {min(frame, 40)} 0"
+        rows.append(row + (" 9 -5 0 0 0 0 0 -80 0 0 0 0 -9 -5 0 0 0 0 0 -80 0 0 0 0" if legs else ""))
+    text = HEAP % (LEGS if legs else "") + "Frames: 60\nFrame Time: 0.0166667\n" + "\n".join(rows) + "\n"
+    return text.encode()
+
+
+def test_movements_of_rigs_that_lie_in_a_heap_at_rest(run: Run) -> None:
+    found = {}
+    for name, legs in (("sided", True), ("bare", False)):
+        Path(f"{name}.bvh").write_bytes(heap(legs))
+        found[name] = json.loads(run("import", f"{name}.bvh", "--json"))["documents"][0]["id"]
+    assert "head-flexion" in run("labels", "suggest", found["sided"])
+    refused = run("labels", "suggest", found["bare"], code=1)
+    assert "nothing tells left from right" in refused
+    assert "--facing" in refused
+    assert "head-flexion" in run("labels", "suggest", found["bare"], "--facing", "z")
+    assert "head-extension" in run("labels", "suggest", found["bare"], "--facing=-Z")
+
+
+def test_what_files_do_not_say_is_stated(run: Run) -> None:
+    Path("leg.asf").write_bytes(ASF)
+    Path("leg.amc").write_bytes(amc(30))
+    leg = json.loads(run("import", "leg.asf", "leg.amc", "--json"))["documents"][0]["id"]
+    refused = run("labels", "suggest", leg, code=1)
+    assert f"mcml set {leg} --frame-time" in refused
+    assert "revision 2" in run("set", leg, "--frame-time", "0.0083333", "--unit", "inch", "-m", "as CMU records")
+    assert "as CMU records" in run("history", leg)
+    shown = json.loads(run("show", leg, "--json"))
+    assert shown["seconds_per_frame"] == 0.0083333
+    run("set", leg, "--up", "Y", "--name", "left leg", "--revision", "2")
+    assert "say what" in run("set", leg, code=2)
+    assert "seconds" in run("set", leg, "--frame-time", "x", code=1).lower()
 
 
 def test_labels(run: Run, walk: str) -> None:

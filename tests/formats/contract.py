@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import random
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
@@ -145,6 +146,17 @@ class FormatContract:
                             changed[place], changed[other] = changed[other], changed[place]
                     self._reads_or_refuses({**files, part: b"".join(changed)})
 
+    @pytest.mark.parametrize("decimals", [80, 99, 100, 101, 390])
+    def test_numbers_may_have_any_number_of_decimals(self, decimals: int) -> None:
+        for title, files in self.samples.items():
+            longer = {
+                part: re.sub(rb"(?<![\w.])-?\d+\.\d+(?![\w.])", lambda found: _padded(found[0], decimals), data)
+                for part, data in files.items()
+            }
+            clip = read(self.format, longer)
+            assert frames(clip) == frames(read(self.format, files)), title
+            assert frames(read(self.format, written(self.format, clip))) == frames(clip), title
+
     def test_junk_is_refused(self) -> None:
         chance = random.Random(22)
         junk = [
@@ -205,6 +217,10 @@ class FormatContract:
         # What was read can be written and read again with the same values.
         again = read(self.format, written(self.format, clip))
         assert [frame[1] for frame in frames(again)] == [frame[1] for frame in read_frames]
+
+
+def _padded(number: bytes, decimals: int) -> bytes:
+    return number + b"0" * (decimals - len(number.split(b".")[1]))
 
 
 def _without_names(clip: ClipStream) -> object:

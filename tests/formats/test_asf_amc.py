@@ -12,6 +12,7 @@ from service.formats import FORMATS
 from service.formats.format import Limits, ReadOptions
 from service.motion.clip import ClipStream
 from tests.builders import ASF as LEG
+from tests.builders import amc
 from tests.formats.contract import FormatContract, frames, read, written
 
 AMC = """#!OML:ASF X:\\file.ASF
@@ -292,3 +293,20 @@ def test_names_that_asf_cannot_hold_are_changed_with_a_notice() -> None:
     assert [joint.source_name for joint in again.head.skeleton.joints] == ["root", "Left_Hip", "left_hip_2", "_root"]
     assert any("names that ASF cannot hold" in notice.what for notice in odd.notices)
     assert len(frames(again)) == 2
+
+
+@pytest.mark.parametrize(
+    ("asf", "flag", "said"),
+    [
+        (LEG, b":DEGREES\n", None),
+        (LEG, b"", "its angles count as degrees, the unit of the ASF"),
+        (LEG.replace(b"angle deg", b"angle rad"), b"", "its angles count as radians, the unit of the ASF"),
+        (LEG.replace(b"  angle deg\n", b""), b"", "its angles count as degrees, since the ASF states no unit either"),
+    ],
+)
+def test_the_unit_of_angles_is_stated_or_said_to_be_a_guess(asf: bytes, flag: bytes, said: str | None) -> None:
+    clip = read(FORMATS["asf-amc"], {"asf": asf, "amc": amc().replace(b":DEGREES\n", flag)})
+    found = [notice.what for notice in clip.notices if "neither :DEGREES" in notice.what]
+    assert found == ([f"the AMC says neither :DEGREES nor :RADIANS; {said}"] if said else [])
+    own = any("the ASF states no unit of angle" in notice.what for notice in clip.notices)
+    assert own == (b"angle" not in asf)

@@ -11,6 +11,7 @@ from service.errors import FormatError, LimitError, UnsupportedError
 from service.formats import FORMATS
 from service.formats.format import Limits, ReadOptions
 from service.motion.clip import ClipStream
+from tests.builders import HTR
 from tests.builders import HTR_HEAD as HEAD
 from tests.builders import HTR_V1 as V1
 from tests.builders import HTR_V2 as V2
@@ -240,3 +241,9 @@ def test_long_motion_is_read_through_cursors() -> None:
     found = np.concatenate([block.values for block in blocks]).reshape(-1, 3, 7)
     assert np.array_equal(found, table)
     assert np.concatenate([np.asarray(block.ids) for block in blocks]).tolist() == list(range(1, len(table) + 1))
+
+
+def test_rotation_units_that_are_not_stated_are_a_guess() -> None:
+    clip = read(FORMATS["htr"], {"htr": HTR.replace(b"RotationUnits Degrees\n", b"")})
+    assert any("states no RotationUnits: Degrees" in notice.what for notice in clip.notices)
+    assert not any("RotationUnits" in notice.what for notice in read(FORMATS["htr"], {"htr": HTR}).notices)

@@ -15,6 +15,7 @@ from service.formats.numbers import bad_token, is_number, parse_numbers, token_b
 doubles = st.floats(allow_nan=False, allow_infinity=False)
 spellings = st.sampled_from(["{!r}", "{:.6f}", "{:g}", "{:.17g}", "{:.25e}", "{:+}", "{:E}"])
 separators = st.sampled_from([" ", "  ", "\t", "\n", " \r\n", "\n\n \t", "\v", "\f"])
+STYLES = st.sampled_from(["shortest", "fixed:0", "fixed:6", "fixed:80", "fixed:99", "general:6", "general:99"])
 odd = st.sampled_from(["-0", "0", "-0.0", "+0", ".5", "-.5", "5.", "007", "1e-0", "-0e0", "1e-011", str(10**30), "1E5"])
 tokens = st.one_of(odd, st.builds(lambda value, form: form.format(value), doubles, spellings))
 
@@ -52,7 +53,7 @@ def test_accepts_numbers_and_nothing_else(text: str) -> None:
         assert text.encode()[bad[1] :].startswith(bad[2].encode())
 
 
-@given(st.lists(doubles, min_size=1, max_size=30), st.sampled_from(["shortest", "fixed:0", "fixed:6", "general:6"]))
+@given(st.lists(doubles, min_size=1, max_size=30), STYLES)
 def test_every_style_reads_back_as_the_same_double(values: list[float], style: str) -> None:
     array = np.array(values)
     assert bits(parse_numbers(b" ".join(number_tokens(array, style)))) == bits(array)
@@ -74,6 +75,9 @@ def test_any_finite_bit_pattern_survives(patterns: list[int]) -> None:
         ("0.10 1.25 3.00 10.50", "fixed:2"),
         ("12.3902 0.0490239 -2.65014 3.97569e-05 7", "general:6"),
         ("0.1 1.0 1e-5 123.456789", "shortest"),
+        (" ".join(f"{number:.80f}" for number in (0.5, 1.25)), "fixed:80"),
+        (" ".join(f"{number:.100f}" for number in (0.5, 1.25)), "shortest"),
+        (f"0.5 1.{'3' * 150} 2.{'7' * 380}", "shortest"),
         ("", "shortest"),
         ("no numbers", "shortest"),
     ],

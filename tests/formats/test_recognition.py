@@ -39,7 +39,11 @@ def test_content_first_name_second(name: str, content: bytes, expected: tuple[st
         ("a.bvh", b" \n\t\n", FormatError, "the file is empty"),
         ("a.bvh", LFS, FormatError, "git-lfs pointer"),
         ("a.bvh", b"\x00\x01\x02HIERARCHY", FormatError, "binary"),
-        ("a.bvh", "HIERARCHY".encode("utf-16"), FormatError, "UTF-16"),
+        *(
+            (f"a.{kind}", text.encode(codec), FormatError, "UTF-16")
+            for codec in ("utf-16", "utf-16-le", "utf-16-be")
+            for kind, text in (("bvh", "HIERARCHY\n"), ("amc", "# OML\n:DEGREES"), ("trc", "PathFileType\t4"))
+        ),
         ("a.bvh", b"MOTION\n", FormatError, "expected HIERARCHY, found 'MOTION'"),
         ("a.htr", b"[Base]\n", FormatError, "HTR section [Header] is missing"),
         ("a.asf", b"bones\n", FormatError, "ASF section"),

@@ -88,7 +88,7 @@ def test_a_gap_is_never_closed() -> None:
         (("\t4\t3\tmm", "\t9\t3\tmm"), "NumFrames says 9, the file has 4 rows: these count"),
         (("\t4\t3\tmm", "\t4\t4\tmm"), "NumMarkers says 4, there are 3 labels: these count"),
         (("0.100", "0.200"), "the times do not follow from DataRate"),
-        (("120.00\t120.00\t4", "0\t120.00\t4"), "how fast the frames follow is unknown"),
+        (("120.00\t120.00\t4", "0\t120.00\t4"), "'0' is no rate, and the times are even at 120 frames a second"),
     ],
 )
 def test_says_what_does_not_fit(change: tuple[str, str], said: str) -> None:
@@ -96,6 +96,67 @@ def test_says_what_does_not_fit(change: tuple[str, str], said: str) -> None:
     assert other != TEXT
     assert said in notices(other)
     assert np.array_equal(table(clip_of(other)), table(clip_of()), equal_nan=True)
+
+
+def with_times(times: list[str], rate: str) -> str:
+    """A file with a row for each time."""
+    row = ROWS.splitlines()[0].split("\t")
+    rows = ["\t".join([str(number), time, *row[2:]]) for number, time in enumerate(times, 1)]
+    head = HEAD.replace("120.00\t120.00\t4", f"{rate}\t120.00\t{len(times)}")
+    return "\n".join([head, "", *rows]) + "\n"
+
+
+@pytest.mark.parametrize("rate", [23.976, 25, 29.97, 50, 59.94, 60, 100, 119.88, 120, 240, 1000])
+@pytest.mark.parametrize("decimals", [3, 4, 6, 9])
+def test_times_that_are_even_decide_the_rate(rate: float, decimals: int) -> None:
+    if rate * 10.0**-decimals > 0.5:
+        return
+    times = [f"{1.5 + frame / rate:.{decimals}f}" for frame in range(400)]
+    clip = clip_of(with_times(times, "99.00"))
+    assert 1 / float(clip.head.fields["dataframe_rate"]) == pytest.approx(1 / rate, abs=2.0 * 10.0**-decimals / 399)
+    stated = f"DataRate says 99.00, and the times are even at {clip.head.fields['dataframe_rate']} frames a second"
+    assert any(stated in notice.what for notice in clip.notices)
+    if decimals == 6:
+        assert float(clip.head.fields["dataframe_rate"]) == rate
+    again = read(FORMATS["trc"], written(FORMATS["trc"], clip))
+    assert again.head.fields == clip.head.fields
+    assert not again.notices
+    # Where DataRate is what the times say, nothing is said.
+    assert not clip_of(with_times(times, f"{rate:.3f}")).notices
+
+
+def test_times_that_were_rounded_and_filled_up_are_no_contradiction() -> None:
+    times = [f"{round(frame / 60, 3):.6f}" for frame in range(30)]
+    clip = clip_of(with_times(times, "60.00"))
+    assert clip.head.fields["dataframe_rate"] == "60.00"
+    assert not clip.notices
+
+
+@pytest.mark.parametrize("times", ["0.0 0.1 0.3 0.35", "0.000 0.000 0.000", "0.000 0.5 nan", "0.00 9.00"])
+def test_times_that_are_not_even_decide_nothing(times: str) -> None:
+    for rate in ("120.00", "x"):
+        clip = clip_of(with_times(times.split(), rate))
+        assert clip.head.fields.get("dataframe_rate") == ("120.00" if rate != "x" else None)
+        said = "do not follow from DataRate" if rate != "x" else "how fast the frames follow is unknown"
+        assert any(said in notice.what for notice in clip.notices)
+
+
+def test_columns_without_a_label_are_left_out_and_named() -> None:
+    values = table(clip_of())
+    # The label in the middle, that at the end, and one column that belongs to nothing.
+    for gone, columns, kept in (("*0", "6-8", [0, 1, 2, 6, 7, 8]), ("R.Wrist\t\t\n", "9-11", [0, 1, 2, 3, 4, 5])):
+        other = TEXT.replace(gone, "\t\t\n" if gone.endswith("\n") else "", 1)
+        clip = clip_of(other)
+        assert np.array_equal(table(clip), values[:, kept], equal_nan=True)
+        said = [notice.what for notice in clip.notices]
+        assert "NumMarkers says 3, there are 2 labels: these count" in said
+        assert f"columns without a label were left out: {columns}" in said
+        for count in ("2", "5"):
+            counted = clip_of(other.replace("\t3\tmm", f"\t{count}\tmm"))
+            assert np.array_equal(table(counted), values[:, kept], equal_nan=True)
+    text = "\n".join(line + "\t77" if line[:1].isdigit() and line[2:3] == "\t" else line for line in TEXT.split("\n"))
+    assert np.array_equal(table(clip_of(text)), values, equal_nan=True)
+    assert "columns without a label were left out: 12" in notices(text)
 
 
 def test_trailing_tabs_labels_two_columns_apart_and_blanks() -> None:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from service.errors import VocabularyError
-from service.mcml.joint_names import RIGS, assign, report, table, translate
+from service.mcml.joint_names import RIGS, assign, named, report, root_candidates, table, translate
 from service.motion.skeleton import Convention, Joint, Skeleton
 from tests.mcml.strategies import NAMES
 
@@ -51,6 +51,12 @@ def test_the_right_side_mirrors_the_left() -> None:
 SPINE = {"Hips": "Root", "Spine": "waist", "Spine1": "torso2", "Spine2": "torso7"}
 
 
+MAX = {
+    "Pelvis": "Root", "RClavicle": "right_shoulder", "RUpperArm": "right_up_arm", "RForearm": "right_low_arm",
+    "RThigh": "right_up_leg", "RCalf": "right_low_leg",
+}  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("names", "expected"),
     [
@@ -59,7 +65,20 @@ SPINE = {"Hips": "Root", "Spine": "waist", "Spine1": "torso2", "Spine2": "torso7
         (["mixamorig:Hips", "mixamorig:LeftUpLeg", "mixamorig:LeftLeg"], {"mixamorig:LeftLeg": "left_low_leg"}),
         (["root", "lhumerus", "lwrist", "lhand"], {"root": "Root", "lwrist": "left_wrist", "lhand": "left_hand"}),
         (["root", "lshoulderjoint", "neckjoint", "lhumerus", "lwrist"], {"lwrist": "left_hand", "neckjoint": "neck1"}),
-        (["root", "upperneck", "lowerneck", "lfemur"], {"upperneck": "neck1", "lowerneck": "neck2"}),
+        (["root", "lowerneck", "upperneck", "lfemur"], {"upperneck": "neck1", "lowerneck": "neck2"}),
+        (["root", "upperneck", "lowerneck", "lfemur"], {"upperneck": "neck2", "lowerneck": "neck1"}),
+        (["Hips", "LeftArm", "Neck", "Neck1", "Head"], {"Neck": "neck2", "Neck1": "neck1", "Head": "Head"}),
+        (["Hips", "LeftCollar", "LeftElbow", "Neck1", "Neck2"], {"Neck1": "neck2", "Neck2": "neck1"}),
+        (["Bip01", "Bip01 Neck", "Bip01 Neck1", "Bip01 Neck2"], {"Bip01 Neck": "neck2", "Bip01 Neck2": "neck1"}),
+        (["hip", "lShldr", "neckLower", "neckUpper"], {"neckLower": "neck2", "neckUpper": "neck1"}),
+        (["root", "lhumerus", "lshoulderjoint", "neckjoint", "neck"], {"neckjoint": "neck2", "neck": "neck1"}),
+        (["HumanoidRoot", "vl5", "vc7", "vc4", "vc2"], {"vc7": "neck2", "vc2": "neck1"}),
+        (["h_root", "h_left_up_arm", "h_neck_1", "h_neck_2"], {"h_neck_1": "neck2", "h_neck_2": "neck1"}),
+        (["hip", "lShldr", "lButtock", "lThigh"], {"lButtock": "left_hip", "lThigh": "left_up_leg"}),
+        (["hip", "rShldr", "rButtock", "rThigh"], {"rButtock": "right_hip", "rThigh": "right_up_leg"}),
+        (["Pelvis", "RClavicle", "RUpperArm", "RForearm", "RThigh", "RCalf"], MAX),
+        (["Hips", "L Clavicle", "L UpperArm", "L Forearm", "L Hand", "L Calf"], {"L Forearm": "left_low_arm"}),
+        (["Hips", "LCollar", "LUpperArm", "LLowerArm", "LUpperLeg", "LLowerLeg"], {"LLowerLeg": "left_low_leg"}),
         (["Bip01", "Bip01 Spine", "Bip01_L_UpperArm"], {"Bip01": "Root", "Bip01_L_UpperArm": "left_up_arm"}),
         (["LowerTorso", "UpperTorso", "LUpArm", "LLowArm"], {"LowerTorso": "Root", "UpperTorso": "torso7"}),
         (["Pelvis", "L5", "L3", "T12", "T8", "LeftUpperArm"], {"L5": "waist", "T8": "torso7"}),
@@ -74,6 +93,36 @@ SPINE = {"Hips": "Root", "Spine": "waist", "Spine1": "torso2", "Spine2": "torso7
 )  # fmt: skip
 def test_rigs(names: list[str], expected: dict[str, str]) -> None:
     assert expected.items() <= mcml_names(*names).items()
+
+
+def test_necks_of_two_heads_are_not_one_chain() -> None:
+    joints = [Joint(name, parent, name, Convention.LISTED) for name, parent in
+              (("Hips", -1), ("LeftArm", 0), ("Neck", 0), ("Neck1", 0), ("Neck2", 3))]  # fmt: skip
+    named = assign(Skeleton(tuple(joints)))
+    assert [joint.name for joint in named.joints] == ["Root", "left_up_arm", "Neck", "neck2", "neck1"]
+
+
+def rooted(*names: str, moving: tuple[str, ...]) -> Skeleton:
+    return Skeleton(
+        tuple(
+            Joint(name, index - 1, name, Convention.LISTED, ("Tx", "Ty", "Tz") if name in moving else ())
+            for index, name in enumerate(names)
+        )
+    )
+
+
+def test_the_root_is_a_joint_that_can_move_the_figure() -> None:
+    names = ("Root", "Hips", "LeftUpLeg")
+    assert root_candidates(rooted(*names, moving=("Hips",))) == (1,)
+    assert assign(rooted(*names, moving=("Hips",))).names == ("Root#2", "Root", "left_up_leg")
+    assert assign(rooted(*names, moving=("Root",))).names == ("Root", "Hips", "left_up_leg")
+    both = rooted(*names, moving=("Root", "Hips"))
+    assert root_candidates(both) == (0, 1)
+    for index in (0, 1):
+        assert [joint.name for joint in named(both, root=index)[0].joints if joint.mapped] == ["Root", "left_up_leg"]
+        assert named(both, root=index)[0].joints[index].name == "Root"
+    # Names that are MCML's own stay as they are.
+    assert root_candidates(rooted("Root", "left_up_leg", moving=("Root",))) == ()
 
 
 def test_mcml_names_stay() -> None:
@@ -124,7 +173,9 @@ def test_naming_never_fails_and_gives_each_name_once(names: list[str]) -> None:
 @pytest.mark.parametrize("column", [rig.column for rig in RIGS])
 def test_a_whole_rig_is_recognised_and_mapped(column: str) -> None:
     first = {row.name: row.columns[column].split("|")[0] for row in table()}
-    names = {name: alias for name, alias in first.items() if alias}
+    # Each joint hangs below the one before it, and the lower neck is neck2.
+    rows = [first.pop("neck2"), first.pop("neck1")]
+    names = {name: alias for name, alias in (*zip(("neck2", "neck1"), rows, strict=True), *first.items()) if alias}
     rig = skeleton(*names.values())
     assert report(rig).convention in (column, "acclaim" if column == "vicon" else column)
     assert [joint.name for joint in assign(rig).joints] == list(names)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -160,13 +161,18 @@ def made(skeleton: Skeleton, arms_out: bool, turn: float, joint: str, path: Rota
     return rotations
 
 
+def offsets_of(skeleton: Skeleton, rotations: Array) -> Array:
+    """Translations (n, J, 3) of joints that stay where they are at rest."""
+    return np.tile(rest_of(skeleton).offsets, (len(rotations), 1, 1))
+
+
 def smooth(frames: int = 60) -> Array:
     part = np.clip((np.arange(frames + 30) - 15) / frames, 0, 1)
     return part * part * (3 - 2 * part)
 
 
 def named(skeleton: Skeleton, rotations: Array) -> list[tuple[str, str, str]]:
-    found = suggest_movements(skeleton, rest_of(skeleton), rotations, 1 / 60)
+    found = suggest_movements(skeleton, rest_of(skeleton), offsets_of(skeleton, rotations), rotations, 1 / 60)
     check_possible(found)
     return [(one.part, one.side, one.movement) for one in found]
 
@@ -277,7 +283,7 @@ def test_no_impossible_name_is_made(seed: int) -> None:
     part = (at - low)[:, None, None]
     vectors = keys[low] + part * (keys[low + 1] - keys[low])
     rotations = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_quat().reshape(120, len(skeleton), 4)
-    found = suggest_movements(skeleton, rest_of(skeleton), rotations, 1 / 60)
+    found = suggest_movements(skeleton, rest_of(skeleton), offsets_of(skeleton, rotations), rotations, 1 / 60)
     check_possible(found)
     assert len(found) > 10
 
@@ -291,17 +297,58 @@ def test_every_part_of_the_vocabulary_with_joints_is_there() -> None:
 def test_stillness_has_no_names() -> None:
     skeleton = body(False, 0.0)
     still = made(skeleton, False, 0.0, "Root", Rotation.from_rotvec(np.zeros((50, 3))))
-    assert suggest_movements(skeleton, rest_of(skeleton), still, 1 / 60) == []
-    assert suggest_movements(skeleton, rest_of(skeleton), still[:1], 1 / 60) == []
+    assert suggest_movements(skeleton, rest_of(skeleton), offsets_of(skeleton, still), still, 1 / 60) == []
+    assert suggest_movements(skeleton, rest_of(skeleton), offsets_of(skeleton, still)[:1], still[:1], 1 / 60) == []
     with pytest.raises(ConversionError):
-        suggest_movements(skeleton, rest_of(skeleton), still, 0.0)
+        suggest_movements(skeleton, rest_of(skeleton), offsets_of(skeleton, still), still, 0.0)
+
+
+@pytest.mark.parametrize("turn", [0.0, 2.0])
+@pytest.mark.parametrize("joint", ["left_up_arm", "right_low_arm", "left_low_leg", "Head"])
+def test_offsets_that_come_with_the_motion(joint: str, turn: float) -> None:
+    """A rig that lies in a heap at rest has the names of the one whose offsets stand in its skeleton."""
+    skeleton = body(False, turn)
+    path = Rotation.from_rotvec(np.outer(smooth(), [-1.2, 0, 0]))
+    rotations = made(skeleton, False, turn, joint, path)
+    nowhere = ("0", "0", "0")
+    heap = Skeleton(
+        tuple(replace(one, offset=nowhere, channels=("Tx", "Ty", "Tz", *one.channels)) for one in skeleton.joints)
+    )
+    moved = offsets_of(skeleton, rotations)
+    expected = suggest_movements(skeleton, rest_of(skeleton), moved, rotations, 1 / 60)
+    assert expected
+    assert suggest_movements(heap, rest_of(heap), moved, rotations, 1 / 60) == expected
+    # Someone who lies before standing up is looked at where they stand.
+    lying = rotations[:1].repeat(40, axis=0)
+    lying[:, 0] = (Rotation.from_rotvec([0, 0, np.pi / 2]) * Rotation.from_quat(lying[:, 0])).as_quat()
+    both, where = np.concatenate([lying, rotations]), np.concatenate([moved[:1].repeat(40, axis=0), moved])
+    later = suggest_movements(heap, rest_of(heap), where, both, 1 / 60)
+    wanted = {(one.part, one.side, one.movement) for one in expected}
+    assert wanted <= {(one.part, one.side, one.movement) for one in later if one.first > 35}
+
+
+def test_where_names_tell_no_sides_someone_must_say() -> None:
+    middle = [one for one in body(False, 0.0).joints if one.name in MIDDLE]
+    places = {one.name: index for index, one in enumerate(middle)}
+    joints = [replace(one, parent=places.get(MIDDLE[one.name][0], -1)) for one in middle]
+    skeleton = Skeleton(tuple(joints))
+    rotations = made(skeleton, False, 0.0, "Head", Rotation.from_rotvec(np.outer(smooth(), [1.0, 0, 0])))
+    moved = offsets_of(skeleton, rotations)
+    with pytest.raises(ConversionError, match="nothing tells left from right"):
+        suggest_movements(skeleton, rest_of(skeleton), moved, rotations, 1 / 60)
+    bends = {"Z": "flexion", "-Z": "extension", "X": "right-lateral-flexion", "-X": "left-lateral-flexion"}
+    for facing, movement in bends.items():
+        found = suggest_movements(skeleton, rest_of(skeleton), moved, rotations, 1 / 60, facing=facing)
+        assert [(one.part, one.movement) for one in found] == [("head", movement)], facing
+    with pytest.raises(ConversionError, match="nothing tells left from right"):
+        suggest_movements(skeleton, rest_of(skeleton), moved, rotations, 1 / 60, facing="Y")
 
 
 def real(shared: Path, name: str, frame_time: float) -> list[Suggestion]:
     clip = opened(shared / name)
     skeleton, reading = assign(clip.head.skeleton), reading_of(clip.head)
     hub = HubReader(skeleton, reading).read(joined(clip.blocks()))
-    found = suggest_movements(skeleton, rest_of(skeleton, reading), hub.rotations, frame_time)
+    found = suggest_movements(skeleton, rest_of(skeleton, reading), hub.translations, hub.rotations, frame_time)
     check_possible(found)
     return found
 

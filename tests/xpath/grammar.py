@@ -13,6 +13,7 @@ from random import Random
 from typing import Any
 
 from service.xpath.tree import AXES
+from tests.xpath.spelling import nested, position_test, without_space
 from tests.xpath.witness import Witness, child, element, move
 
 CHANNELS = ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz")
@@ -40,7 +41,8 @@ class Grammar:
             name = self.random.choice(list(self.trees))
             self._size = self._sizes[name]
             self._budget = self.random.choice([2, 4, 4, 6, 6, 8, 10, 14, 25, 40])
-            yield name, self.top(Witness("document", self.trees[name].getroot()))
+            text = self.top(Witness("document", self.trees[name].getroot()))
+            yield name, without_space(text) if self.chance(0.15) else text
 
     def used(self, found: set[str]) -> None:
         self.made += 1
@@ -191,14 +193,7 @@ class Grammar:
         return text
 
     def position_test(self) -> str:
-        """A condition on the position that some node of most lists meets."""
-        number = self.random.choice([1, 1, 1, 2, 3, 5, 10])
-        return self.random.choice([
-            "1", str(number), "last()", f"position() <= {number}", f"position() mod {number + 1} = 1",
-            "position()=last()", f"position() >= {number} and position() <= {number + 5}", f"last() - {number - 1}",
-            f"position() < {number + 1}", f"not(position() > {number})", f"round(last() div {number})",
-            f"ceiling(last() * 0.{number})", "floor(last() div 2) + 1",
-        ])  # fmt: skip
+        return position_test(self.random)
 
     # -- conditions ------------------------------------------------------------------------------------------------
 
@@ -209,6 +204,8 @@ class Grammar:
             if known is not None:
                 return known
         text = f"{self.string(node)} != 'no-such'" if self.chance(0.12) else self.boolean(node)
+        if self.chance(0.05):
+            text = nested(self.random, text)
         held = self.evaluate(node, f"boolean({text})")
         return f"not({text})" if held is False and self.chance(0.9) else text
 
@@ -226,8 +223,12 @@ class Grammar:
                     f"not(motion_name='nothing') and {name}=motion_name",
                 ])  # fmt: skip
             if self.chance(0.3):
-                own = node.element.get("id")
-                return random.choice([f"@id={self.quoted(own)}", f"@id={own}" if own.isdigit() else "@id", "@id >= 2"])
+                own = random.choice(node.element.getparent().findall("frame")).get("id")
+                near = own if own.isdigit() and self.chance(0.7) else str(random.choice([-2, 0, 1, 4, 5, 6, 8]))
+                return random.choice([
+                    f"@id={self.quoted(own)}", f"@id={near}", f"{near} = @id", f"@id={self.quoted(near)}",
+                    f"@id >= {near}", f"@id != {near}", f"not(@id={near})", "@id=../frame[last()]/@id",
+                ])  # fmt: skip
             bone = child(node, random, "frame_bone")
             if bone is None:
                 return "not(frame_bone)"
@@ -265,10 +266,9 @@ class Grammar:
              "starts-with()", "lang()", "test comment()", "test processing-instruction()", "id()", "path"],
             [5, 5, 3, 1, 1, 0.8, 1.5, 1.3, 1.5, 1.2, 1.2, 1.6, 1, 2],
         )  # fmt: skip
-        if kind == "operator <":
-            return self.relation(node)
-        if kind == "operator =":
-            return self.equality(node)
+        if kind in ("operator <", "operator ="):
+            text = self.relation(node) if kind == "operator <" else self.equality(node)
+            return self.chained(text, node) if self.chance(0.12) else text
         if kind == "operator and":
             operator = self.random.choice(["and", "or"])
             operands = [self.condition(node) for _ in range(self.random.choice([2, 2, 3]))]
@@ -292,6 +292,13 @@ class Grammar:
 
     def path(self, node: Witness) -> str:
         return self.nodes(node)[0]
+
+    def chained(self, comparison: str, node: Witness) -> str:
+        """The truth of a comparison compared again, as `1 < 2 = true()` and `3 > 2 > 1` do."""
+        for _ in range(self.random.choice([1, 1, 2, 4])):
+            other = self.random.choice(["true()", "false()", "1", "0", self.number(node), self.string(node)])
+            comparison = f"{comparison} {self.random.choice(['=', '!=', '<', '<=', '>', '>='])} {other}"
+        return f"({comparison})"
 
     def relation(self, node: Witness) -> str:
         operator = self.pick(["<", "<=", ">", ">="], form="operator {}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
@@ -13,14 +13,15 @@ from typing import Any
 from lxml import etree
 
 from service.actions.change_document import add_labels
+from service.actions.change_frames import delete_frames, move_frames, reverse
 from service.actions.edit_element import Change, change_element, delete_element
 from service.actions.export_motion import ExportOptions, export_document
 from service.errors import McmlError
 from service.settings import Settings
-from service.storage.database import Database
-from service.storage.documents import DocumentFilter
+from service.storage.database import Database, Transaction
+from service.storage.documents import DocumentFilter, StoredDocument
 from service.xpath.run import Queries
-from tests.builders import ASF, HTR, MCML, amc, bvh, store
+from tests.builders import ASF, HTR, MCML, amc, bvh, mcml_of, store
 
 FILES: list[dict[str, bytes]] = [
     {"e_chain.bvh": bvh(12)},
@@ -28,6 +29,9 @@ FILES: list[dict[str, bytes]] = [
     {"c_leg.asf": ASF, "c_leg.amc": amc(4)},
     {"d_two.htr": HTR},
     {"a_empty.bvh": bvh(0)},
+    {"g_ids.mcml": mcml_of([5, 5, 5, 9, 9, 8, 7, 7, 2, 2, 2, 2, -1, -1, 30, 60, 90, 91, 91])},
+    {"h_ids.mcml": mcml_of([4, 4, "4", "04", "x", 4, 900719925474099301, 900719925474099302, 0, 0, -3])},
+    {"i_ids.mcml": mcml_of([6] * 5)},
 ]
 EDITS: list[tuple[str, Change | None]] = [
     ("/mcml/motion/frame[2]", None),
@@ -101,6 +105,21 @@ def _add(database: Database, files: dict[str, bytes], random: Random, *, edited:
                 change_element(tx, stored, where, change) if change else delete_element(tx, stored, where)
         except McmlError:  # not every document has what is edited
             continue
+    for _ in range(4 if edited else 0):
+        with suppress(McmlError), database.write() as tx:
+            _move_frames(tx, tx.documents.get(uuid), random)
+
+
+def _move_frames(tx: Transaction, stored: StoredDocument, random: Random) -> None:
+    """Some frames deleted, moved or reversed."""
+    first, last = sorted(random.randint(1, max(1, stored.frames)) for _ in "ab")
+    match random.choice(["delete", "move", "reverse"]):
+        case "delete":
+            delete_frames(tx, stored, first, min(last, first + 1), renumber=False)
+        case "move":
+            move_frames(tx, stored, first, last, random.randint(1, stored.frames + 1), renumber=False)
+        case "reverse":
+            reverse(tx, stored, first, last)
 
 
 def exported(database: Database) -> Iterator[tuple[str, Any]]:

@@ -17,12 +17,13 @@ from typing import Any
 from lxml import etree
 
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
+from service.xpath.labels import without_index
 from service.xpath.parse import Query, parse
-from service.xpath.run import Queries, without_index
+from service.xpath.run import Queries
 from service.xpath.texts import to_number
 from service.xpath.tree import Call, Expression, Literal, Operation, Path, children, is_constant, type_of, with_children
 from service.xpath.unparse import unparse
-from service.xpath.worker import Addresses, describe
+from service.xpath.worker import Addresses, describe, namespace_owners
 
 Trees = Mapping[str, Any]
 WIDE = ("descendant", "descendant-or-self", "following", "preceding", "following-sibling", "preceding-sibling")
@@ -92,7 +93,8 @@ def _answer(query: Query, trees: Trees, text: str, extensions: Any = None) -> li
         value: Any = ask(tree)
         if isinstance(value, list):
             addresses = Addresses()
-            value = [tuple(describe(node, addresses)) for node in value]
+            owners = namespace_owners(tree, query.text) if any(isinstance(node, tuple) for node in value) else iter(())
+            value = [tuple(describe(node, addresses, owners)) for node in value]
         result.append((uuid, value))
     inner, nth = without_index(query.tree)
     if nth is not None and len(trees) > 1:

@@ -12,9 +12,9 @@ from saxonche import PySaxonApiError, PySaxonProcessor
 from schemas.queries import NodeItem, QueryRequest
 from service.errors import QueryError
 from service.storage.database import Database
-from service.xpath.later import AGGREGATES
 from service.xpath.parse import parse
 from service.xpath.saxon_worker import evaluate
+from service.xpath.signatures import AGGREGATES
 from service.xpath.tree import Call, Sequence, is_constant
 from tests import postgres
 from tests.conftest import shared_folder

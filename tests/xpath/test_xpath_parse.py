@@ -14,6 +14,7 @@ from service.errors import LimitError, QueryError
 from service.xpath.parse import parse
 from service.xpath.rules import normal
 from service.xpath.scan import plan_scan
+from service.xpath.signatures import FUNCTIONS
 from service.xpath.starts import start_of
 from service.xpath.tree import Operation, Path, Sequence, Step, type_of, walk
 
@@ -98,6 +99,12 @@ HOSTILE = [
     "1" + "0" * 400,
     "0." + "3" * 5000,
     '"' * 9999,
+    "//frame" + "[frame_bone" * 60 + "]" * 60,
+    "a" + "[b[c]/d" * 50 + "]" * 50,
+    "not(" * 90 + "a" + ")" * 90,
+    "(" * 100 + "a" + ")" * 100 + "[1]" * 3000,
+    "a[1 = " * 90 + "1" + "]" * 90,
+    "for $x in a[" + "b[" * 90 + "1" + "]" * 91 + " return $x",
 ]
 
 
@@ -214,11 +221,47 @@ def test_what_only_xpath_2_has_is_kept_as_it_is_written(text: str) -> None:
     assert query.later
 
 
+def test_comparisons_associate_from_the_left() -> None:
+    tree = parse("1 = 2 != 3").tree
+    assert isinstance(tree, Operation)
+    assert tree == parse("(1 = 2) != 3").tree
+    assert tree != parse("1 = (2 != 3)").tree
+
+
+@pytest.mark.parametrize("name", sorted(FUNCTIONS))
+@pytest.mark.parametrize("count", range(5))
+def test_calls_with_a_wrong_number_of_arguments_are_refused(name: str, count: int) -> None:
+    """As libxml2 refuses them, where it has the function."""
+    signature = FUNCTIONS[name]
+    argument = "//a" if signature.of_nodes else "'a'"
+    text = f"{name}({', '.join([argument, *['1'] * 4][:count])})"
+    if not signature.later:
+        try:
+            etree.fromstring("<a/>").xpath(f"//a[{text}]")
+        except etree.XPathEvalError:
+            assert not signature.takes(count)
+        else:
+            assert signature.takes(count)
+    if signature.takes(count):
+        parse(text)
+        return
+    for whole in (text, f"//frame[@id < 3]/a[{text}]"):
+        with pytest.raises(QueryError, match=r"takes .* given") as caught:
+            parse(whole)
+        assert caught.value.at is not None
+        assert caught.value.at.column == whole.index(f"{name}(") + 1
+    with pytest.raises(QueryError, match=r"argument|comma"):
+        parse(f"for $x in //frame return {text}")
+
+
 def test_calls_that_make_one_value_of_all_documents() -> None:
     tree = parse("string-join(for $b in //bone return concat($b/name, ', ()'), ', ')").tree
     assert isinstance(tree, Sequence)
     assert tree.function == "string-join"
     assert tree.arguments == ("for $b in //bone return concat($b/name, ', ()')", "', '")
+    tree = parse("string-join(for $a in //frame, $b in //bone return concat($a/@id, $b/@id), ' ')").tree
+    assert isinstance(tree, Sequence)
+    assert tree.arguments == ("for $a in //frame, $b in //bone return concat($a/@id, $b/@id)", "' '")
     other = parse("sum((1, 2)) + sum((3, 4))").tree
     assert isinstance(other, Sequence)
     assert other.function == ""
@@ -228,7 +271,8 @@ LIBXML2 = """node() + 1|node()*2|text() = 'a'|a + .|a * .|a[node()+.]|* + *|a -b
 @div div @mod|a[1]/..|/.|/*|/ = 'a'|(/) = a|-(-1)|--1|1--1|a[.5]|5. + .5|child :: a|a//.|a//..|.//.|lang('en')|true()
 id('a')/b[1]|(a)/c|text()[1]|a[last()-1]|child::mod/and|a/div|1 div 2 div 3|@*|ancestor::node()[1]|a or(b)|1 div(2)
 a[b]and c|'a'='b'or'c'|if|for|a/if|@for|some|to|union|item|element|map|every|a/element/item|a[-1]|- a = 1|- a/b
-@node()|//a[@ node()=1]
+@node()|//a[@ node()=1]|1 = 1 = 1|3 > 2 > 1|//frame[@id > 3 = true()]|1div 2|//a[@id=1and @id<5]|1 != 2 = (3 = 4)
+1=1 or 2=2 and 3<4<5|//a[b]/c[d]or e|2*-3|--a|//a[.='x'][..]|'a'='b'='c'|a[b=c=d]|processing-instruction('a b')
 """.replace("\n", "|").split("|")[:-1]
 
 

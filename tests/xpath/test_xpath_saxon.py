@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import threading
 from collections.abc import Iterator
 
+import psutil
 import pytest
 
 from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
@@ -11,8 +14,10 @@ from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.database import Database
 from service.xpath import saxon
+from service.xpath.limits import Limits
 from service.xpath.run import Queries
 from service.xpath.saxon import Saxon
+from service.xpath.turns import Turns
 from tests.builders import MCML, bvh, store
 
 DOCUMENT = b"<mcml><motion><frame id='1'/><frame id='2'/></motion></mcml>"
@@ -37,8 +42,9 @@ def pool() -> Iterator[Saxon]:
     made.close()
 
 
-def ask(pool: Saxon, text: str, seconds: float = 10) -> list[object]:
-    return list(pool.items(text, [DOCUMENT], variables={}, offset=0, limit=100, seconds=seconds).items)
+def ask(pool: Saxon, text: str, seconds: float = 10, client: str = "") -> list[object]:
+    limits = Limits(seconds, 1000, client)
+    return list(pool.items(text, [DOCUMENT], variables={}, offset=0, limit=100, limits=limits).items)
 
 
 @pytest.mark.parametrize(
@@ -157,9 +163,92 @@ def test_expressions_that_take_too_much_memory_are_ended() -> None:
         pool.close()
 
 
+def test_memory_that_saxon_takes_by_itself_is_seen_from_outside() -> None:
+    pool = Saxon(memory_bytes=400 << 20, processes=1)
+    most = 0
+    done = threading.Event()
+
+    def look() -> None:
+        nonlocal most
+        while not done.wait(0.01):
+            for child in psutil.Process().children():
+                with contextlib.suppress(psutil.NoSuchProcess):
+                    most = max(most, child.memory_info().rss)
+
+    looking = threading.Thread(target=look)
+    looking.start()
+    try:
+        with pytest.raises(LimitError) as caught:
+            ask(pool, "1 to 1000000000", seconds=60)
+    finally:
+        done.set()
+        looking.join()
+        pool.close()
+    assert caught.value.details["code"] == "query-memory"
+    assert most < 800 << 20
+
+
+EXPLODES = f"matches('{'a' * 60}!', '^(a+)+$')"
+
+
+def test_long_questions_leave_a_place_for_others() -> None:
+    """Those who ask much hold all places but one, others get that one at once, and who waits is served in turn."""
+    pool = Saxon(processes=3, seconds=60)
+    limits = [Limits(60, 1000, "busy") for _ in range(4)]
+    ended: list[str] = []
+
+    def explode(one: Limits) -> None:
+        with contextlib.suppress(LimitError, QueryError):
+            pool.items(EXPLODES, [DOCUMENT], variables={}, offset=0, limit=1, limits=one)
+        ended.append("long")
+
+    threads = [threading.Thread(target=explode, args=(one,)) for one in limits]
+    try:
+        for thread in threads:
+            thread.start()
+        for _ in range(3):
+            assert ask(pool, "count(//frame)", seconds=50, client="quick") == [2.0]
+        assert not ended
+    finally:
+        for one in limits:
+            one.cancel()
+        for thread in threads:
+            thread.join()
+        pool.close()
+
+
+def test_who_waits_is_served_in_turn() -> None:
+    turns = Turns(2)
+    assert turns.take("a", 0)
+    assert not turns.take("a", 0)
+    assert turns.take("b", 0)
+    order: list[str] = []
+    begun = threading.Semaphore(0)
+
+    def wait(client: str) -> None:
+        begun.release()
+        assert turns.take(client, 60)
+        order.append(client)
+        turns.give(client)
+
+    threads = [threading.Thread(target=wait, args=(client,)) for client in "aaac"]
+    for thread in threads:
+        thread.start()
+        begun.acquire()
+    while turns.waiting < 4:
+        pass
+    turns.give("b")
+    threads[-1].join()
+    assert order == ["c"]
+    turns.give("a")
+    for thread in threads:
+        thread.join()
+    assert order == ["c", "a", "a", "a"]
+
+
 def test_regular_expressions_that_explode_are_ended(pool: Saxon) -> None:
     with pytest.raises((LimitError, QueryError)):
-        ask(pool, f"matches('{'a' * 60}!', '^(a+)+$')", seconds=2)
+        ask(pool, EXPLODES, seconds=2)
 
 
 def test_without_saxon_the_error_says_what_to_install(queries: Queries, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -100,7 +100,7 @@ def shown(answer: QueryAnswer) -> tuple[object, list[tuple[str, str, str]]]:
 
 def test_tracks_answer_as_columns_do(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
     with engine.database.read() as tx:
-        bones = [*tx.columns.used_bone_names([listed.key for listed in tx.columns.documents()]), "nothing"]
+        bones = [*tx.columns.used_names("bone", None), "nothing"]
     maker = Maker(Random(8), bones)
     scanned = found = 0
     for _ in range(400):

@@ -66,5 +66,7 @@ def test_names_that_reach_nothing_get_the_nearest() -> None:
     assert hint("//frame/@Rx") == "frame has no attribute @Rx; it is one of frame_bone"
     assert hint("/mcml/frame") == "mcml holds no frame; it stands in motion"
     assert hint("count(//frame[motionname='walk'])") == "MCML has no element motionname; did you mean motion_name?"
+    assert hint("//@motion_name") == "motion_name is an element: leave the @ out"
+    assert hint("//frame[Rx > 5]") == "Rx is an attribute: write @Rx"
     assert unknown_names(parse("//frame[motion_name='walk']/frame_bone/@Rx").tree) == []
     assert unknown_names(parse("//frame/text()").tree) == []

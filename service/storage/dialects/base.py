@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, ClassVar, cast
@@ -42,6 +42,7 @@ class Dialect(ABC):
     def __init__(self, engine: Engine) -> None:
         self.engine = engine
         self._texts: dict[ClauseElement, _Text] = {}
+        self.known_sound: set[int] = set()
 
     def run(self, connection: Connection, statement: ClauseElement, values: dict[str, Any]) -> CursorResult[Any]:
         """Execute a statement that was made once: its text is made once too. Lists are for `OneOf`.
@@ -84,7 +85,9 @@ class Dialect(ABC):
         """Let no other writer number a commit until this transaction has ended: numbers follow visibility."""
 
     @abstractmethod
-    def insert(self, connection: Connection, table: Table, names: tuple[str, ...], rows: list[tuple[Any, ...]]) -> None:
+    def insert(
+        self, connection: Connection, table: Table, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]]
+    ) -> None:
         """Insert many rows, each with the values of these columns, the fastest way the database has."""
 
     @abstractmethod
@@ -98,6 +101,18 @@ class Dialect(ABC):
     @abstractmethod
     def is_full(self, error: BaseException | None) -> bool:
         """Whether the driver's error says that the disk is full."""
+
+    @abstractmethod
+    def is_away(self, error: BaseException | None) -> bool:
+        """Whether the driver's error says that the database cannot be asked now, and may be later."""
+
+    @abstractmethod
+    def is_damaged(self, error: BaseException | None) -> bool:
+        """Whether the driver's error says that the database's own structures are not what it wrote."""
+
+    @abstractmethod
+    def faults(self, connection: Connection) -> Iterator[str]:
+        """What the database itself finds wrong with its pages and indexes, in words."""
 
     @abstractmethod
     def after_copy(self, connection: Connection) -> None:

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
+import psycopg
 from sqlalchemy import Connection, Engine, Table, create_engine, insert, text
 from sqlalchemy.sql.dml import ReturningInsert
 
 from service.storage.dialects.base import Dialect
-from service.storage.tables import metadata
+from service.storage.schema import metadata
 
 COMMIT_LOCK = 0x4D434D4C
 """Key of the advisory lock that orders commits: "MCML" in ASCII."""
 
 DISK_FULL = "53100"
+CONNECTION = "08"
+AWAY = ("53300", "57P01", "57P02", "57P03", "57P05")
+"""Too many connections; shut down by an administrator, after a crash, not ready yet; idle for too long."""
+CORRUPTED = ("XX001", "XX002")
+"""A page, or an index."""
 
 _ORDER = text("SELECT pg_advisory_xact_lock(:key)")
 
@@ -27,14 +33,14 @@ class PostgreSQL(Dialect):
     personal = False
 
     tracks_by_key = text(
-        "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data "
+        "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data, t.data_checksum "
         "FROM jsonb_array_elements(CAST(:keys AS jsonb)) AS k JOIN track AS t "
         "ON t.document = CAST(k ->> 0 AS bigint) AND t.chunk = CAST(k ->> 1 AS bigint) "
         "AND t.bone = CAST(k ->> 2 AS bigint) AND t.from_commit = CAST(k ->> 3 AS bigint)"
     )
 
     tracks_over_chunks = text(
-        "SELECT t.document, t.chunk, t.bone, t.channels, t.count, t.codec, t.data "
+        "SELECT t.document, t.chunk, t.bone, t.channels, t.count, t.codec, t.data, t.data_checksum "
         "FROM jsonb_array_elements(CAST(:keys AS jsonb)) AS k JOIN track AS t "
         "ON t.document = CAST(k ->> 0 AS bigint) AND t.chunk = CAST(k ->> 1 AS bigint) "
         "WHERE t.from_commit <= :at AND t.to_commit > :at"
@@ -61,7 +67,9 @@ class PostgreSQL(Dialect):
     def order_commits(self, connection: Connection) -> None:
         connection.execute(_ORDER, {"key": COMMIT_LOCK})
 
-    def insert(self, connection: Connection, table: Table, names: tuple[str, ...], rows: list[tuple[Any, ...]]) -> None:
+    def insert(
+        self, connection: Connection, table: Table, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]]
+    ) -> None:
         columns = ", ".join(f'"{name}"' for name in names)
         driver: Any = connection.connection.driver_connection
         with driver.cursor() as cursor, cursor.copy(f'COPY "{table.name}" ({columns}) FROM STDIN') as copy:
@@ -78,6 +86,24 @@ class PostgreSQL(Dialect):
 
     def is_full(self, error: BaseException | None) -> bool:
         return getattr(error, "sqlstate", None) == DISK_FULL
+
+    def is_away(self, error: BaseException | None) -> bool:
+        state = getattr(error, "sqlstate", None)
+        if state is None:
+            # No server answered, or the connection broke.
+            return isinstance(error, psycopg.OperationalError | psycopg.InterfaceError)
+        return state[:2] == CONNECTION or state in AWAY
+
+    def is_damaged(self, error: BaseException | None) -> bool:
+        return getattr(error, "sqlstate", None) in CORRUPTED
+
+    def faults(self, connection: Connection) -> Iterator[str]:
+        # The server checks its pages by their checksums, where they were turned on when it was set up.
+        if connection.exec_driver_sql("SHOW data_checksums").scalar_one() == "on":
+            query = "SELECT checksum_failures FROM pg_stat_database WHERE datname = current_database()"
+            failures = connection.exec_driver_sql(query).scalar_one_or_none()
+            if failures:
+                yield f"PostgreSQL: {failures} pages had another checksum"
 
     def after_copy(self, connection: Connection) -> None:
         for table in metadata.sorted_tables:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
@@ -25,14 +25,14 @@ class SQLite(Dialect):
 
     # Of a cross join SQLite keeps the order: for each key, look for its track.
     tracks_by_key = text(
-        "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data "
+        "SELECT t.document, t.chunk, t.bone, t.from_commit, t.codec, t.data, t.data_checksum "
         "FROM json_each(:keys) AS k CROSS JOIN track AS t "
         "WHERE t.document = json_extract(k.value, '$[0]') AND t.chunk = json_extract(k.value, '$[1]') "
         "AND t.bone = json_extract(k.value, '$[2]') AND t.from_commit = json_extract(k.value, '$[3]')"
     )
 
     tracks_over_chunks = text(
-        "SELECT t.document, t.chunk, t.bone, t.channels, t.count, t.codec, t.data "
+        "SELECT t.document, t.chunk, t.bone, t.channels, t.count, t.codec, t.data, t.data_checksum "
         "FROM json_each(:keys) AS k CROSS JOIN track AS t "
         "WHERE t.document = json_extract(k.value, '$[0]') AND t.chunk = json_extract(k.value, '$[1]') "
         "AND t.from_commit <= :at AND t.to_commit > :at"
@@ -92,7 +92,9 @@ class SQLite(Dialect):
     def order_commits(self, connection: Connection) -> None:
         """Nothing to do: BEGIN IMMEDIATE already holds the one write lock."""
 
-    def insert(self, connection: Connection, table: Table, names: tuple[str, ...], rows: list[tuple[Any, ...]]) -> None:
+    def insert(
+        self, connection: Connection, table: Table, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]]
+    ) -> None:
         # The driver's own executemany: SQLAlchemy's handling of parameters takes three times as long as SQLite.
         connection.exec_driver_sql(_insertion(table.name, names), rows)
 
@@ -112,6 +114,22 @@ class SQLite(Dialect):
 
     def is_full(self, error: BaseException | None) -> bool:
         return isinstance(error, sqlite3.Error) and getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
+
+    def is_away(self, error: BaseException | None) -> bool:
+        # Another process writes for longer than anybody waits. The low byte is the kind.
+        code = getattr(error, "sqlite_errorcode", None) or 0
+        return isinstance(error, sqlite3.Error) and code & 0xFF in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+
+    def is_damaged(self, error: BaseException | None) -> bool:
+        code = getattr(error, "sqlite_errorcode", None)
+        return isinstance(error, sqlite3.Error) and code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
+
+    def faults(self, connection: Connection) -> Iterator[str]:
+        for (said,) in connection.exec_driver_sql("PRAGMA integrity_check"):
+            if said != "ok":
+                yield f"SQLite: {said}"
+        for table, *_ in connection.exec_driver_sql("PRAGMA foreign_key_check"):
+            yield f"SQLite: a row of {table} refers to one that is not there"
 
     def after_copy(self, connection: Connection) -> None:
         """Nothing to do: SQLite numbers on from the greatest key."""

@@ -1,0 +1,106 @@
+"""What projects call joints, and documents that get the names of today."""
+
+from __future__ import annotations
+
+import pytest
+from fastapi.testclient import TestClient
+
+from service.actions.shared_skeleton import kept_skeleton
+from service.mcml import joint_names
+from tests.builders import bvh, upload
+
+API = "/api/v1"
+RIG = ("Becken", "Wirbel", "LeftUpLeg", "Neck", "Neck1", "Haupt")
+
+
+def names(client: TestClient, uuid: object, revision: int | None = None) -> list[str]:
+    asked = {} if revision is None else {"revision": revision}
+    return [bone["name"] for bone in client.get(f"{API}/documents/{uuid}", params=asked).json()["bones"]]
+
+
+def stored(client: TestClient, project: str = "gait") -> object:
+    return upload(client, {"walk.bvh": bvh(5, names=RIG)}, project=project)["documents"][0]["id"]  # type: ignore[index]
+
+
+def test_a_project_adds_aliases(client: TestClient) -> None:
+    address, asked = f"{API}/aliases", {"project": "gait"}
+    assert client.get(address, params=asked).json() == {
+        "project": "gait", "version": 0, "author": "", "changed": "", "items": [],
+    }  # fmt: skip
+    before = stored(client)
+    table = [{"source": "becken", "name": "Root"}, {"source": "WIRBEL", "name": "waist"}]
+    made = client.put(address, params=asked, json={"items": table})
+    assert (made.status_code, made.headers["etag"], made.json()["items"]) == (200, '"1"', table)
+    assert names(client, stored(client))[:2] == ["Root", "waist"]
+    # Other projects, and what was stored before, keep their names.
+    assert names(client, stored(client, "other"))[:2] == ["Becken", "Wirbel"]
+    assert names(client, before)[:2] == ["Becken", "Wirbel"]
+    table[1] = {"source": "Wirbel", "name": "torso7"}
+    assert client.put(address, params=asked, json={"items": table}).status_code == 428
+    old = client.put(address, params=asked, json={"items": table}, headers={"if-match": '"7"'})
+    assert old.status_code == 412
+    changed = client.put(address, params=asked, json={"items": table}, headers={"if-match": '"1"'})
+    assert changed.json()["version"] == 2
+    assert client.get(address, params=asked).json() == changed.json()
+    assert client.delete(address, params=asked).status_code == 428
+    assert client.delete(address, params=asked, headers={"if-match": "*"}).status_code == 204
+    assert client.get(address, params=asked).json()["version"] == 0
+    assert client.delete(address, params={"project": "nowhere"}).status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("items", "what"),
+    [
+        ([("a", "left_uparm")], "Did you mean 'left_up_arm'"),
+        ([("a", "tail of a cat")], "lists all 53"),
+        ([("L Arm", "Root"), ("l_arm", "waist")], "the same name"),
+        ([("--", "Root")], "no name of a joint"),
+    ],
+)
+def test_aliases_that_make_no_sense_are_refused(client: TestClient, items: list[tuple[str, str]], what: str) -> None:
+    body = {"items": [{"source": source, "name": name} for source, name in items]}
+    answer = client.put(f"{API}/aliases", json=body)
+    assert answer.status_code == 422
+    assert what in f"{answer.json()['detail']} {answer.json()['remedy']}"
+    assert client.get(f"{API}/aliases").json()["version"] == 0
+
+
+def test_documents_that_exist_get_the_names_of_today(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As an earlier version of the program named them, with the lower neck for neck1."""
+    kept_skeleton.cache_clear()
+    with monkeypatch.context() as patch:
+        patch.setattr(joint_names, "_claim_neck", lambda *_: None)
+        before = stored(client)
+    kept_skeleton.cache_clear()
+    old = names(client, before)
+    assert old[3:5] == ["neck1", "neck2"]
+    url = f"{API}/documents/{before}"
+    exported = client.get(f"{url}/export", params={"format": "bvh", "original": False}).content
+    values = client.get(f"{url}/frames", params={"format": "npy"}).content
+    table = {"items": [{"source": "Becken", "name": "Root"}]}
+    client.put(f"{API}/aliases", params={"project": "gait"}, json=table)
+    wanted = [
+        {"source": "Becken", "before": "Becken", "after": "Root"},
+        {"source": "Neck", "before": "neck1", "after": "neck2"},
+        {"source": "Neck1", "before": "neck2", "after": "neck1"},
+    ]
+    dry = client.post(f"{url}/names", params={"dry_run": True}).json()
+    assert dry == {"document": before, "revision": 1, "items": wanted}
+    assert names(client, before) == old
+    assert client.post(f"{url}/names").status_code == 428
+    made = client.post(f"{url}/names", headers={"if-match": '"1"'}).json()
+    assert made == {"document": before, "revision": 2, "items": wanted}
+    assert names(client, before) == ["Root", "Wirbel", "left_up_leg", "neck2", "neck1", "Haupt"]
+    # Only names change, also for XPath; the files' own names stay.
+    found = client.get(f"{API}/xpath", params={"q": "count(//frame_bone[@name='neck1'])"}).json()
+    assert found["value"] == 5
+    assert client.get(f"{url}/export", params={"format": "bvh", "original": False}).content == exported
+    assert client.get(f"{url}/frames", params={"format": "npy"}).content == values
+    mcml = client.get(f"{url}/mcml").text
+    assert 'source_name="Neck1"' in mcml
+    # Once is enough, and undo takes it back.
+    assert client.post(f"{url}/names", headers={"if-match": "*"}).json()["items"] == []
+    assert client.get(url).json()["revision"] == 2
+    assert client.post(f"{url}/undo", headers={"if-match": "*"}).status_code == 200
+    assert names(client, before) == old
+    assert names(client, before, 2)[3:5] == ["neck2", "neck1"]
