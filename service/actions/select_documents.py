@@ -51,9 +51,10 @@ def captured(database: Database, selection: Selection, found: list[Input]) -> li
     if selection.documents or selection.include_made:
         return found
     # As `store_stream` writes them.
-    beginnings = [f'{{"analysis":"{name}"' for name in ANALYSES]
+    beginnings = tuple(f'{{"analysis":"{name}"' for name in ANALYSES)
     with database.read() as tx:
-        made = tx.documents.with_property(PROVENANCE, beginnings)
+        recorded = tx.documents.with_property(PROVENANCE, '{"analysis":')
+    made = {uuid for uuid, text in recorded if text.startswith(beginnings)}
     return [item for item in found if item["document"] not in made]
 
 

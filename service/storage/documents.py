@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import zstandard
-from sqlalchemy import Select, and_, bindparam, delete, func, or_, select, update
+from sqlalchemy import Select, and_, bindparam, delete, func, select, update
 
 from service.errors import NotFoundError
 from service.storage.damage import damage, named
@@ -116,11 +116,12 @@ class Documents:
     def __init__(self, tx: Transaction) -> None:
         self._tx = tx
 
-    def with_property(self, name: str, beginnings: Sequence[str]) -> set[str]:
-        """The uuids of documents with a property whose text begins so."""
-        begins = or_(*(property_.c.text.startswith(text, autoescape=True) for text in beginnings))
-        query = select(document.c.uuid).join(property_, property_.c.document == document.c.id)
-        return set(self._tx.connection.execute(query.where(property_.c.name == name, begins)).scalars())
+    def with_property(self, name: str, beginning: str) -> list[tuple[str, str]]:
+        """(uuid, first 80 characters of the text) of documents with a property whose text begins so."""
+        start = func.substr(property_.c.text, 1, 80)
+        query = select(document.c.uuid, start).join(property_, property_.c.document == document.c.id)
+        having = query.where(property_.c.name == name, start.startswith(beginning, autoescape=True))
+        return [(row[0], row[1]) for row in self._tx.connection.execute(having)]
 
     def begin(self, project_key: int, name: str, format_name: str) -> tuple[int, str]:
         """A document in state "importing", which no read sees. Returns (key, uuid)."""
