@@ -50,6 +50,7 @@ def create_app(
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
         store.require_schema()
         store.sweep()
+        store.reserve.keep()
         finish_purges(store)
         app.state.runner.start()
         yield

@@ -7,6 +7,8 @@ import secrets
 import tempfile
 from pathlib import Path
 
+from service.settings import private_folder
+
 PREFIX = "mcml_local_"
 NAME = "local-secret"
 
@@ -29,7 +31,7 @@ def keep_secret(folder: Path) -> str | None:
         return found
     made = PREFIX + secrets.token_urlsafe(32)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        private_folder(folder)
         # Files of mkstemp have mode 0600 from the start, and replacing them is one step.
         descriptor, path = tempfile.mkstemp(prefix=NAME, dir=folder)
         with os.fdopen(descriptor, "w", encoding="ascii") as file:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ipaddress
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Literal
 
@@ -21,6 +22,16 @@ def data_folder() -> Path:
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA", str(Path.home()))) / "mcml"
     return Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "mcml"
+
+
+def private_folder(folder: Path) -> Path:
+    """The folder, made where it is not there; the data folder is for its owner alone."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if folder == data_folder() and os.name == "posix":
+        # It may be another user's.
+        with suppress(OSError):
+            folder.chmod(0o700)
+    return folder
 
 
 def is_loopback(host: str) -> bool:

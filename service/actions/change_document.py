@@ -137,7 +137,9 @@ def undo_revision(tx: Transaction, stored: StoredDocument, number: int) -> Store
     if undone is None or undone.number != number:
         raise NotFoundError(f"The document has no revision {number}.", remedy="List its revisions.")
     if undone.parent is None:
-        raise ConflictError("The first revision is the document itself.", remedy="Delete the document instead.")
+        raise ConflictError(
+            "Nothing before this revision is kept: it is the document itself.", remedy="Delete the document instead."
+        )
     if undone.operation in ("delete", "restore"):
         raise ConflictError(
             f"A revision of kind {undone.operation!r} is not taken back.", remedy="Restore the revision you want."

@@ -14,7 +14,7 @@ from service.actions.gather_files import Clip
 from service.actions.import_options import ImportOptions
 from service.actions.open_clip import open_clip
 from service.actions.read_clip import read_clip
-from service.errors import FormatError, McmlError
+from service.errors import FormatError, McmlError, NotFoundError
 from service.formats.format import SourceFile
 from service.motion.clip import ClipStream, FrameBlock
 from service.motion.skeleton import Array
@@ -50,7 +50,10 @@ def compare_all(tx: Transaction, settings: Settings) -> Iterator[Compared]:
 
 
 def _compare(tx: Transaction, key: int, uuid: str, label: str, settings: Settings) -> Compared:
-    then = tx.at_commit(tx.documents.commit_of(key, 1))
+    try:
+        then = tx.at_commit(tx.documents.commit_of(key, 1))
+    except NotFoundError as pruned:
+        return Compared(key, label, unread=str(pruned))
     stored = then.documents.get(uuid, deleted=True)
     held = read_clip(then, stored, labelled=False).clip
     try:

@@ -59,11 +59,15 @@ def purge_documents(
     and the next purge, or the next server that starts, goes on with it.
     """
     for uuid in uuids:
-        with database.write(author) as tx:
-            stored = tx.documents.get(uuid, deleted=True)
-            tx.documents.lock(stored.key)
-            tx.purging.begin(stored.key)
+        database.reserve.spend(lambda uuid=uuid: _begin(database, uuid, author))  # type: ignore[misc]
     return finish_purges(database, author, progress)
+
+
+def _begin(database: Database, uuid: str, author: str) -> None:
+    with database.write(author) as tx:
+        stored = tx.documents.get(uuid, deleted=True)
+        tx.documents.lock(stored.key)
+        tx.purging.begin(stored.key)
 
 
 def finish_purges(database: Database, author: str = "local", progress: Callable[[str], None] | None = None) -> int:
@@ -71,16 +75,24 @@ def finish_purges(database: Database, author: str = "local", progress: Callable[
     with database.read() as tx:
         begun = tx.purging.unfinished()
     for key, uuid in begun:
-        more = True
-        while more:
-            with database.write(author) as tx:
-                tx.dialect.erase_what_goes(tx.connection)
-                more = tx.purging.remove_tracks(key)
-        with database.write(author) as tx:
-            tx.dialect.erase_what_goes(tx.connection)
-            tx.purging.finish(key, uuid)
+        while database.reserve.spend(lambda key=key: _remove_tracks(database, key, author)):  # type: ignore[misc]
+            pass
+        database.reserve.spend(lambda key=key, uuid=uuid: _finish(database, key, uuid, author))  # type: ignore[misc]
         if progress is not None:
             progress(uuid)
     if begun:
         database.dialect.settle()
+        database.reserve.keep()
     return len(begun)
+
+
+def _remove_tracks(database: Database, key: int, author: str) -> bool:
+    with database.write(author) as tx:
+        tx.dialect.erase_what_goes(tx.connection)
+        return tx.purging.remove_tracks(key)
+
+
+def _finish(database: Database, key: int, uuid: str, author: str) -> None:
+    with database.write(author) as tx:
+        tx.dialect.erase_what_goes(tx.connection)
+        tx.purging.finish(key, uuid)

@@ -222,8 +222,12 @@ def patch_document(
 @router.delete("/documents/{id}", status_code=204, operation_id="delete_document")
 def remove_document(id: DocumentId, database: DatabaseDep, author: AuthorDep, if_match: IfMatch = None) -> Response:
     """Hide a document. Nothing is lost: `POST /documents/{id}/restore` brings it back."""
-    with database.write(author) as tx:
-        delete_document(tx, checked_for_write(tx, id, if_match))
+
+    def delete() -> None:
+        with database.write(author) as tx:
+            delete_document(tx, checked_for_write(tx, id, if_match))
+
+    database.reserve.spend(delete)
     return Response(status_code=204)
 
 

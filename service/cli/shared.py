@@ -14,7 +14,7 @@ from rich.table import Table
 from service.cli.access import Library, LocalLibrary, RemoteLibrary
 from service.cli.api import Api, local_api, remote_api
 from service.errors import McmlError
-from service.settings import Settings
+from service.settings import Settings, private_folder
 from service.storage.database import Database
 
 DatabaseOption = Annotated[str | None, typer.Option("--database", help="Store to work on, as an SQLAlchemy URL")]
@@ -44,7 +44,7 @@ def open_database(settings: Settings, *, migrate: bool = True) -> Database:
     """The store; a new SQLite file is made, and its schema brought up to date."""
     url = settings.database_url
     if url.startswith("sqlite:///"):
-        Path(url.removeprefix("sqlite:///")).parent.mkdir(parents=True, exist_ok=True)
+        private_folder(Path(url.removeprefix("sqlite:///")).parent)
     database = Database(url)
     if migrate:
         database.migrate()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Annotated
@@ -9,8 +10,10 @@ from typing import Annotated
 import typer
 
 from service.actions.check_uploads import compare_all
+from service.actions.keep_room import compact_store, prune_history
 from service.actions.keep_store import backup, restore
 from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
+from service.errors import McmlError
 
 
 def add_to(app: typer.Typer) -> None:
@@ -19,6 +22,8 @@ def add_to(app: typer.Typer) -> None:
     db.command("backup")(backup_)
     db.command("restore")(restore_)
     db.command()(check)
+    db.command()(prune)
+    db.command()(compact)
     app.add_typer(db, name="db")
     token = typer.Typer(no_args_is_help=True, help="Tokens that open a server to other machines.")
     token.command("add")(token_add)
@@ -77,6 +82,42 @@ def check(
         console.print("the store is sound" if not found else f"{len(found)} faults")
     if found:
         raise typer.Exit(1)
+
+
+def prune(
+    older_than: Annotated[float, typer.Option(min=0, help="Days of history to keep")],
+    yes: Annotated[bool, typer.Option("--yes", help="Do it; without, what would go is shown")] = False,
+    database: DatabaseOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Forget history: each document as it was so many days ago stays, and all after it."""
+    found = prune_history(open_database(chosen_settings(database)), older_than, do=yes)
+    if as_json:
+        print_json({"pruned": yes, **asdict(found)})
+        return
+    what = f"{found.revisions:,} revisions of {found.documents:,} documents, {found.bytes / 1e6:,.1f} MB"
+    console.print(f"forgot {what}" if yes else f"would forget {what}; --yes does it, and nothing brings them back")
+
+
+def compact(
+    yes: Annotated[bool, typer.Option("--yes", help="Also where it stops writers")] = False,
+    database: DatabaseOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Give room that nothing uses back to the disk, while a server goes on working."""
+    store = open_database(chosen_settings(database))
+    plan = store.dialect.compaction()
+    if plan.stops_writers and not yes:
+        raise McmlError(
+            "This store can only be compacted as a whole, once: writers wait until it is done, "
+            f"and it needs {plan.room / 1e6:,.0f} MB of room meanwhile (about {plan.room / 1e8:,.0f} s).",
+            remedy="Run it with --yes. Afterwards it is done in small steps.",
+        )
+    freed = compact_store(store, lambda left: None if as_json else console.print(f"{left / 1e6:,.1f} MB to go"))
+    if as_json:
+        print_json({"bytes": freed})
+    else:
+        console.print(f"gave back {freed / 1e6:,.1f} MB")
 
 
 def token_add(

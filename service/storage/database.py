@@ -5,7 +5,8 @@
 
 A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.heads`, `tx.tracks`,
 `tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`, `tx.jobs`, `tx.results`,
-`tx.mappings`, `tx.aliases`, `tx.purging`.
+`tx.mappings`, `tx.aliases`, `tx.purging`,
+`tx.pruning`.
 """
 
 from __future__ import annotations
@@ -47,7 +48,9 @@ from service.storage.layout import require_layout
 from service.storage.mappings import Mappings
 from service.storage.moments import valid
 from service.storage.projects import Projects, Tokens
+from service.storage.pruning import Pruning
 from service.storage.purging import Purging
+from service.storage.reserve import Reserve
 from service.storage.results import Results
 from service.storage.schema import CURRENT
 from service.storage.seals import Checked, sealed
@@ -223,6 +226,10 @@ class Transaction:
         return Aliases(self)
 
     @cached_property
+    def pruning(self) -> Pruning:
+        return Pruning(self)
+
+    @cached_property
     def purging(self) -> Purging:
         return Purging(self)
 
@@ -251,6 +258,7 @@ class Database:
             raise StoreError(f"Unknown kind of database {name!r}.", remedy=f"Use one of: {', '.join(DIALECTS)}.")
         self.url = url
         self.dialect = DIALECTS[name](DIALECTS[name].create_engine(url))
+        self.reserve = Reserve(self.dialect.file)
         self._watch: PoolProxiedConnection | None = None
 
     @property

@@ -319,7 +319,14 @@ class Documents:
         query = select(revision.c.commit).where(revision.c.document == key, revision.c.number == number)
         found = self._tx.checked_once(checked(query, revision))
         if not found:
-            raise NotFoundError(f"The document has no revision {number}.", remedy="List its revisions.")
+            kept = self._tx.connection.execute(
+                select(func.min(revision.c.number), func.max(revision.c.number)).where(revision.c.document == key)
+            ).one()
+            pruned = kept[0] is not None and 1 <= number < kept[0]
+            what = f"Revision {number} was pruned: those from {kept[0]} on are kept."
+            raise NotFoundError(
+                what if pruned else f"The document has no revision {number}.", remedy="List its revisions."
+            )
         return int(found[0][0])
 
     def remove_broken_imports(self, lease_before: float) -> int:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar, cast
 
 from sqlalchemy import ClauseElement, Connection, CursorResult, Engine, Table, TextClause
@@ -19,6 +20,15 @@ class _Text:
     text: str
     values: dict[str, Any]
     places: Sequence[str] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Compaction:
+    """What compacting a store means. bytes: given back. room: needed meanwhile. stops_writers: until it is done."""
+
+    bytes: int
+    room: int = 0
+    stops_writers: bool = False
 
 
 class Dialect(ABC):
@@ -105,6 +115,20 @@ class Dialect(ABC):
     @abstractmethod
     def settle(self) -> None:
         """Let what was deleted be gone from the database's files as far as it can be while others work."""
+
+    @property
+    def file(self) -> Path | None:
+        """The file that is the store, None where it is none."""
+        return None
+
+    @abstractmethod
+    def compaction(self) -> Compaction:
+        """What `compact` would do now."""
+
+    @abstractmethod
+    def compact(self, progress: Callable[[int], None]) -> None:
+        """Give back room that nothing uses, in steps between which others write, where that can be. progress: gets the
+        bytes that are left to do."""
 
     @abstractmethod
     def is_full(self, error: BaseException | None) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
@@ -11,7 +11,7 @@ import psycopg
 from sqlalchemy import Connection, Engine, Table, create_engine, insert, text
 from sqlalchemy.sql.dml import ReturningInsert
 
-from service.storage.dialects.base import Dialect
+from service.storage.dialects.base import Compaction, Dialect
 from service.storage.schema import metadata
 
 COMMIT_LOCK = 0x4D434D4C
@@ -90,6 +90,18 @@ class PostgreSQL(Dialect):
     def settle(self) -> None:
         with self.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
             connection.exec_driver_sql("VACUUM")
+
+    def compaction(self) -> Compaction:
+        query = "SELECT COALESCE(SUM(n_dead_tup * pg_relation_size(relid) / GREATEST(n_live_tup + n_dead_tup, 1)), 0) "
+        with self.engine.connect() as connection:
+            dead = connection.exec_driver_sql(query + "FROM pg_stat_user_tables").scalar_one()
+        return Compaction(int(dead))
+
+    def compact(self, progress: Callable[[int], None]) -> None:
+        with self.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+            for table in metadata.sorted_tables:
+                progress(self.compaction().bytes)
+                connection.exec_driver_sql(f'VACUUM (ANALYZE) "{table.name}"')
 
     def is_full(self, error: BaseException | None) -> bool:
         return getattr(error, "sqlstate", None) == DISK_FULL

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import orjson
 from sqlalchemy import Connection, Engine, Table, create_engine, event, text
 from sqlalchemy.pool import QueuePool
 
-from service.storage.dialects.base import Dialect
+from service.storage.dialects.base import Compaction, Dialect
 
 BUSY_SECONDS = 60
+INCREMENTAL = 2
+"""The value of `auto_vacuum` under which pages can be given back some at a time."""
+PAGES_AT_A_TIME = 1000
+PRIVATE = 0o600
+"""The mode of a store's files: captures are of people."""
 
 
 class SQLite(Dialect):
@@ -54,12 +61,18 @@ class SQLite(Dialect):
             connect_args={"timeout": BUSY_SECONDS, "check_same_thread": False},
         )
 
+        @event.listens_for(engine, "do_connect")
+        def _keep_private(_dialect: Any, _record: Any, given: list[Any], _named: Any) -> None:
+            _make_private(given[0])
+
         @event.listens_for(engine, "connect")
         def _configure(connection: sqlite3.Connection, _record: Any) -> None:
             # The driver's own transaction handling would begin deferred transactions, which cannot be upgraded safely.
             connection.isolation_level = None
             for pragma in (
                 "page_size=8192",
+                # Of a new store only, and before anything is written: pages that are freed can be given back.
+                "auto_vacuum=INCREMENTAL",
                 "journal_mode=WAL",
                 "synchronous=FULL",
                 "foreign_keys=ON",
@@ -122,6 +135,33 @@ class SQLite(Dialect):
             driver: Any = connection.connection.driver_connection
             driver.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
 
+    @property
+    def file(self) -> Path | None:
+        name = self.engine.url.database
+        return Path(name) if name and name != ":memory:" else None
+
+    def compaction(self) -> Compaction:
+        with self.engine.connect() as connection:
+            size, free, pages, kind = (
+                int(connection.exec_driver_sql(f"PRAGMA {name}").scalar_one())
+                for name in ("page_size", "freelist_count", "page_count", "auto_vacuum")
+            )
+        whole = kind != INCREMENTAL
+        return Compaction(size * free, size * (pages - free) * 2 if whole else 0, whole)
+
+    def compact(self, progress: Callable[[int], None]) -> None:
+        if self.compaction().stops_writers:
+            with self._writer, self.engine.connect() as connection:
+                driver: Any = connection.connection.driver_connection
+                driver.execute("VACUUM")
+        else:
+            while free := self.compaction().bytes:
+                progress(free)
+                with self.writing() as connection:
+                    driver = connection.connection.driver_connection
+                    driver.execute(f"PRAGMA incremental_vacuum({PAGES_AT_A_TIME})").fetchall()
+        self.settle()
+
     def is_full(self, error: BaseException | None) -> bool:
         return isinstance(error, sqlite3.Error) and getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
 
@@ -143,6 +183,18 @@ class SQLite(Dialect):
 
     def after_copy(self, connection: Connection) -> None:
         """Nothing to do: SQLite numbers on from the greatest key."""
+
+
+def _make_private(path: str) -> None:
+    """Let only their owner read the files of a store. The log and its index get the mode of the store."""
+    if not path or path == ":memory:" or path.startswith("file:"):
+        return
+    with suppress(OSError):
+        # Before SQLite opens it: there is no moment at which others can.
+        os.close(os.open(path, os.O_CREAT | os.O_RDWR, PRIVATE))
+        for name in (path, f"{path}-wal", f"{path}-shm"):
+            if os.path.exists(name) and os.stat(name).st_mode & 0o077:
+                os.chmod(name, PRIVATE)
 
 
 @cache

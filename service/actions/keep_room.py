@@ -1,0 +1,41 @@
+"""Room that a store gives back: history that nobody wants any more, and pages that nothing uses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+
+from service.storage.database import Database
+
+
+@dataclass(frozen=True)
+class Prunable:
+    """What a prune frees: revisions of so many documents, and about how many bytes."""
+
+    documents: int
+    revisions: int
+    bytes: int
+
+
+def prune_history(database: Database, days: float, *, do: bool, author: str = "local") -> Prunable:
+    """Forget what documents were before the state that they had so many days ago. do: else only say what would go.
+
+    A document a transaction: others go on working, and a kill in between leaves each document whole.
+    """
+    limit = datetime.now(UTC) - timedelta(days=days)
+    with database.read() as tx:
+        cut = tx.pruning.commit_before(limit.isoformat(timespec="milliseconds").replace("+00:00", "Z"))
+        old = tx.pruning.older(cut)
+    for one in old if do else ():
+        with database.write(author) as tx:
+            tx.documents.lock(one.key)
+            tx.pruning.forget(one)
+    return Prunable(len(old), sum(one.revisions for one in old), sum(one.bytes for one in old))
+
+
+def compact_store(database: Database, progress: Callable[[int], None]) -> int:
+    """Give back room that nothing uses; answers how many bytes. progress: gets the bytes that are left to do."""
+    before = database.size()["total"]
+    database.dialect.compact(progress)
+    return max(0, before - database.size()["total"])

@@ -1,0 +1,52 @@
+"""Room that is let go when a disk is full, so that deleting, which makes room, has what it needs."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import TypeVar
+
+from service.errors import SpaceError
+
+BYTES = 16 << 20
+ENOUGH = 8
+"""The reserve is made where so many times its size are free."""
+Result = TypeVar("Result")
+
+
+class Reserve:
+    """A file beside an SQLite store. path: of the store; None for other databases, which have none."""
+
+    def __init__(self, path: Path | None) -> None:
+        self._path = None if path is None else path.with_name(f"{path.name}.reserve")
+
+    def keep(self) -> None:
+        """Make the file where it is not there and the disk has room."""
+        path = self._path
+        if path is None or path.exists():
+            return
+        part = path.with_name(f"{path.name}.part")
+        with suppress(OSError):
+            if shutil.disk_usage(path.parent).free < ENOUGH * BYTES:
+                return
+            try:
+                with os.fdopen(os.open(part, os.O_CREAT | os.O_WRONLY | os.O_TRUNC, 0o600), "wb") as file:
+                    for _ in range(BYTES >> 20):
+                        file.write(bytes(1 << 20))
+                part.replace(path)
+            finally:
+                part.unlink(missing_ok=True)
+
+    def spend(self, operation: Callable[[], Result]) -> Result:
+        """What an operation that makes room gives. Where the disk is full the file goes, and it is done once more."""
+        try:
+            return operation()
+        except SpaceError:
+            if self._path is None or not self._path.exists():
+                raise
+            with suppress(OSError):
+                self._path.unlink()
+            return operation()
