@@ -23,7 +23,7 @@ from service.actions.edit_element import Change, change_element
 from service.actions.read_clip import read_clip
 from service.mcml.writer import write_document
 from service.storage.database import Database
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 
 ASKED = 100
 """Label counts timed, before an edit and after it; each with a constant not asked before."""

@@ -16,7 +16,7 @@ from service.actions.import_options import ImportOptions, Label
 from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 
 SIZES = (5, 25, 100)
 TIMES = 5

@@ -13,7 +13,8 @@ from service.actions.splice_frames import check_range
 from service.errors import DocumentError, NotFoundError, Place
 from service.mcml import motion_names
 from service.storage.database import Database, Transaction
-from service.storage.documents import DocumentFilter, StoredDocument
+from service.storage.documents import StoredDocument
+from service.storage.filtering import DocumentFilter
 from service.storage.spans import StoredSpan
 from service.xpath.run import Queries
 

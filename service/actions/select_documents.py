@@ -10,7 +10,7 @@ from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import AnalysisError
 from service.errors import QueryError
 from service.storage.database import Database
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 from service.xpath.run import Queries
 
 MOST = 1_000_000

@@ -12,7 +12,8 @@ from service.actions.import_options import parse_property
 from service.errors import DocumentError, Place
 from service.mcml.elements import to_head
 from service.storage.database import Transaction
-from service.storage.documents import DocumentFilter, StoredDocument
+from service.storage.documents import StoredDocument
+from service.storage.filtering import DocumentFilter
 
 KEYS = ("document", "name")
 """What the first column may be: ids of documents, or their names."""

@@ -49,7 +49,7 @@ from service.api.dependencies import (
 )
 from service.api.streaming import unchanged
 from service.formats.format import SourceFile
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 
 router = APIRouter(tags=["documents"])
 

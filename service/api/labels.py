@@ -30,7 +30,8 @@ from service.api.dependencies import (
     encode_cursor,
 )
 from service.api.streaming import attachment, read_body
-from service.storage.documents import DocumentFilter, StoredDocument
+from service.storage.documents import StoredDocument
+from service.storage.filtering import DocumentFilter
 from service.storage.spans import StoredSpan
 
 router = APIRouter(tags=["labels"])

@@ -14,7 +14,8 @@ from service.api.dependencies import DatabaseDep
 from service.api.policy import page_policy
 from service.errors import NotFoundError
 from service.resources import dtd_path
-from service.storage.documents import DocumentFilter, StoredDocument
+from service.storage.documents import StoredDocument
+from service.storage.filtering import DocumentFilter
 
 router = APIRouter(include_in_schema=False)
 

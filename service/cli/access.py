@@ -31,7 +31,7 @@ from service.cli.api import Api, error_of
 from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 from service.xpath.run import Queries
 from service.xpath.writing import STREAMS
 

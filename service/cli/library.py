@@ -29,7 +29,7 @@ from service.cli.shared import (
     table,
 )
 from service.errors import McmlError, UnsupportedError
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 
 EXTENSIONS = {".bvh", ".asf", ".amc", ".htr", ".htr2", ".c3d", ".trc", ".mcml", ".xml", ".zip"}
 

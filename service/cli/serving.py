@@ -17,7 +17,7 @@ from service.cli.shared import DatabaseOption, chosen_settings, console, open_da
 from service.errors import AccessError
 from service.resources import dtd_path, migrations_path
 from service.settings import is_loopback
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 
 OPEN = "Open to everything on this machine, a proxy included, until the first token is made: mcml token add NAME"
 

@@ -29,16 +29,15 @@ from sqlalchemy import (
     select,
     text,
 )
-from sqlalchemy.exc import ArgumentError, DBAPIError
-from sqlalchemy.exc import TimeoutError as PoolTimeout
+from sqlalchemy.exc import ArgumentError
 from sqlalchemy.sql import ColumnElement
 
-from service.errors import ConflictError, DamageError, DocumentError, SpaceError, StoreError, UnavailableError
+from service.errors import StoreError
 from service.resources import migrations_path
 from service.storage import tables
 from service.storage.aliases import Aliases
 from service.storage.columns import Columns
-from service.storage.damage import REMEDY, describe_damage
+from service.storage.damage import describe_damage
 from service.storage.dialects import DIALECTS, Dialect
 from service.storage.documents import Documents
 from service.storage.heads import Heads
@@ -57,6 +56,7 @@ from service.storage.seals import Checked, sealed
 from service.storage.spans import Spans
 from service.storage.tracks import Tracks
 from service.storage.uploads import Uploads
+from service.storage.words import in_words
 
 _NEWEST_COMMIT = select(func.coalesce(func.max(tables.commit.c.number), 0))
 
@@ -269,46 +269,14 @@ class Database:
     @contextmanager
     def read(self, at: int = LATEST) -> Iterator[Transaction]:
         """A snapshot: what other transactions commit meanwhile is not seen."""
-        with self._in_words(), self.dialect.reading() as connection:
+        with in_words(self.dialect), self.dialect.reading() as connection:
             yield Transaction(connection, self.dialect, at)
 
     @contextmanager
     def write(self, author: str = "local") -> Iterator[Transaction]:
         """A write transaction: committed when the block ends, rolled back when it raises."""
-        with self._in_words(), self.dialect.writing() as connection:
+        with in_words(self.dialect), self.dialect.writing() as connection:
             yield Transaction(connection, self.dialect, author=author)
-
-    @contextmanager
-    def _in_words(self) -> Iterator[None]:
-        """What the database refuses, as errors of ours: without its statements, which no user wrote."""
-        # Bulk inserts go to the driver itself, whose errors nobody has wrapped.
-        driver = self.dialect.engine.dialect.loaded_dbapi
-        try:
-            yield
-        except PoolTimeout as error:
-            raise UnavailableError("All connections to the store are in use.", remedy="Try again soon.") from error
-        except UnicodeDecodeError as error:
-            # The driver meets texts that are none, even in its own messages.
-            raise DamageError("The store is damaged: a text cannot be read.", remedy=REMEDY) from error
-        except (DBAPIError, driver.Error) as error:
-            cause = error.orig if isinstance(error, DBAPIError) else error
-            if isinstance(cause, driver.DataError):
-                raise DocumentError(
-                    "The database cannot hold or compare a value of this request.",
-                    remedy="Look for NUL and for long names.",
-                ) from error
-            if isinstance(cause, driver.IntegrityError):
-                raise ConflictError("Another write came in between.", remedy="Repeat the request.") from error
-            if self.dialect.is_full(cause):
-                raise SpaceError from error
-            if self.dialect.is_away(cause):
-                raise UnavailableError("The store cannot be reached now.", remedy="Try again soon.") from error
-            said = str(cause).strip().split("\n")[0]
-            if self.dialect.is_damaged(cause):
-                raise DamageError(f"The store is damaged: {said}.", remedy=REMEDY) from error
-            raise StoreError(
-                f"The store does not answer: {said}", remedy="Check its address, the disk and your rights."
-            ) from error
 
     def migrate(self) -> None:
         """Bring the schema to this program's version (a new store gets it whole)."""
@@ -322,7 +290,7 @@ class Database:
         from alembic import command
         from alembic.config import Config
 
-        with self._in_words(), self.dialect.writing() as connection:
+        with in_words(self.dialect), self.dialect.writing() as connection:
             self.dialect.order_commits(connection)
             config = Config()
             config.set_main_option("script_location", str(migrations_path()))
@@ -331,7 +299,7 @@ class Database:
 
     def schema_versions(self) -> tuple[str | None, str | None]:
         """(the store's schema version, this program's)."""
-        with self._in_words(), self.dialect.reading() as connection:
+        with in_words(self.dialect), self.dialect.reading() as connection:
             known = inspect(connection).has_table("alembic_version")
             found = connection.execute(text("SELECT version_num FROM alembic_version")).scalar() if known else None
         # Migrations have numbers, and go forward only: the last one is the newest.
@@ -349,7 +317,7 @@ class Database:
         self._require_layout()
 
     def _require_layout(self) -> None:
-        with self._in_words(), self.dialect.reading() as connection:
+        with in_words(self.dialect), self.dialect.reading() as connection:
             require_layout(connection)
 
     def sweep(self, lease_before: float | None = None) -> int:
@@ -371,12 +339,12 @@ class Database:
             return faults(tx, past=past)
 
     def size(self) -> dict[str, int]:
-        with self._in_words(), self.dialect.reading() as connection:
+        with in_words(self.dialect), self.dialect.reading() as connection:
             return self.dialect.size(connection)
 
     def ping(self) -> None:
         """One round trip to the database."""
-        with self._in_words(), self.dialect.reading() as connection:
+        with in_words(self.dialect), self.dialect.reading() as connection:
             connection.execute(text("SELECT 1"))
 
     def has_token(self) -> bool:
@@ -384,7 +352,7 @@ class Database:
 
         For one thread, over a connection that nothing else uses, so it waits for no other request.
         """
-        with self._in_words():
+        with in_words(self.dialect):
             if self._watch is None:
                 self._watch = self.dialect.engine.raw_connection()
                 self._watch.detach()

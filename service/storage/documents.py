@@ -8,16 +8,17 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import zstandard
-from sqlalchemy import Select, and_, bindparam, delete, func, select, update
+from sqlalchemy import and_, bindparam, delete, func, select, update
 
 from service.errors import NotFoundError
 from service.storage.damage import damage, named
+from service.storage.filtering import DocumentFilter, filtered
 from service.storage.identifiers import new_uuid, stored_form
 from service.storage.moments import imported
 from service.storage.schema import CURRENT, metadata
 from service.storage.seals import SEALS, checked, closing
 from service.storage.selected import all_documents, one_document
-from service.storage.tables import commit, content, document, project, property_, revision, span
+from service.storage.tables import commit, content, document, project, property_, revision
 from service.storage.uploads import LEASE_SECONDS
 
 if TYPE_CHECKING:
@@ -92,24 +93,6 @@ class StoredRevision:
     project: str
     time: str
     author: str
-
-
-@dataclass(frozen=True)
-class DocumentFilter:
-    """Which documents a list holds; every condition that is given must hold.
-
-    text: part of the name, any case. properties: (name, least, greatest, text): numbers within bounds, or equal text.
-    deleted: only deleted documents; else none of them.
-    """
-
-    project: str | None = None
-    name: str | None = None
-    text: str | None = None
-    motion_name: str | None = None
-    format: str | None = None
-    skeleton: int | None = None
-    properties: tuple[tuple[str, float | None, float | None, str | None], ...] = ()
-    deleted: bool = False
 
 
 class Documents:
@@ -231,7 +214,7 @@ class Documents:
         self, wanted: DocumentFilter, *, after: tuple[str, int] | None, limit: int, newest_first: bool = False
     ) -> list[StoredDocument]:
         """Documents by name and key after (name, key), or newest first after (_, key)."""
-        query = _filtered(all_documents(past=self._past), wanted, self._tx)
+        query = filtered(all_documents(past=self._past), wanted, self._tx)
         if newest_first:
             query = query.order_by(document.c.id.desc())
             if after is not None:
@@ -245,7 +228,7 @@ class Documents:
         return [_stored(row) for row in found]
 
     def count(self, wanted: DocumentFilter) -> int:
-        query = _filtered(select(func.count()).select_from(document).join(project), wanted, self._tx)
+        query = filtered(select(func.count()).select_from(document).join(project), wanted, self._tx)
         query = query.where(imported(self._tx.at))
         if wanted.skeleton is not None:
             query = query.join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
@@ -373,34 +356,3 @@ def _stored(row: Sequence[Any]) -> StoredDocument:
     # SQLite has no type of its own for it.
     values[_INTACT] = bool(values[_INTACT])
     return StoredDocument(*values)
-
-
-def _filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Select[Any]:
-    gone = document.c.deleted_commit <= tx.at
-    query = query.where(gone if wanted.deleted else ~gone)
-    if wanted.project is not None:
-        query = query.where(project.c.name == stored_form(wanted.project))
-    if wanted.name is not None:
-        query = query.where(document.c.name == stored_form(wanted.name))
-    if wanted.text:
-        # lower() of SQLite, and of PostgreSQL in collation C, knows ASCII only: other letters are found as written.
-        said = stored_form(wanted.text)
-        lower = func.lower(document.c.name).contains(said.lower(), autoescape=True)
-        query = query.where(lower | document.c.name.contains(said, autoescape=True))
-    if wanted.format is not None:
-        query = query.where(document.c.format == wanted.format)
-    if wanted.skeleton is not None:
-        query = query.where(content.c.skeleton == wanted.skeleton)
-    if wanted.motion_name is not None:
-        named = select(span.c.document).where(span.c.name == stored_form(wanted.motion_name), tx.valid(span))
-        query = query.where(document.c.id.in_(named))
-    for name, least, greatest, text in wanted.properties:
-        having = select(property_.c.document).where(property_.c.name == name)
-        if text is not None:
-            having = having.where(property_.c.text == text)
-        if least is not None:
-            having = having.where(property_.c.number >= least)
-        if greatest is not None:
-            having = having.where(property_.c.number <= greatest)
-        query = query.where(document.c.id.in_(having))
-    return query

@@ -13,7 +13,8 @@ from service.actions.import_options import ImportOptions
 from service.errors import ConflictError
 from service.settings import Settings
 from service.storage.database import Database, Transaction
-from service.storage.documents import DocumentFilter, Documents
+from service.storage.documents import Documents
+from service.storage.filtering import DocumentFilter
 from tests.actions.test_kill import run
 from tests.builders import ASF, bvh, read_by, source
 

@@ -13,7 +13,7 @@ from sqlalchemy import func, select
 
 from service.actions.export_motion import ExportOptions, export_document
 from service.storage.database import Database
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 from service.storage.schema import metadata
 from service.storage.tables import document
 from tests.builders import bvh, store

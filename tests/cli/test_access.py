@@ -10,7 +10,7 @@ from service.cli.access import RemoteLibrary
 from service.cli.api import Api
 from service.settings import Settings
 from service.storage.database import Database
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 from tests.builders import bvh, served, store
 
 

@@ -17,7 +17,7 @@ from service.actions.export_motion import ExportOptions, export_document
 from service.actions.load_demo import load_people
 from service.settings import Settings
 from service.storage.database import Database
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 from service.xpath.parse import parse
 from service.xpath.run import Queries
 from service.xpath.tree import type_of

@@ -23,7 +23,7 @@ from service.errors import McmlError
 from service.settings import Settings
 from service.storage.checks import faults
 from service.storage.database import Database, Transaction
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 from service.storage.schema import metadata
 from service.xpath.run import Queries
 from tests import postgres

@@ -22,7 +22,7 @@ from service.analysis.interface import Part
 from service.demo.reach_clips import reach_clips
 from service.settings import Settings
 from service.storage.database import Database
-from service.storage.documents import DocumentFilter
+from service.storage.filtering import DocumentFilter
 from service.storage.jobs import ENDED
 from tests.builders import served
 

@@ -122,7 +122,7 @@ def test_deep_checks_read_the_files_again(database: Database) -> None:
 
 
 def key_uuid(database: Database, name: str) -> str:
-    from service.storage.documents import DocumentFilter
+    from service.storage.filtering import DocumentFilter
 
     with database.read() as tx:
         return tx.documents.page(DocumentFilter(name=name), after=None, limit=1)[0].uuid

@@ -19,7 +19,8 @@ from service.actions.export_motion import ExportOptions, export_document
 from service.errors import McmlError
 from service.settings import Settings
 from service.storage.database import Database, Transaction
-from service.storage.documents import DocumentFilter, StoredDocument
+from service.storage.documents import StoredDocument
+from service.storage.filtering import DocumentFilter
 from service.xpath.run import Queries
 from tests.builders import ASF, HTR, MCML, amc, bvh, mcml_of, store
 

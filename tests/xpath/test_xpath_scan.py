@@ -14,7 +14,8 @@ from service.actions.edit_element import Change, change_element, delete_element
 from service.actions.import_options import Label
 from service.settings import Settings
 from service.storage.database import Database, Transaction
-from service.storage.documents import DocumentFilter, StoredDocument
+from service.storage.documents import StoredDocument
+from service.storage.filtering import DocumentFilter
 from service.xpath import forest, run, scan, shared, streams
 from service.xpath.nodes import Node
 from service.xpath.parse import parse
