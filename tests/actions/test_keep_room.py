@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sqlite3
 import stat
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -164,3 +166,29 @@ def test_a_full_disk_spends_the_reserve(tmp_path: Path) -> None:
         reserve.spend(lambda: (_ for _ in ()).throw(SpaceError()))
     reserve.keep()
     assert spare.exists()
+
+
+def test_other_connections_keep_their_locks(tmp_path: Path) -> None:
+    """To open and close a store's file beside SQLite lets go of its locks, and another process believes it alone."""
+    path = tmp_path / "store.db"
+    database = Database(f"sqlite:///{path}")
+    database.migrate()
+    with database.write() as tx:
+        tx.projects.get_or_add("lab")
+        other = Database(f"sqlite:///{path}")
+        with other.read() as seen:
+            assert seen.projects.find("lab") is None
+        said = subprocess.run(
+            [
+                sys.executable,
+                "-c",
+                f"import sqlite3; sqlite3.connect({str(path)!r}, timeout=0).execute('BEGIN IMMEDIATE')",
+            ],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert "locked" in said.stderr
+        other.close()
+    assert (tmp_path / "store.db-wal").exists()
+    database.close()

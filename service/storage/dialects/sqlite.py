@@ -69,10 +69,11 @@ class SQLite(Dialect):
         def _configure(connection: sqlite3.Connection, _record: Any) -> None:
             # The driver's own transaction handling would begin deferred transactions, which cannot be upgraded safely.
             connection.isolation_level = None
+            if connection.execute("PRAGMA page_count").fetchone() == (0,):
+                # Pages that are freed can be given back. It is said before anything is written; later it is a write.
+                connection.execute("PRAGMA page_size=8192")
+                connection.execute("PRAGMA auto_vacuum=INCREMENTAL")
             for pragma in (
-                "page_size=8192",
-                # Of a new store only, and before anything is written: pages that are freed can be given back.
-                "auto_vacuum=INCREMENTAL",
                 "journal_mode=WAL",
                 "synchronous=FULL",
                 "foreign_keys=ON",
@@ -153,6 +154,8 @@ class SQLite(Dialect):
         if self.compaction().stops_writers:
             with self._writer, self.engine.connect() as connection:
                 driver: Any = connection.connection.driver_connection
+                # From then on, pages can be given back some at a time.
+                driver.execute("PRAGMA auto_vacuum=INCREMENTAL")
                 driver.execute("VACUUM")
         else:
             while free := self.compaction().bytes:
@@ -189,9 +192,11 @@ def _make_private(path: str) -> None:
     """Let only their owner read the files of a store. The log and its index get the mode of the store."""
     if not path or path == ":memory:" or path.startswith("file:"):
         return
+    # Before SQLite opens it: there is no moment at which others can. A file that is there must not be opened here: to
+    # close it again would let go of the locks that SQLite holds on it in this process.
     with suppress(OSError):
-        # Before SQLite opens it: there is no moment at which others can.
-        os.close(os.open(path, os.O_CREAT | os.O_RDWR, PRIVATE))
+        os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, PRIVATE))
+    with suppress(OSError):
         for name in (path, f"{path}-wal", f"{path}-shm"):
             if os.path.exists(name) and os.stat(name).st_mode & 0o077:
                 os.chmod(name, PRIVATE)
