@@ -20,6 +20,7 @@ from service.storage.dialects.base import Compaction, Dialect
 BUSY_SECONDS = 60
 INCREMENTAL = 2
 """The value of `auto_vacuum` under which pages can be given back some at a time."""
+PAGE_BYTES = 8192
 PAGES_AT_A_TIME = 1000
 PRIVATE = 0o600
 """The mode of a store's files: captures are of people."""
@@ -71,7 +72,7 @@ class SQLite(Dialect):
             connection.isolation_level = None
             if connection.execute("PRAGMA page_count").fetchone() == (0,):
                 # Pages that are freed can be given back. It is said before anything is written; later it is a write.
-                connection.execute("PRAGMA page_size=8192")
+                connection.execute(f"PRAGMA page_size={PAGE_BYTES}")
                 connection.execute("PRAGMA auto_vacuum=INCREMENTAL")
             for pragma in (
                 "journal_mode=WAL",
@@ -162,7 +163,9 @@ class SQLite(Dialect):
                 progress(free)
                 with self.writing() as connection:
                     driver = connection.connection.driver_connection
-                    driver.execute(f"PRAGMA incremental_vacuum({PAGES_AT_A_TIME})").fetchall()
+                    # Of several pages the driver would free the first one alone.
+                    for _ in range(min(PAGES_AT_A_TIME, free // PAGE_BYTES + 1)):
+                        driver.execute("PRAGMA incremental_vacuum(1)")
         self.settle()
 
     def is_full(self, error: BaseException | None) -> bool:
