@@ -122,7 +122,9 @@ class FrameEdits(BaseModel):
 class FrameValues(BaseModel):
     """Rows of numbers, a row a frame, a column for each bone and channel."""
 
-    model_config = ConfigDict(json_schema_extra=shown({"columns": ["left_up_leg.Rx"], "values": [[45.2], [45.9]]}))
+    model_config = ConfigDict(
+        json_schema_extra=shown({"columns": ["left_up_leg.Rx"], "values": [[45.2], [45.9]]}), extra="forbid"
+    )
 
     columns: list[str] = Field(min_length=1, max_length=100_000, description="BONE.CHANNEL of each column")
     values: list[list[float]] = Field(min_length=1)

@@ -19,6 +19,7 @@ from service.api.dependencies import AuthorDep, DatabaseDep, DocumentId, Queries
 
 router = APIRouter(tags=["compose"])
 
+PREVIEW = "What would be stored, where `preview` was asked"
 _LINES: dict[int | str, dict[str, Any]] = {
     200: {
         "description": "A line of JSON for each document, as soon as it is done",
@@ -27,7 +28,13 @@ _LINES: dict[int | str, dict[str, Any]] = {
 }
 
 
-@router.post("/compose", status_code=201, operation_id="compose", response_model_exclude_none=True)
+@router.post(
+    "/compose",
+    status_code=201,
+    operation_id="compose",
+    response_model_exclude_none=True,
+    responses={200: {"model": Composed, "description": PREVIEW}},
+)
 def post_compose(
     request: ComposeRequest,
     response: Response,
@@ -61,7 +68,13 @@ def post_split(
     return split_document(database, settings, id, request, author)
 
 
-@router.post("/documents/{id}/retarget", status_code=201, operation_id="retarget", response_model_exclude_none=True)
+@router.post(
+    "/documents/{id}/retarget",
+    status_code=201,
+    operation_id="retarget",
+    response_model_exclude_none=True,
+    responses={200: {"model": Retargeted, "description": PREVIEW}},
+)
 def post_retarget(
     id: DocumentId,
     request: RetargetRequest,

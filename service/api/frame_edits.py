@@ -98,6 +98,10 @@ async def put_values(
     def write() -> StoredDocument:
         stated = [*(column or []), *(f"{one}.{other}" for one in bone or [] for other in channel or [])]
         columns, values = _from_json(content, stated) if plain else (stated, _from_npy(content))
+        if last is not None and last < first:
+            raise DocumentError(
+                f"The last frame, {last}, comes before the first, {first}.", remedy="Both ends are included."
+            )
         if last is not None and len(values) != last - first + 1:
             raise DocumentError(
                 f"Frames {first} to {last} need {last - first + 1} rows, there are {len(values)}.",
@@ -136,13 +140,18 @@ def _from_json(content: bytes, stated: list[str]) -> tuple[list[str], Array]:
             rows = sent if sent and isinstance(sent[0], list) else [[number] for number in sent]
             sent = {"columns": stated, "values": rows}
         found = FrameValues.model_validate(sent)
-        values = np.array(found.values, dtype=np.float64)
-        if values.ndim != 2:
-            raise ValueError("rows of different lengths")
-    except (ValidationError, ValueError) as error:
-        what = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
-        raise DocumentError(f"The numbers cannot be read: {what}.", remedy="Send {columns, values}.") from error
-    return found.columns, values
+    except ValidationError as error:
+        fault = error.errors()[0]
+        raise _unread(f"{'.'.join(str(part) for part in fault['loc'])}: {fault['msg']}") from error
+    except ValueError as error:
+        raise _unread("the body is no JSON") from error
+    if len({len(row) for row in found.values}) > 1:
+        raise _unread("the rows have different lengths")
+    return found.columns, np.array(found.values, dtype=np.float64)
+
+
+def _unread(what: str) -> DocumentError:
+    return DocumentError(f"The numbers cannot be read: {what}.", remedy="Send {columns, values}.")
 
 
 def _from_npy(content: bytes) -> Array:

@@ -23,7 +23,7 @@ def healthz() -> Health:
     return Health(status="ok")
 
 
-@router.get("/readyz", operation_id="readyz")
+@router.get("/readyz", operation_id="readyz", responses={503: {"model": Health, "description": "Not ready"}})
 def readyz(database: DatabaseDep, response: Response) -> Health:
     """The store answers and has this program's schema."""
     found, wanted = database.schema_versions()

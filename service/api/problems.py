@@ -57,6 +57,11 @@ def _allowed(app: FastAPI, request: Request) -> list[str]:
     return ["GET", "HEAD", *asked[1:]] if "GET" in asked else asked
 
 
+def _words(said: str) -> str:
+    """A fault as Pydantic tells it, without what it says of Python."""
+    return "A file is needed here, not a text." if "UploadFile" in said else said.removeprefix("Value error, ")
+
+
 def install(app: FastAPI) -> None:
     """Let every error leave as a problem."""
 
@@ -69,7 +74,8 @@ def install(app: FastAPI) -> None:
     def _invalid(_request: Request, error: RequestValidationError | ValidationError) -> JSONResponse:
         # A ValidationError comes from a model that an endpoint makes of what it was sent.
         faults: list[dict[str, Any]] = [
-            {"in": ".".join(str(part) for part in fault["loc"]), "what": fault["msg"]} for fault in error.errors()
+            {"in": ".".join(str(part) for part in fault["loc"]), "what": _words(fault["msg"])}
+            for fault in error.errors()
         ]
         first = faults[0] if faults else {"in": "request", "what": "invalid"}
         problem = Problem(
@@ -87,6 +93,9 @@ def install(app: FastAPI) -> None:
         if isinstance(error.__cause__, OSError) and errors.is_full(error.__cause__):
             # FastAPI says 400 for whatever goes wrong while it keeps the parts of an upload.
             return respond(problem_of(errors.SpaceError()))
+        if error.status_code == 400 and error.__cause__ is not None:
+            # FastAPI names no reason where a body cannot even be decoded.
+            return plain(400, "The body is not what its content type says.", "Send JSON in UTF-8, or a form as it is.")
         if error.status_code == 405:
             allowed = ", ".join(_allowed(app, request))
             detail = f"{request.method} is not allowed here."

@@ -100,3 +100,18 @@ def test_the_description_says_that_errors_are_problems(client: TestClient) -> No
             assert operation["summary"], path
             assert operation["description"], path
             assert "application/problem+json" in operation["responses"]["4XX"]["content"], path
+
+
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_bodies_of_another_kind_are_refused_in_words_of_ours(client: TestClient) -> None:
+    json_type = {"content-type": "application/json"}
+    undecodable = client.post(f"{API}/compose", content=b"\xac\xc2?", headers=json_type)
+    assert (undecodable.status_code, undecodable.json()["detail"]) == (
+        400,
+        "The body is not what its content type says.",
+    )
+    assert "UTF-8" in undecodable.json()["remedy"]
+    text = client.post(f"{API}/inspect", files={"file": (None, "a text")})
+    assert (text.status_code, text.json()["detail"]) == (422, "body.file.0: A file is needed here, not a text.")
+    said = client.post(f"{API}/compose", json={"segments": [{"first": 1}]}).json()["detail"]
+    assert said.startswith("body.segments.0: a segment names a document")

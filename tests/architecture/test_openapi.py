@@ -95,6 +95,22 @@ def test_problems_have_examples(method: str, path: str, operation: dict[str, Any
     assert has_example(operation["responses"]["4XX"]["content"]["application/problem+json"])
 
 
+@every_operation
+def test_answers_of_a_store_that_is_away_or_full_are_described(
+    method: str, path: str, operation: dict[str, Any]
+) -> None:
+    assert {"4XX", "503", "507"} <= operation["responses"].keys()
+
+
+@pytest.mark.parametrize("path", ["/api/v1/compose", "/api/v1/documents/{id}/retarget"])
+def test_previews_are_described(path: str) -> None:
+    responses = DESCRIPTION["paths"][path]["post"]["responses"]
+    assert (
+        responses["200"]["content"]["application/json"]["schema"]
+        == (responses["201"]["content"]["application/json"]["schema"])
+    )
+
+
 SHOWN = [
     pytest.param(model, example, id=f"{name}-{number}")
     for name, model in models().items()

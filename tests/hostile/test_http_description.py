@@ -1,0 +1,151 @@
+"""Every operation that the API describes, asked at random with ids that exist: no failure, and nothing undescribed.
+
+Schemathesis makes requests of the description, as it allows them and as it does not; `Library` puts what the store
+holds in place of most of their ids, names, frames and files, so that they get past "there is no document".
+"""
+
+from __future__ import annotations
+
+import re
+import traceback
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+import requests
+import schemathesis
+from fastapi.testclient import TestClient
+from hypothesis import Phase, given, seed, settings
+from hypothesis import strategies as st
+from schemathesis import Case, GenerationMode
+from schemathesis.core.failures import FailureGroup
+from schemathesis.specs.openapi.checks import (
+    content_type_conformance,
+    response_schema_conformance,
+    status_code_conformance,
+)
+
+from service.app import create_app
+from service.settings import Settings
+from service.storage.database import Database
+from tests.builders import served
+from tests.hostile.library import Library
+
+BASE = "http://127.0.0.1:8000"
+CHECKS = [status_code_conformance, content_type_conformance, response_schema_conformance]
+SETTINGS = Settings(query_seconds=2.0, import_processes=1, max_frames=100_000, query_memory_mib=256)
+DESCRIPTION = create_app(Settings(database="sqlite://")).openapi()
+REFILL = 6
+"""Operations between two looks at what there is."""
+FOREIGN = re.compile(
+    r"<class '|NoneType|object has no|Value error|array element|codec can't|parsing the body|Traceback|ndarray"
+)
+"""What an exception of a library says of itself, and no problem of ours."""
+OPERATIONS = sorted(
+    (found.ok() for found in schemathesis.openapi.from_dict(DESCRIPTION).get_all_operations()),
+    # What takes away comes last.
+    key=lambda operation: operation.method == "delete",
+)
+
+
+def send(client: TestClient, case: Case) -> Any:
+    """The answer to a request as Schemathesis writes it; what it raises is raised here. None: no client sends it."""
+    prepared = requests.Request(**_sendable(case.as_transport_kwargs(base_url=BASE))).prepare()
+    if len(str(prepared.url)) > 60_000:
+        return None
+    headers = {name: value for name, value in prepared.headers.items() if name.lower() not in ("content-length",)}
+    return client.request(
+        str(prepared.method), str(prepared.url), headers=headers, content=prepared.body, follow_redirects=False
+    )
+
+
+def _sendable(words: dict[str, Any]) -> dict[str, Any]:
+    return {
+        name: words[name] for name in ("method", "url", "params", "headers", "json", "data", "files") if name in words
+    }
+
+
+def faults(case: Case, answer: Any) -> list[str]:
+    """What is wrong with an answer."""
+    text = answer.text if "octet-stream" not in answer.headers.get("content-type", "") else ""
+    found: list[str] = []
+    if FOREIGN.search(text if answer.status_code >= 400 else ""):
+        found.append(f"the words of a foreign exception: {text[:300]}")
+    if answer.status_code in (503, 507):
+        told = answer.headers["content-type"] == "application/problem+json"
+        return found if told and (answer.status_code == 507 or "retry-after" in answer.headers) else [*found, "untold"]
+    if answer.status_code >= 500:
+        return [*found, f"{answer.status_code}: {text[:300]}"]
+    events = answer.headers.get("content-type", "").startswith("text/event-stream")
+    try:
+        # A description of this version has no words for the parts of events.
+        case.validate_response(answer, checks=CHECKS[:2] if events else CHECKS)
+    except FailureGroup as group:
+        found += [f"{type(failure).__name__}: {failure}" for failure in group.exceptions]
+    return found
+
+
+@dataclass
+class Campaign:
+    """Requests of every operation; wrong: what went wrong, each with the first request that showed it."""
+
+    client: TestClient
+    library: Library
+    wrong: dict[str, str] = field(default_factory=dict)
+    statuses: Counter[int] = field(default_factory=Counter)
+
+    def run(self, number: int, examples: int) -> None:
+        for place, operation in enumerate(OPERATIONS):
+            if place % REFILL == 0:
+                self.library.refill()
+            modes = {mode: operation.as_strategy(generation_mode=mode) for mode in GenerationMode}
+            seldom = st.sampled_from([GenerationMode.POSITIVE] * 4 + [GenerationMode.NEGATIVE])
+            cases = seldom.flatmap(lambda mode, modes=modes: st.tuples(st.just(mode), modes[mode], st.data()))
+            # Nothing is raised in it: the store has changed, and the same request would have another answer.
+            random = given(cases)(self._ask)
+            chosen = settings(max_examples=examples, database=None, derandomize=False, phases=[Phase.generate])
+            seed(number)(chosen(random))()
+
+    def _ask(self, made: tuple[GenerationMode, Case, st.DataObject]) -> None:
+        mode, case, data = made
+        if mode is GenerationMode.POSITIVE:
+            self.library.fill(case, data.draw)
+        try:
+            answer = send(self.client, case)
+            if answer is None:
+                return
+            self.statuses[answer.status_code] += 1
+            found = faults(case, answer)
+        except Exception as error:
+            frames = [frame for frame in traceback.extract_tb(error.__traceback__) if "/service/" in frame.filename]
+            found = [f"{type(error).__name__} in {frames[-1:]}: {error}"]
+        for fault in found:
+            request = f"{case.path_parameters} {case.query} {case.headers} {str(case.body)[:600]}"
+            self.wrong.setdefault(f"{case.operation.label}: {fault[:500]}", request)
+
+
+def check(database: Database, number: int, examples: int, analyses: dict[str, Any]) -> dict[int, int]:
+    # The client is not entered: jobs wait, and no worker has to be started.
+    client = served(database, SETTINGS, base_url=BASE)
+    asked = Campaign(client, Library(client, database, SETTINGS, analyses))
+    try:
+        asked.run(number, examples)
+    finally:
+        client.app.state.queries.close()  # type: ignore[attr-defined]
+    assert not asked.wrong, "\n\n".join(f"{fault}\n  {request}" for fault, request in asked.wrong.items())
+    assert database.check(past=True) == []
+    return asked.statuses
+
+
+def test_a_few_requests_of_each_operation(database: Database) -> None:
+    statuses = check(database, 1, 2, {"reach": {"components": 2}})
+    good = sum(count for status, count in statuses.items() if status < 300)
+    assert good > sum(statuses.values()) / 5, statuses
+
+
+@pytest.mark.fuzz
+@pytest.mark.parametrize("number", range(3))
+def test_every_operation_of_the_description(database: Database, number: int) -> None:
+    statuses = check(database, number, 120, {"reach": {"components": 2}, "expression": {}})
+    assert statuses.keys() >= {200, 201, 202, 204, 404, 409, 412, 422}, statuses
