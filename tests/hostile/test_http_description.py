@@ -80,10 +80,9 @@ def faults(case: Case, answer: Any) -> list[str]:
     found: list[str] = []
     if FOREIGN.search(text if answer.status_code >= 400 else ""):
         found.append(f"the words of a foreign exception: {text[:300]}")
-    if answer.status_code in (503, 507):
-        told = answer.headers["content-type"] == "application/problem+json"
-        return found if told and (answer.status_code == 507 or "retry-after" in answer.headers) else [*found, "untold"]
-    if answer.status_code >= 500:
+    if answer.status_code == 503 and "retry-after" not in answer.headers:
+        found.append("503 without Retry-After")
+    if answer.status_code >= 500 and answer.status_code not in (503, 507):
         return [*found, f"{answer.status_code}: {text[:300]}"]
     events = answer.headers.get("content-type", "").startswith("text/event-stream")
     try:
