@@ -36,7 +36,7 @@ fix: $(STAMP) ## Mend style, and make generated files again
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-fuzz: $(STAMP) ## Long campaigns: kill tests, random documents, random files
+fuzz: $(STAMP) ## Long campaigns: kill tests, random documents, files and requests
 	$(BIN)/python -m pytest -m fuzz --timeout=3600
 
 bench: $(STAMP) ## Measure speed against named peers (installs them)

@@ -37,6 +37,8 @@ def number(function: str, source: Scan | Columnar) -> float | None:
     total, count = 0.0, 0
     least, greatest = math.inf, -math.inf
     for found in _numbers(function, source):
+        if not len(found):
+            continue
         count += len(found)
         total += float(found.sum())
         # NaN stays NaN: a text that is no number spoils all.

@@ -21,8 +21,9 @@ class Timeline:
     def __init__(self, runs: ShapeRuns) -> None:
         slots = (runs.places << 32) | runs.slots
         order = np.argsort(slots)
-        self._starts, self._count = slots[order], runs.counts[order]
-        self._first = frames_of(runs.keys[order] << FRAME_SHIFT)
+        # A run of no frames comes before all others, so that each slot has one to look at.
+        self._starts, self._count = np.append(-1, slots[order]), np.append(0, runs.counts[order])
+        self._first = np.append(0, frames_of(runs.keys[order] << FRAME_SHIFT))
         self.moved = np.unique(runs.places[1:][np.diff(slots) < 0])
 
     def positions(self, places: Ints, slots: Ints) -> Ints:
@@ -30,14 +31,14 @@ class Timeline:
         keys = (places << 32) | slots
         piece = np.searchsorted(self._starts, keys, side="right") - 1
         within = keys - self._starts[piece]
-        return np.where((piece >= 0) & (within < self._count[piece]), self._first[piece] + within, 0)
+        return np.where(within < self._count[piece], self._first[piece] + within, 0)
 
     def here(self, places: Ints, chunks: Ints) -> Bools:
         """(units, CHUNK): in which slots frames lie."""
         first = (places << 32) | (chunks * CHUNK)
         piece = np.searchsorted(self._starts, first, side="right") - 1
         within = first - self._starts[piece]
-        whole = (piece >= 0) & (within + CHUNK <= self._count[piece])
+        whole = within + CHUNK <= self._count[piece]
         found = np.ones((len(places), CHUNK), bool)
         part = np.flatnonzero(~whole)
         found[part] = self.positions(places[part, None], slots_of_chunks(chunks[part])) > 0

@@ -125,7 +125,7 @@ def test_arrays_that_do_not_fit(client: TestClient, uuid: str) -> None:
     assert put({"columns": ["Spine.Rx"], "values": [["x"]]}) == 422
     assert put({"columns": ["Spine.Rx"], "values": []}) == 422
     assert put([]) == 422
-    assert put({"columns": ["Spine.Rx"], "values": [[1.0]], "frist": 3}) == 422
+    assert put({"columns": ["Spine.Rx"], "values": [[1.0]], "frames": 3}) == 422
     assert put({"columns": ["Spine.Rx"], "values": [[1.0]]}, first=9, last=2) == 422
     uneven = {"columns": ["Spine.Rx"], "values": [[1.0], []]}
     answer = client.put(f"{API}/documents/{uuid}/frames", json=uneven, headers=ANY)
