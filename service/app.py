@@ -9,8 +9,8 @@ from importlib.metadata import PackageNotFoundError, version
 from fastapi import Depends, FastAPI
 from fastapi.middleware.gzip import GZipMiddleware
 
-from service.actions.purge_documents import finish_purges
-from service.actions.use_result import Results
+from service.actions.analysing.use_result import Results
+from service.actions.keeping.purge_documents import finish_purges
 from service.api import ROUTERS, description, problems
 from service.api.doors import Doors
 from service.api.guard import Guard

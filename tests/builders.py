@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions import import_workers
-from service.actions.import_motion import import_files
-from service.actions.import_options import ImportOptions
+from service.actions.importing import import_workers
+from service.actions.importing.import_motion import import_files
+from service.actions.reading.import_options import ImportOptions
 from service.app import create_app
 from service.formats.format import SourceFile
 from service.local_secret import PREFIX

@@ -9,9 +9,9 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from schemas.examples import JOB, PROJECT, shown
 from schemas.jobs import AnalysisInfo, AnalysisList, Job, MusicBeats, Selection
-from service.actions.describe_job import analysis_answer, job_answer
-from service.actions.read_music import read_music
-from service.actions.start_analysis import find_analysis, start_analysis
+from service.actions.analysing.describe_job import analysis_answer, job_answer
+from service.actions.analysing.read_music import read_music
+from service.actions.analysing.start_analysis import find_analysis, start_analysis
 from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import Analysis
 from service.api.dependencies import AuthorDep, DatabaseDep, QueriesDep, SettingsDep

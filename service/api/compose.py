@@ -12,9 +12,9 @@ from fastapi.responses import StreamingResponse
 from schemas.compose import Composed, ComposeRequest, SplitParts, SplitRequest
 from schemas.examples import example_of
 from schemas.retarget import Retargeted, RetargetedOne, RetargetMany, RetargetRequest
-from service.actions.compose_frames import compose_frames
-from service.actions.retarget_motion import retarget_many, retarget_motion
-from service.actions.split_document import split_document
+from service.actions.composing.compose_frames import compose_frames
+from service.actions.composing.retarget_motion import retarget_many, retarget_motion
+from service.actions.composing.split_document import split_document
 from service.api.dependencies import AuthorDep, DatabaseDep, DocumentId, QueriesDep, SettingsDep
 
 router = APIRouter(tags=["compose"])

@@ -11,7 +11,7 @@ import orjson
 from fastapi import Depends, Header, Path, Query, Request
 
 from schemas.examples import CURSOR, DOCUMENT, PROJECT
-from service.actions.preconditions import check_match
+from service.actions.checking.preconditions import check_match
 from service.errors import NotFoundError, QueryError
 from service.settings import Settings
 from service.storage.database import Database, Transaction

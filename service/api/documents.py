@@ -18,19 +18,19 @@ from schemas.documents import (
     UploadResult,
 )
 from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT
-from service.actions.change_document import (
+from service.actions.checking.describe_problem import problem_of
+from service.actions.composing.select_documents import parse_condition
+from service.actions.editing.change_document import (
     change_document,
     delete_document,
     restore_document,
     restore_revision,
     undo_revision,
 )
-from service.actions.describe_document import detail, summary
-from service.actions.describe_problem import problem_of
-from service.actions.import_options import ImportOptions, parse_label, parse_property
-from service.actions.inspect_files import inspect_files
-from service.actions.select_documents import parse_condition
-from service.actions.upload_files import upload_files
+from service.actions.importing.upload_files import upload_files
+from service.actions.reading.describe_document import detail, summary
+from service.actions.reading.import_options import ImportOptions, parse_label, parse_property
+from service.actions.reading.inspect_files import inspect_files
 from service.api.dependencies import (
     MOST,
     AuthorDep,

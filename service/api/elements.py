@@ -22,9 +22,9 @@ from schemas.elements import (
 from schemas.elements import Edit as AnyEdit
 from schemas.examples import ADDRESS, FRAME_BONE, NODE
 from schemas.queries import QueryRequest
-from service.actions.describe_problem import PreconditionError
-from service.actions.edit_element import Change, read_element
-from service.actions.edit_elements import (
+from service.actions.checking.describe_problem import PreconditionError
+from service.actions.editing.edit_element import Change, read_element
+from service.actions.editing.edit_elements import (
     Deletion,
     ElementEdit,
     Insertion,

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Request, Response
 
 from schemas.examples import MCML
-from service.actions.export_motion import Export, ExportOptions, export_document
+from service.actions.exporting.export_motion import Export, ExportOptions, export_document
 from service.api.dependencies import DatabaseDep, DocumentId, First, Last, RevisionQuery, at_revision, etag
 from service.api.streaming import attachment, streamed, unchanged
 from service.formats import FORMATS

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from starlette.concurrency import run_in_threadpool
 
 from schemas.frames import FrameEdits, FramesEdited, FrameValues
-from service.actions.change_frames import edit_frames, write_values
+from service.actions.editing.change_frames import edit_frames, write_values
 from service.api.dependencies import (
     MOST,
     AuthorDep,

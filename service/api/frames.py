@@ -12,7 +12,7 @@ import numpy as np
 from fastapi import APIRouter, Query, Request, Response
 
 from schemas.documents import FramePage, FrameRow
-from service.actions.read_clip import read_clip
+from service.actions.reading.read_clip import read_clip
 from service.api.dependencies import (
     MOST,
     DatabaseDep,

@@ -12,7 +12,7 @@ from starlette.concurrency import run_in_threadpool
 
 from schemas.examples import JOB
 from schemas.jobs import Job, JobPage
-from service.actions.describe_job import job_answer
+from service.actions.analysing.describe_job import job_answer
 from service.api.dependencies import (
     AuthorDep,
     DatabaseDep,

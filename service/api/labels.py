@@ -11,9 +11,9 @@ from schemas.documents import ChangedDocument, ChangedDocuments, Label, LabelPag
 from schemas.examples import DOCUMENT, MOTION_NAME
 from schemas.labels import LabelChange, LabelQuery, SuggestedLabels
 from schemas.queries import QueryRequest
-from service.actions.change_document import add_labels, remove_labels
-from service.actions.edit_labels import change_label, label_by_query, label_table, write_label_table
-from service.actions.suggest_labels import suggest_labels
+from service.actions.editing.change_document import add_labels, remove_labels
+from service.actions.labelling.edit_labels import change_label, label_by_query, label_table, write_label_table
+from service.actions.labelling.suggest_labels import suggest_labels
 from service.api.dependencies import (
     MOST,
     AuthorDep,

@@ -8,8 +8,8 @@ from fastapi import APIRouter, Path, Query, Response
 
 from schemas.examples import PROJECT
 from schemas.retarget import Mapping, MappingPage, SavedMapping
-from service.actions.keep_mapping import keep_mapping, mapping_answer
-from service.actions.preconditions import check_match
+from service.actions.checking.preconditions import check_match
+from service.actions.composing.keep_mapping import keep_mapping, mapping_answer
 from service.api.dependencies import (
     AuthorDep,
     DatabaseDep,

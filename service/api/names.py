@@ -8,8 +8,8 @@ from fastapi import APIRouter, Query, Response
 
 from schemas.examples import PROJECT
 from schemas.names import AliasTable, AppliedNames, SavedAliases
-from service.actions.apply_names import apply_names, renames
-from service.actions.keep_aliases import alias_table, keep_aliases, remove_aliases
+from service.actions.naming.apply_names import apply_names, renames
+from service.actions.naming.keep_aliases import alias_table, keep_aliases, remove_aliases
 from service.api.dependencies import AuthorDep, DatabaseDep, DocumentId, IfMatch, checked_for_write
 
 router = APIRouter(tags=["catalogues"])

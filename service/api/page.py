@@ -9,7 +9,7 @@ import fastapi_offline
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse
 
-from service.actions.describe_problem import STATUS_OF, slug
+from service.actions.checking.describe_problem import STATUS_OF, slug
 from service.api.dependencies import DatabaseDep
 from service.api.policy import page_policy
 from service.errors import NotFoundError

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request
 from starlette.concurrency import run_in_threadpool
 
 from schemas.documents import ChangedDocument, ChangedDocuments
-from service.actions.set_properties import set_properties
+from service.actions.labelling.set_properties import set_properties
 from service.api.dependencies import AuthorDep, DatabaseDep, ProjectQuery
 from service.api.streaming import read_body
 

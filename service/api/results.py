@@ -11,9 +11,9 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from schemas.examples import DOCUMENT, RESULT, example_of, shown
 from schemas.jobs import ArrayValues, ClipMotion, PartSummary, Result, ResultPage, Saving
-from service.actions.describe_job import part_answer, result_answer
-from service.actions.store_clip import clip_file
-from service.actions.use_result import Done, Results
+from service.actions.analysing.describe_job import part_answer, result_answer
+from service.actions.analysing.use_result import Done, Results
+from service.actions.importing.store_clip import clip_file
 from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import MadeClip, Operation
 from service.api.dependencies import (

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 
 from schemas.revisions import Difference
-from service.actions.compare_revisions import compare_revisions
+from service.actions.reading.compare_revisions import compare_revisions
 from service.api.dependencies import MOST, DatabaseDep, DocumentId, at_revision
 
 router = APIRouter(tags=["documents"])

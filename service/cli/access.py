@@ -21,12 +21,12 @@ from schemas.documents import (
     UploadResult,
 )
 from schemas.queries import QueryAnswer, QueryRequest
-from service.actions.check_names import file_name
-from service.actions.describe_document import detail, summary
-from service.actions.encode_clip import Progress
-from service.actions.export_motion import ExportOptions, export_document
-from service.actions.import_options import ImportOptions
-from service.actions.upload_files import upload_files
+from service.actions.checking.check_names import file_name
+from service.actions.exporting.export_motion import ExportOptions, export_document
+from service.actions.importing.encode_clip import Progress
+from service.actions.importing.upload_files import upload_files
+from service.actions.reading.describe_document import detail, summary
+from service.actions.reading.import_options import ImportOptions
 from service.cli.api import Api, error_of
 from service.formats.format import SourceFile
 from service.settings import Settings

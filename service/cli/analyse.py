@@ -14,8 +14,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
 from schemas.jobs import Job, PartSummary, Result, Selection
-from service.actions.check_names import file_name
-from service.actions.read_music import read_music
+from service.actions.analysing.read_music import read_music
+from service.actions.checking.check_names import file_name
 from service.analysis.catalogue import SUBJECTS
 from service.analysis.interface import Analysis, Operation
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, chosen_settings, console, print_json, table

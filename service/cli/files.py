@@ -9,10 +9,10 @@ from typing import Annotated, BinaryIO
 
 import typer
 
-from service.actions.convert_files import convert_files
-from service.actions.export_motion import targets
-from service.actions.import_options import ImportOptions
-from service.actions.inspect_files import inspect_files
+from service.actions.exporting.convert_files import convert_files
+from service.actions.exporting.export_motion import targets
+from service.actions.reading.import_options import ImportOptions
+from service.actions.reading.inspect_files import inspect_files
 from service.cli.access import name_of
 from service.cli.shared import JsonOption, chosen_settings, console, print_json
 from service.errors import McmlError, UnsupportedError

@@ -14,8 +14,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.text import Text
 
 from schemas.documents import ChangedDocuments, DocumentDetail, ImportedDocument, LabelPage
-from service.actions.export_motion import ExportOptions
-from service.actions.import_options import ImportOptions, Label, parse_label, parse_property
+from service.actions.exporting.export_motion import ExportOptions
+from service.actions.reading.import_options import ImportOptions, Label, parse_label, parse_property
 from service.cli.access import name_of
 from service.cli.api import Api
 from service.cli.shared import (

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from service.actions.purge_documents import Purgeable, purge_documents, purgeable
+from service.actions.keeping.purge_documents import Purgeable, purge_documents, purgeable
 from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
 from service.errors import McmlError
 

@@ -86,7 +86,7 @@ def demo(
 
 
 def _load_demo(database: str | None, seed: int = 1) -> int:
-    from service.actions.load_demo import load_demo
+    from service.actions.importing.load_demo import load_demo
 
     settings = chosen_settings(database)
     store = open_database(settings)

@@ -9,9 +9,9 @@ from typing import Annotated
 
 import typer
 
-from service.actions.check_uploads import compare_all
-from service.actions.keep_room import compact_store, prune_history
-from service.actions.keep_store import backup, restore
+from service.actions.keeping.check_uploads import compare_all
+from service.actions.keeping.keep_room import compact_store, prune_history
+from service.actions.keeping.keep_store import backup, restore
 from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
 from service.errors import McmlError
 

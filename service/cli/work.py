@@ -9,10 +9,10 @@ from typing import Any
 from urllib.parse import unquote
 
 from schemas.jobs import Job, Result, Selection
-from service.actions.describe_job import job_answer, result_answer
-from service.actions.start_analysis import find_analysis, start_analysis
-from service.actions.store_clip import clip_file
-from service.actions.use_result import Results
+from service.actions.analysing.describe_job import job_answer, result_answer
+from service.actions.analysing.start_analysis import find_analysis, start_analysis
+from service.actions.analysing.use_result import Results
+from service.actions.importing.store_clip import clip_file
 from service.analysis.interface import Progress
 from service.cli.access import LocalLibrary, RemoteLibrary
 from service.cli.shared import open_library

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.load_demo import add_clips
-from service.actions.use_result import Results
+from service.actions.analysing.use_result import Results
+from service.actions.importing.load_demo import add_clips
 from service.demo.face_takes import EXPRESSIONS, face_takes
 from service.settings import Settings
 from service.storage.database import Database

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 import service.cli
-from service.actions.load_demo import REACHES, add_clips
+from service.actions.importing.load_demo import REACHES, add_clips
 from service.demo.dance_clips import dance_clip
 from service.demo.reach_clips import reach_clips
 from service.settings import Settings

@@ -16,9 +16,9 @@ from sqlalchemy import Connection, Table, and_, select, update
 from sqlalchemy.exc import SQLAlchemyError
 
 from schemas.queries import QueryRequest
-from service.actions.change_document import add_labels, change_document, delete_document
-from service.actions.edit_element import Change, change_element
-from service.actions.export_motion import ExportOptions, export_document
+from service.actions.editing.change_document import add_labels, change_document, delete_document
+from service.actions.editing.edit_element import Change, change_element
+from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.errors import McmlError
 from service.settings import Settings
 from service.storage.checks import faults

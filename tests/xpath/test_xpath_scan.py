@@ -8,10 +8,10 @@ from random import Random
 import pytest
 
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest
-from service.actions.change_document import add_labels, delete_document, restore_document
-from service.actions.change_frames import move_frames
-from service.actions.edit_element import Change, change_element, delete_element
-from service.actions.import_options import Label
+from service.actions.editing.change_document import add_labels, delete_document, restore_document
+from service.actions.editing.change_frames import move_frames
+from service.actions.editing.edit_element import Change, change_element, delete_element
+from service.actions.reading.import_options import Label
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
