@@ -71,7 +71,7 @@ TRACK_COLUMNS: Final = (
     *("chunk", "bone", "count", "channels", "has_missing", "codec", "data"),
     *(f"{end}_{channel}" for channel in CHANNELS for end in ("min", "max")),
 )
-CHUNK_PLACE, DATA_PLACE = TRACK_COLUMNS.index("chunk"), TRACK_COLUMNS.index("data")
+DATA_PLACE = TRACK_COLUMNS.index("data")
 _NO_ZONES: Final[list[float | None]] = [None] * (2 * len(CHANNELS))
 
 

@@ -58,14 +58,6 @@ def read_element(tx: Transaction, stored: StoredDocument, address: str) -> bytes
     return element.attributes[attribute].encode()
 
 
-def change_element(
-    tx: Transaction, stored: StoredDocument, address: str, change: Change, message: str = ""
-) -> StoredDocument:
-    """Change attributes or text of the element at an address, as one revision."""
-    apply_change(tx, stored, address, change)
-    return _done(tx, stored, "edit", message or f"changed {address}")
-
-
 def apply_change(tx: Transaction, stored: StoredDocument, address: str, change: Change) -> None:
     """As `change_element`, without making the revision."""
     match = _MOTION.fullmatch(address)
@@ -84,12 +76,6 @@ def apply_change(tx: Transaction, stored: StoredDocument, address: str, change: 
         if not wanted or set(change.attributes) != {"id"} or change.text:
             raise DocumentError("Of a frame only its id can be changed.", at=Place(element=address))
         rename_frame(tx, stored, int(match["frame"]), wanted)
-
-
-def delete_element(tx: Transaction, stored: StoredDocument, address: str, message: str = "") -> StoredDocument:
-    """Delete the element or attribute at an address, as one revision."""
-    apply_deletion(tx, stored, address)
-    return _done(tx, stored, "edit", message or f"deleted {address}")
 
 
 def apply_deletion(tx: Transaction, stored: StoredDocument, address: str) -> None:
@@ -116,11 +102,6 @@ def apply_deletion(tx: Transaction, stored: StoredDocument, address: str) -> Non
         fresh = refresh_counts(document, current.frames)
         if fresh.children[0] != document.children[0]:
             tx.heads.write_header(stored.key, fresh.children[0], tx.commit)
-
-
-def _done(tx: Transaction, stored: StoredDocument, operation: str, message: str) -> StoredDocument:
-    tx.documents.add_revision(stored, operation, message)
-    return tx.documents.get(stored.uuid)
 
 
 def _attribute(address: str) -> str | None:
