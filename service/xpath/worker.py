@@ -1,21 +1,23 @@
 """A process of its own that evaluates XPath 1.0 with libxml2: it can be killed, and its memory is bounded.
 
-Run as a program: `python worker.py MEMORY_BYTES`. It imports nothing of the service. On its input, messages: a length
-in 8 bytes, big-endian, and so many bytes. A request is a JSON object {expression, document (whether the document node
-may be selected), limit, offset}, then the document in pieces, then an empty message. On its output, one JSON object.
+Its argument: MEMORY_BYTES. On its input, messages. A request is a JSON object {seconds, expression, document (whether
+the document node may be selected), limit, offset}, then the document in pieces, then an empty message. On its output,
+one JSON object. It imports little, to start fast.
 """
 
 from __future__ import annotations
 
 import json
 import resource
-import struct
 import sys
 from collections import Counter
-from collections.abc import Iterator
-from typing import IO, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 from lxml import etree
+
+from service.processes.bounds import bound_memory, end_after
+from service.processes.messages import read_message, write_message
 
 ALWAYS_NUMBERED = ("frame", "frame_bone")
 """Tags that have their position in an address even where they stand alone."""
@@ -28,23 +30,30 @@ LAST = ("memory", "document")
 
 
 def main() -> None:
-    memory = int(sys.argv[1])
-    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    bound_memory(resource.RLIMIT_AS, int(sys.argv[1]))
+    answer_requests(lambda root, **request: evaluate(root.getroottree(), **request), etree.XPathError)
+
+
+def answer_requests(evaluate: Callable[..., dict[str, Any]], refusal: type[Exception]) -> None:
+    """Answer until nobody asks. evaluate: takes the root element and what stands in a request. refusal: what it raises
+    for an expression."""
     source, target = sys.stdin.buffer, sys.stdout.buffer
-    while (request := read_message(source)) is not None:
+    while (message := read_message(source)) is not None:
+        request = json.loads(message)
+        end_after(request.pop("seconds"))
         parser = etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True, load_dtd=False)
         try:
             while piece := read_message(source):
                 parser.feed(piece)
-            answer = evaluate(parser.close().getroottree(), **json.loads(request))
+            answer = evaluate(parser.close(), **request)
         except MemoryError:
             answer = {"error": "memory"}
-        except etree.XPathError as error:
-            answer = {"error": "expression", "message": str(error)}
+        except refusal as error:
+            answer = {"error": "expression", "message": " ".join(str(error).split())}
         except etree.XMLSyntaxError as error:
             # libxml2 reports memory that it could not get as an error of line 0.
             answer = {"error": "document" if error.lineno else "memory", "message": str(error)}
+        end_after(None)
         write_message(target, json.dumps(answer).encode())
         if answer.get("error") in LAST:
             return
@@ -130,18 +139,3 @@ class Addresses:
             numbered = total[child.tag] > 1 or child.tag in ALWAYS_NUMBERED
             steps[child] = f"{child.tag}[{seen[child.tag]}]" if numbered else str(child.tag)
         return steps
-
-
-def read_message(source: IO[bytes]) -> bytes | None:
-    """The next message, None at the end of the input."""
-    head = source.read(8)
-    return source.read(struct.unpack(">Q", head)[0]) if len(head) == 8 else None
-
-
-def write_message(target: IO[bytes], message: bytes) -> None:
-    target.write(struct.pack(">Q", len(message)) + message)
-    target.flush()
-
-
-if __name__ == "__main__":
-    main()

@@ -59,7 +59,7 @@ def read_element(tx: Transaction, stored: StoredDocument, address: str) -> bytes
 
 
 def apply_change(tx: Transaction, stored: StoredDocument, address: str, change: Change) -> None:
-    """As `change_element`, without making the revision."""
+    """Change attributes or text of the element at an address; the caller makes the revision."""
     match = _MOTION.fullmatch(address)
     if match is None:
         _edit_head(tx, stored, address, change)
@@ -79,7 +79,7 @@ def apply_change(tx: Transaction, stored: StoredDocument, address: str, change: 
 
 
 def apply_deletion(tx: Transaction, stored: StoredDocument, address: str) -> None:
-    """As `delete_element`, without making the revision."""
+    """Delete the element or attribute at an address; the caller makes the revision."""
     match = _MOTION.fullmatch(address)
     attribute = _attribute(address)
     if match is None:
