@@ -17,8 +17,9 @@ from typing import Any
 from lxml import etree
 from saxonche import PySaxonApiError, PySaxonProcessor
 
+from service.mcml.addresses import address_attribute, address_namespace, address_text
 from service.processes.bounds import bound_memory
-from service.xpath.worker import NAMESPACE, Addresses, answer_requests, describe
+from service.xpath.worker import Addresses, answer_requests, describe
 
 _SPECIAL = {"INF": "Infinity", "+INF": "Infinity", "-INF": "-Infinity", "NaN": "NaN"}
 _NUMBERS = ("integer", "decimal", "double", "float")
@@ -98,10 +99,10 @@ class Places:
                 continue
             own = self._addresses.of(current)
             if attribute:
-                return ["attribute", f"{own}/@{attribute}", current.get(attribute)]
+                return ["attribute", address_attribute(own, attribute), current.get(attribute)]
             if text:
-                return ["text", f"{own}/text()", current.text]
-            return ["namespace", f"{own}/{NAMESPACE}", node.string_value]
+                return ["text", address_text(own), current.text]
+            return ["namespace", address_namespace(own), node.string_value]
         return describe(current, self._addresses)
 
     def _child(self, parent: Any, name: str, number: int) -> Any:

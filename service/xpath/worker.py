@@ -10,20 +10,14 @@ from __future__ import annotations
 import json
 import resource
 import sys
-from collections import Counter
 from collections.abc import Callable, Iterator
 from typing import Any
 
 from lxml import etree
 
+from service.mcml.addresses import ALWAYS_NUMBERED, address_attribute, address_namespace, address_text, number_steps
 from service.processes.bounds import bound_memory, end_after
 from service.processes.messages import read_message, write_message
-
-ALWAYS_NUMBERED = ("frame", "frame_bone")
-"""Tags that have their position in an address even where they stand alone."""
-
-NAMESPACE = "namespace::xml"
-"""The last step of the address of a namespace node. An element of MCML has no other."""
 
 LAST = ("memory", "document")
 """Errors after which the process ends: the rest of the request was not read, or memory may be in pieces."""
@@ -102,13 +96,13 @@ def describe(node: Any, addresses: Addresses, owners: Iterator[Any] = iter(())) 
         return ["document", "/", etree.tostring(node.getroot(), encoding="unicode")]
     if isinstance(node, tuple):
         owner = next(owners, None)
-        return ["namespace", "" if owner is None else f"{addresses.of(owner)}/{NAMESPACE}", str(node[1])]
+        return ["namespace", "" if owner is None else address_namespace(addresses.of(owner)), str(node[1])]
     if isinstance(node, str):
         smart: Any = node
         parent = addresses.of(smart.getparent())
         if smart.is_attribute:
-            return ["attribute", f"{parent}/@{smart.attrname}", str(node)]
-        return ["text", f"{parent}/text()", str(node)]
+            return ["attribute", address_attribute(parent, smart.attrname), str(node)]
+        return ["text", address_text(parent), str(node)]
     return ["element", addresses.of(node), etree.tostring(node, encoding="unicode", with_tail=False)]
 
 
@@ -126,16 +120,6 @@ class Addresses:
         if parent not in self._known:
             self._known[parent] = self.of(parent)
         if parent not in self._steps:
-            self._steps[parent] = self._number(parent)
+            steps = number_steps([str(child.tag) for child in parent], ALWAYS_NUMBERED)
+            self._steps[parent] = dict(zip(parent, steps, strict=True))
         return f"{self._known[parent]}/{self._steps[parent][element]}"
-
-    @staticmethod
-    def _number(parent: Any) -> dict[Any, str]:
-        total = Counter(child.tag for child in parent)
-        seen: Counter[str] = Counter()
-        steps = {}
-        for child in parent:
-            seen[child.tag] += 1
-            numbered = total[child.tag] > 1 or child.tag in ALWAYS_NUMBERED
-            steps[child] = f"{child.tag}[{seen[child.tag]}]" if numbered else str(child.tag)
-        return steps
