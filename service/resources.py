@@ -33,12 +33,6 @@ def motion_names_path() -> Path:
     return _PACKAGE / "mcml" / "motion_names.csv"
 
 
-def web_path() -> Path | None:
-    """The folder of the built browser files, None if they were not built."""
-    folder = _PACKAGE / "web" / "static"
-    return folder if (folder / "index.html").is_file() else None
-
-
 def _find(name: str) -> Path:
     # A wheel carries the files of the top level in service/_data, where pyproject.toml puts them.
     for candidate in (_PACKAGE.parent / name, _PACKAGE / "_data" / name):

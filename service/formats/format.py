@@ -32,7 +32,7 @@ class Limits:
     """What a reader accepts before it gives up; checked before memory is taken.
 
     joints: of a skeleton. depth: joints below each other. name: bytes of one name. frames, values: of a clip.
-    text: characters of comments and unknown sections. seconds, memory (bytes): of a reader in a process of its own.
+    text: characters of comments and unknown sections.
     """
 
     joints: int = 10_000
@@ -41,8 +41,6 @@ class Limits:
     frames: int = 50_000_000
     values: int = 4_000_000_000
     text: int = 4 << 20
-    seconds: float = 60.0
-    memory: int = 2 << 30
 
     def check_name(self, name: str, at: Place | None = None) -> None:
         """Raises LimitError for a name that is too long, FormatError for one with control characters."""

@@ -14,6 +14,7 @@ from typing import Any
 
 from lxml import etree
 
+from service.mcml.addresses import address_attribute
 from service.resources import dtd_path
 
 START = 0
@@ -42,7 +43,7 @@ class Declaration:
             if allowed is None:
                 return f"{self.name} has no attribute {name}; it may have {', '.join(self.attributes) or 'none'}"
             if allowed and value not in allowed:
-                return f"{self.name}/@{name} is {value!r}; it must be {' or '.join(allowed)}"
+                return f"{address_attribute(self.name, name)} is {value!r}; it must be {' or '.join(allowed)}"
         missing = [name for name in self.required if name not in attributes]
         return f"{self.name} needs the attribute {missing[0]}" if missing else None
 

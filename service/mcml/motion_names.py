@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import re
 import unicodedata
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -141,13 +141,6 @@ def nearest(side: str, part: str, movement: str) -> str:
                 return str(_with_side(side, other, wanted))
     first = next(iter(kind.instead.values())) if kind.instead and not kind.movements else (part, kind.movements[0])
     return str(_with_side(side, *first))
-
-
-def possible_names() -> Iterator[str]:
-    """Every anatomical motion name, in the order of the table."""
-    for part in parts().values():
-        for side in SIDES if part.sided else ("",):
-            yield from (str(MotionName(side, part.name, movement)) for movement in part.movements)
 
 
 @cache

@@ -22,6 +22,7 @@ from service.motion.rotations import slerp
 from service.motion.skeleton import Array, Convention, Skeleton
 from service.motion.splicing import Placement, Poses, bridge, crossfade, going_on, joined_poses, placed, steps
 from service.motion.units import DEGREES, Reading
+from service.numerics.runs import find_true
 
 Style = Literal["bridge", "crossfade"]
 LARGEST_JUMP = 1.1
@@ -306,9 +307,8 @@ class _Track:
 
     def _leave_gaps(self, parts: list[_Part], new: Flags, raw: Array, values: Array, starts: Rows) -> None:
         """A transition has no sample where either of its ends has none."""
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], new, [False]]).astype(np.int8))).reshape(-1, 2)
         seams = [place for place, between in enumerate(self._between) if between is not None and len(between)]
-        for (first, end), place in zip(edges, seams, strict=False):
+        for (first, end), place in zip(find_true(new), seams, strict=False):
             cut, following = self._cuts[place][1], self._cuts[place + 1][0]
             last = raw[starts[place] + min(max(cut - 1, 0), len(parts[place].raw) - 1)]
             after = raw[starts[place + 1] + min(following, len(parts[place + 1].raw) - 1)]

@@ -342,11 +342,6 @@ class Database:
         with in_words(self.dialect), self.dialect.reading() as connection:
             return self.dialect.size(connection)
 
-    def ping(self) -> None:
-        """One round trip to the database."""
-        with in_words(self.dialect), self.dialect.reading() as connection:
-            connection.execute(text("SELECT 1"))
-
     def has_token(self) -> bool:
         """Whether there is any token, of an SQLite file, in microseconds: asked before every request to an open one.
 

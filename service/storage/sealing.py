@@ -14,7 +14,6 @@ from service.storage.dialects import DIALECTS
 from service.storage.seals import SEALS, Row, sealed
 
 ROWS = 2000
-_COMMITS = ("from_commit", "to_commit")
 
 
 def transaction_on(connection: Connection) -> Transaction:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from service.mcml.addresses import address_attribute
 from service.motion.skeleton import CHANNELS
 from service.xpath.columnar import Columnar
 from service.xpath.scan import Scan
@@ -52,4 +53,4 @@ def _names(group: tuple[str, ...]) -> str:
 
 def _sample(sample: Sample) -> str:
     bone, channel = sample
-    return f"{bone}/@{CHANNELS[channel]}" if bone is not None else f"@{CHANNELS[channel]}"
+    return address_attribute(bone, CHANNELS[channel]) if bone is not None else f"@{CHANNELS[channel]}"

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from service.mcml.addresses import address_attribute, address_namespace, address_text, number_steps
 from service.mcml.elements import Element, mcml_attributes
 from service.mcml.vocabulary import MCML, MOTION
 from service.mcml.writer import attribute_bytes, text_bytes
@@ -23,7 +24,6 @@ from service.xpath.numbering import (
     code_names,
     name_codes,
 )
-from service.xpath.worker import NAMESPACE
 
 XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
 
@@ -73,18 +73,17 @@ class Head:
         parent = int(self.part.parents[row])
         above = self.address(parent).rstrip("/")
         if kind in (IS_ATTRIBUTE, IS_TEXT):
-            return f"{above}/@{names[row]}" if kind == IS_ATTRIBUTE else f"{above}/text()"
+            return address_attribute(above, names[row]) if kind == IS_ATTRIBUTE else address_text(above)
         if kind == IS_NAMESPACE:
-            return f"{above}/{NAMESPACE}"
-        by_name: dict[str, list[int]] = {}
+            return address_namespace(above)
+        siblings = []
         child = parent + 1
         while child <= ends[parent]:
             if kinds[child] == IS_ELEMENT:
-                by_name.setdefault(names[child], []).append(child)
+                siblings.append(child)
             child = ends[child] + 1
-        for name, siblings in by_name.items():
-            for number, sibling in enumerate(siblings, start=1):
-                self.addresses[sibling] = f"{above}/{name}[{number}]" if len(siblings) > 1 else f"{above}/{name}"
+        steps = number_steps([names[sibling] for sibling in siblings])
+        self.addresses.update((sibling, f"{above}/{step}") for sibling, step in zip(siblings, steps, strict=True))
         return self.addresses[row]
 
     def xml(self, row: int) -> str:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from typing import Literal, TypeVar
+from typing import Literal
 
 import numpy as np
 
@@ -49,7 +49,6 @@ from service.xpath.values import TooLongError
 MAX_RUNS = 100_000
 DEFAULT_LIMIT = 100
 MAX_ON_XML = 100_000
-Item = TypeVar("Item")
 
 
 class Queries:

@@ -6,7 +6,6 @@ import importlib.util
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from service.errors import QueryError, StoreError
 from service.xpath.evaluate import Evaluator, Node
@@ -26,7 +25,7 @@ class Items:
 class Saxon(Evaluator):
     """A pool of processes as that of libxml2."""
 
-    program = Path(__file__).with_name("saxon_worker.py")
+    program = "service.xpath.saxon_worker"
 
     def items(
         self,

@@ -8,13 +8,14 @@ import pytest
 from lxml import etree
 from sqlalchemy import func, select
 
-from service.actions.editing.edit_element import Change, change_element, delete_element, read_element
+from service.actions.editing.edit_element import Change, read_element
 from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.errors import DocumentError, NotFoundError
 from service.mcml.dtd import violations
 from service.storage.database import Database
 from service.storage.tables import track
 from tests.builders import ASF, MCML, amc, bvh, store
+from tests.edits import change_element, delete_element
 
 PARSER = etree.XMLParser(remove_blank_text=True)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.actions.editing.edit_element import Change, change_element, delete_element, read_element
+from service.actions.editing.edit_element import Change, read_element
 from service.actions.exporting.convert_files import convert_files
 from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.actions.importing.import_motion import import_files
@@ -23,6 +23,7 @@ from service.settings import Settings
 from service.storage.database import Database
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, store
 from tests.conftest import shared_folder
+from tests.edits import change_element, delete_element
 
 SMALL = {
     "bvh": {"chain.bvh": bvh(700)},

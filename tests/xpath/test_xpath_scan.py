@@ -10,7 +10,7 @@ import pytest
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest
 from service.actions.editing.change_document import add_labels, delete_document, restore_document
 from service.actions.editing.change_frames import move_frames
-from service.actions.editing.edit_element import Change, change_element, delete_element
+from service.actions.editing.edit_element import Change
 from service.actions.reading.import_options import Label
 from service.settings import Settings
 from service.storage.database import Database, Transaction
@@ -27,6 +27,7 @@ from service.xpath.sources import described
 from service.xpath.tracks import Tracks
 from service.xpath.zones import read_zones
 from tests.builders import HTR, MCML, bvh, store
+from tests.edits import change_element, delete_element
 
 CHANNELS = ["Rx", "Ry", "Rz", "Tx", "SF"]
 NUMBERS = ["0", "5", "10.5", "-20", "45.5", "1e3", "(0 div 0)"]

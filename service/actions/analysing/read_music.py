@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 from schemas.analyses.dance import Music
 from schemas.jobs import MusicBeats
 from service.analysis.dance.music import fit_tempo
 from service.analysis.interface import AnalysisError
 from service.errors import LimitError, UnsupportedError
-from service.formats import isolated
-from service.formats.format import Limits, SourceFile
+from service.formats.format import SourceFile
+from service.processes.programs import run_reader
 from service.settings import Settings
 
-_WORKER = Path(__file__).with_name("music_worker.py")
+_WORKER = "service.actions.analysing.music_worker"
 _KINDS = {"UnsupportedError": UnsupportedError, "LimitError": LimitError}
 
 
@@ -24,8 +23,8 @@ def read_music(file: SourceFile, settings: Settings) -> MusicBeats:
     Raises AnalysisError `music-undecodable`, `music-no-beats`; LimitError for more than 15 minutes; UnsupportedError
     where the extra `audio` is not installed.
     """
-    limits = Limits(seconds=2 * settings.read_seconds, memory=settings.read_memory_mib << 20)
-    with isolated.run(_WORKER, [file.name], file.stream, limits) as answer:
+    seconds, memory = 2 * settings.read_seconds, settings.read_memory_mib << 20
+    with run_reader(_WORKER, file.name, str(seconds), stream=file.stream, seconds=seconds, memory=memory) as answer:
         found = json.load(answer)
     if "beats" not in found:
         if found["code"] in _KINDS:

@@ -15,20 +15,18 @@ from service.actions.checking.check_names import check_frame_time, check_head
 from service.actions.editing.edit_frames import delete_frame, frame_at, rename_frame, rewrite_frame_bone
 from service.actions.editing.edit_names import rewrite_motion_name
 from service.errors import DocumentError, NotFoundError, Place
+from service.mcml.addresses import MOTION, read_frame_address, split_attribute
 from service.mcml.dtd import validate_by_shapes
 from service.mcml.elements import Element, addresses, check_counts, joint_names, refresh_counts, to_head
 from service.mcml.lexical import escape, is_decimal, unescape
+from service.mcml.vocabulary import FRAME_BONE, FRAMES, FRAMETIME, MOTION_NAME
 from service.mcml.writer import write_element
 from service.motion.skeleton import CHANNEL_INDEX
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.rows import skeleton_rows
 
-_MOTION = re.compile(
-    r"/mcml/motion/(?:(?P<leaf>frames|frametime)"
-    r"|frame\[(?P<frame>\d{1,18})\](?:/motion_name(?:\[(?P<name>\d{1,9})\])?|/frame_bone\[(?P<bone>\d{1,9})\])?)"
-    r"(?:/@(?P<attribute>[A-Za-z]+))?"
-)
+_LEAF = re.compile(r"/mcml/motion/(frames|frametime)(?:/@[A-Za-z]+)?")
 _HEAD = re.compile(
     r"(?P<element>/mcml(?:/(?:header|root|skeleton)(?:/[a-z_]+(?:\[\d{1,9}\])?)*)?)(?:/@(?P<attribute>[A-Za-z_]+))?"
 )
@@ -48,9 +46,8 @@ class Change:
 
 def read_element(tx: Transaction, stored: StoredDocument, address: str) -> bytes:
     """The element as XML, or the value of an attribute. NotFoundError."""
-    match = _MOTION.fullmatch(address)
-    element = _motion_element(tx, stored, match) if match else _head_element(tx, stored, address)
-    attribute = _attribute(address)
+    element = _element(tx, stored, address)
+    _, attribute = split_attribute(address)
     if attribute is None:
         return write_element(element)
     if attribute not in element.attributes:
@@ -58,59 +55,44 @@ def read_element(tx: Transaction, stored: StoredDocument, address: str) -> bytes
     return element.attributes[attribute].encode()
 
 
-def change_element(
-    tx: Transaction, stored: StoredDocument, address: str, change: Change, message: str = ""
-) -> StoredDocument:
-    """Change attributes or text of the element at an address, as one revision."""
-    apply_change(tx, stored, address, change)
-    return _done(tx, stored, "edit", message or f"changed {address}")
-
-
 def apply_change(tx: Transaction, stored: StoredDocument, address: str, change: Change) -> None:
-    """As `change_element`, without making the revision."""
-    match = _MOTION.fullmatch(address)
-    if match is None:
+    """Change attributes or text of the element at an address; the caller makes the revision."""
+    leaf, place = _LEAF.fullmatch(address), read_frame_address(address)
+    if leaf:
+        _change_motion_leaf(tx, stored, leaf[1], change)
+    elif place is None:
         _edit_head(tx, stored, address, change)
-    elif match["leaf"]:
-        _change_motion_leaf(tx, stored, match["leaf"], change)
-    elif match["bone"]:
-        rewrite_frame_bone(tx, stored, int(match["frame"]), int(match["bone"]), _numbers(change, address))
-    elif "/motion_name" in address:
+    elif place.tag == FRAME_BONE:
+        rewrite_frame_bone(tx, stored, place.frame, place.number, _numbers(change, address))
+    elif place.tag == MOTION_NAME:
         if not change.text:
             raise DocumentError("A motion_name needs a text.", at=Place(element=address), remedy="Delete it instead.")
-        rewrite_motion_name(tx, stored, int(match["frame"]), int(match["name"] or 1), change.text)
+        rewrite_motion_name(tx, stored, place.frame, place.number, change.text)
     else:
         wanted = change.attributes.get("id")
         if not wanted or set(change.attributes) != {"id"} or change.text:
             raise DocumentError("Of a frame only its id can be changed.", at=Place(element=address))
-        rename_frame(tx, stored, int(match["frame"]), wanted)
-
-
-def delete_element(tx: Transaction, stored: StoredDocument, address: str, message: str = "") -> StoredDocument:
-    """Delete the element or attribute at an address, as one revision."""
-    apply_deletion(tx, stored, address)
-    return _done(tx, stored, "edit", message or f"deleted {address}")
+        rename_frame(tx, stored, place.frame, wanted)
 
 
 def apply_deletion(tx: Transaction, stored: StoredDocument, address: str) -> None:
-    """As `delete_element`, without making the revision."""
-    match = _MOTION.fullmatch(address)
-    attribute = _attribute(address)
-    if match is None:
-        _edit_head(tx, stored, address, None)
-    elif match["leaf"]:
-        if match["leaf"] == "frames":
+    """Delete the element or attribute at an address; the caller makes the revision."""
+    leaf, place = _LEAF.fullmatch(address), read_frame_address(address)
+    if leaf:
+        if leaf[1] == FRAMES:
             raise DocumentError("motion needs its frames element.", at=Place(element=address), remedy="Delete frames.")
         _write_content(tx, stored, frame_time=None)
-    elif match["bone"]:
-        channels = None if attribute is None else {_channel(attribute, address): None}
-        rewrite_frame_bone(tx, stored, int(match["frame"]), int(match["bone"]), channels)
-    elif "/motion_name" in address:
-        rewrite_motion_name(tx, stored, int(match["frame"]), int(match["name"] or 1), None)
+    elif place is None:
+        _edit_head(tx, stored, address, None)
+    elif place.tag == FRAME_BONE:
+        channels = None if place.attribute is None else {_channel(place.attribute, address): None}
+        rewrite_frame_bone(tx, stored, place.frame, place.number, channels)
+    elif place.tag == MOTION_NAME:
+        rewrite_motion_name(tx, stored, place.frame, place.number, None)
     else:
-        if attribute is not None:
+        if place.attribute is not None:
             raise DocumentError("A frame needs its id.", at=Place(element=address))
-        delete_frame(tx, stored, int(match["frame"]))
+        delete_frame(tx, stored, place.frame)
         current = tx.documents.get(stored.uuid)
         document = tx.heads.document(stored)
         fresh = refresh_counts(document, current.frames)
@@ -118,36 +100,27 @@ def apply_deletion(tx: Transaction, stored: StoredDocument, address: str) -> Non
             tx.heads.write_header(stored.key, fresh.children[0], tx.commit)
 
 
-def _done(tx: Transaction, stored: StoredDocument, operation: str, message: str) -> StoredDocument:
-    tx.documents.add_revision(stored, operation, message)
-    return tx.documents.get(stored.uuid)
-
-
-def _attribute(address: str) -> str | None:
-    _, slash, name = address.rpartition("/@")
-    return name if slash else None
-
-
 def _missing(address: str) -> NotFoundError:
     return NotFoundError("The document has nothing at this address.", at=Place(element=address))
 
 
-def _motion_element(tx: Transaction, stored: StoredDocument, match: re.Match[str]) -> Element:
-    if match["leaf"] == "frames":
-        return Element("frames", {}, str(stored.frames))
-    if match["leaf"] == "frametime":
+def _element(tx: Transaction, stored: StoredDocument, address: str) -> Element:
+    leaf, place = _LEAF.fullmatch(address), read_frame_address(address)
+    if leaf:
+        if leaf[1] == FRAMES:
+            return Element(FRAMES, {}, str(stored.frames))
         if stored.frame_time is None:
-            raise _missing(match[0])
-        return Element("frametime", {}, stored.frame_time)
-    frame = frame_at(tx, stored, int(match["frame"]))
-    tag = "frame_bone" if match["bone"] else "motion_name" if "/motion_name" in match[0] else None
-    if tag is None:
+            raise _missing(address)
+        return Element(FRAMETIME, {}, stored.frame_time)
+    if place is None:
+        return _head_element(tx, stored, address)
+    frame = frame_at(tx, stored, place.frame)
+    if not place.tag:
         return frame
-    number = int(match["bone"] or match["name"] or 1)
-    of_tag = frame.all(tag)
-    if not 1 <= number <= len(of_tag):
-        raise _missing(match[0])
-    return of_tag[number - 1]
+    of_tag = frame.all(place.tag)
+    if not 1 <= place.number <= len(of_tag):
+        raise _missing(address)
+    return of_tag[place.number - 1]
 
 
 def _head_element(tx: Transaction, stored: StoredDocument, address: str) -> Element:
@@ -189,7 +162,7 @@ def _numbers(change: Change, address: str) -> dict[int, float | None]:
 
 
 def _change_motion_leaf(tx: Transaction, stored: StoredDocument, tag: str, change: Change) -> None:
-    address = f"/mcml/motion/{tag}"
+    address = f"{MOTION}/{tag}"
     if tag == "frames":
         raise DocumentError("frames is counted, not set.", at=Place(element=address), remedy="Insert or delete frames.")
     if change.text is None or change.attributes:
@@ -209,7 +182,7 @@ def _write_content(tx: Transaction, stored: StoredDocument, **changed: Any) -> N
 
 
 def _edit_head(tx: Transaction, stored: StoredDocument, address: str, change: Change | None) -> None:
-    attribute = _attribute(address)
+    _, attribute = split_attribute(address)
 
     def edit(document: Element, target: Element) -> None:
         if change is None and attribute is None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,12 +11,21 @@ from service.actions.editing.edit_element import Change, apply_change, apply_del
 from service.actions.editing.insert_elements import Where, insert_elements, replace_element
 from service.actions.editing.splice_frames import check_range, counts_up, splice_frames
 from service.errors import ConflictError, DocumentError, NotFoundError, Place
+from service.mcml.addresses import (
+    MOTION,
+    FrameAddress,
+    address_attribute,
+    address_frame,
+    find_frame,
+    move_frame,
+    read_frame_address,
+    split_attribute,
+)
 from service.mcml.element import Element, addresses
 from service.storage.database import Transaction
 from service.storage.differences import common_frames
 from service.storage.documents import StoredDocument
 
-_FRAME = re.compile(r"(/mcml/motion/frame\[)(\d+)(\].*)")
 _KINDS = ("", "motion_name", "frame_bone")
 
 
@@ -82,11 +90,15 @@ def _make(tx: Transaction, stored: StoredDocument, edit: ElementEdit, counting: 
         insert_elements(tx, stored, edit.address, what.where, list(what.elements), renumber=what.renumber and counting)
     elif isinstance(edit.what, Replacement):
         replace_element(tx, stored, edit.address, list(edit.what.elements))
-    elif edit.what.renumber and counting and (match := _FRAME.fullmatch(edit.address)) and match[3] == "]":
-        check_range(stored, int(match[2]), int(match[2]))
-        splice_frames(tx, stored, int(match[2]), 1)
+    elif edit.what.renumber and counting and (place := read_frame_address(edit.address)) and _is_frame(place):
+        check_range(stored, place.frame, place.frame)
+        splice_frames(tx, stored, place.frame, 1)
     else:
         apply_deletion(tx, stored, edit.address)
+
+
+def _is_frame(place: FrameAddress) -> bool:
+    return not place.tag and place.attribute is None
 
 
 def _check_ids(tx: Transaction, stored: StoredDocument) -> None:
@@ -98,7 +110,7 @@ def _check_ids(tx: Transaction, stored: StoredDocument) -> None:
         place = int(gaps[0])
         raise DocumentError(
             f"Frame {ids[place]} would be followed by frame {ids[place + 1]}.",
-            at=Place(element=f"/mcml/motion/frame[{place + 2}]/@id"),
+            at=Place(element=address_attribute(address_frame(place + 2), "id")),
             remedy="Let frames be renumbered, or allow gaps.",
         )
 
@@ -111,10 +123,10 @@ def _told(edits: Sequence[ElementEdit]) -> str:
 
 def _place(address: str, order: dict[str, int]) -> tuple[int, int, int, int]:
     """Where an address stands in the document: head, then frames, in them names, then frame_bones."""
-    match = re.fullmatch(r"/mcml/motion/frame\[(\d+)\](?:/(motion_name|frame_bone)(?:\[(\d+)\])?)?(?:/@\w+)?", address)
-    if match is None:
-        return (1 if address.startswith("/mcml/motion") else 0, order.get(address.partition("/@")[0], 0), 0, 0)
-    return 2, int(match[1]), _KINDS.index(match[2] or ""), int(match[3] or 1)
+    place = read_frame_address(address)
+    if place is None:
+        return (1 if address.startswith(MOTION) else 0, order.get(split_attribute(address)[0], 0), 0, 0)
+    return 2, place.frame, _KINDS.index(place.tag), place.number
 
 
 def carried_over(
@@ -129,14 +141,13 @@ def carried_over(
     )
     result = []
     for address in addresses_then:
-        match = _FRAME.fullmatch(address)
+        position = find_frame(address)
         moved = address
-        if match is not None:
-            position = int(match[2])
+        if position is not None:
             run = next((run for run in runs if run.before <= position < run.before + run.count), None)
             if run is None:
                 raise _conflict(address, _read(then, base, address), None)
-            moved = f"{match[1]}{run.after + position - run.before}{match[3]}"
+            moved = move_frame(address, run.after + position - run.before)
         before, after = _read(then, base, address), _read(now, current, moved)
         if before != after:
             raise _conflict(address, before, after)

@@ -9,8 +9,10 @@ import numpy as np
 import orjson
 
 from service.errors import DocumentError, NotFoundError, Place
+from service.mcml.addresses import address_attribute, address_child, address_frame
 from service.mcml.elements import Element, leaf
 from service.mcml.lexical import ILLEGAL, escape
+from service.mcml.vocabulary import FRAME_BONE
 from service.motion.clip import Shape
 from service.motion.skeleton import CHANNELS
 from service.storage.database import Transaction
@@ -25,9 +27,7 @@ from service.storage.tracks import Piece
 def frame_at(tx: Transaction, stored: StoredDocument, position: int) -> Element:
     """The frame element at a position, with all it holds. NotFoundError."""
     if not 1 <= position <= stored.frames:
-        raise NotFoundError(
-            f"The document has {stored.frames} frames.", at=Place(element=f"/mcml/motion/frame[{position}]")
-        )
+        raise NotFoundError(f"The document has {stored.frames} frames.", at=Place(element=address_frame(position)))
     names = tx.heads.bone_names(stored.key)
     block = next(tx.tracks.blocks(stored.key, position, position))
     shape = block.shapes[0 if block.shape_of is None else int(block.shape_of[0])]
@@ -48,7 +48,7 @@ def rewrite_frame_bone(
     tx: Transaction, stored: StoredDocument, position: int, number: int, changes: Mapping[int, float | None] | None
 ) -> None:
     """Set or remove (None) channels of the number-th frame_bone of a frame; changes None deletes it whole."""
-    address = f"/mcml/motion/frame[{position}]/frame_bone[{number}]"
+    address = address_child(position, FRAME_BONE, number)
     slot = tx.tracks.slot_of(stored.key, position)
     shape = tx.tracks.shape_at(stored.key, slot)
     if not 1 <= number <= len(shape):
@@ -59,7 +59,7 @@ def rewrite_frame_bone(
     for channel, value in wanted.items():
         if value is None and not bits >> channel & 1:
             raise NotFoundError(
-                "The frame_bone has no such attribute.", at=Place(element=f"{address}/@{CHANNELS[channel]}")
+                "The frame_bone has no such attribute.", at=Place(element=address_attribute(address, CHANNELS[channel]))
             )
         new_bits = new_bits & ~(1 << channel) if value is None else new_bits | 1 << channel
     if wanted:
@@ -118,9 +118,7 @@ def rename_frame(tx: Transaction, stored: StoredDocument, position: int, frame_i
 def delete_frame(tx: Transaction, stored: StoredDocument, position: int) -> None:
     """Take a frame out. Its values stay where they are, for the revisions before; later frames move up by one."""
     if not 1 <= position <= stored.frames:
-        raise NotFoundError(
-            f"The document has {stored.frames} frames.", at=Place(element=f"/mcml/motion/frame[{position}]")
-        )
+        raise NotFoundError(f"The document has {stored.frames} frames.", at=Place(element=address_frame(position)))
     before = tx.tracks.frame_ids(stored.key, 1, position - 1)
     after = tx.tracks.frame_ids(stored.key, position + 1, stored.frames)
     pieces = tx.tracks.pieces(stored.key, 1, stored.frames)

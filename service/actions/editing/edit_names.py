@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from service.errors import NotFoundError, Place
 from service.mcml import motion_names
+from service.mcml.addresses import address_child
+from service.mcml.vocabulary import MOTION_NAME
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 
@@ -14,7 +16,7 @@ def rewrite_motion_name(tx: Transaction, stored: StoredDocument, frame: int, num
     if not 1 <= number <= len(covering):
         raise NotFoundError(
             f"Frame {frame} has {len(covering)} motion names.",
-            at=Place(element=f"/mcml/motion/frame[{frame}]/motion_name[{number}]"),
+            at=Place(element=address_child(frame, MOTION_NAME, number)),
         )
     span = covering[number - 1]
     name = None if text is None else motion_names.canonical(text.strip())

@@ -6,7 +6,6 @@ unless it takes the place of a frame_bone of the same bone.
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from typing import Literal
 
@@ -14,6 +13,7 @@ from service.actions.editing.edit_element import Change, apply_change, edit_head
 from service.actions.editing.edit_frames import frame_at
 from service.actions.editing.splice_frames import check_range, splice_frames
 from service.errors import DocumentError, NotFoundError, Place
+from service.mcml.addresses import MOTION, FrameAddress, read_frame_address
 from service.mcml.element import Element
 from service.mcml.elements import joint_names
 from service.mcml.faults import all_faults, read_frames
@@ -23,9 +23,6 @@ from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 
 Where = Literal["before", "after", "into"]
-
-_FRAME = re.compile(r"/mcml/motion/frame\[(\d{1,18})\]")
-_INSIDE = re.compile(r"/mcml/motion/frame\[(\d{1,18})\]/(motion_name|frame_bone)(?:\[(\d{1,9})\])?")
 
 
 def insert_elements(
@@ -42,48 +39,49 @@ def insert_elements(
     renumber: frames that come, and those behind them, count on where ids counted up by one.
     DocumentError where `mcml.dtd` or the rules beyond it do not allow them there.
     """
-    frame, inside = _FRAME.fullmatch(address), _INSIDE.fullmatch(address)
-    if frame and where != "into":
-        at = int(frame[1])
-        check_range(stored, at, at)
-        _splice(tx, stored, at + (where == "after"), 0, elements, renumber)
-    elif address == "/mcml/motion" and where == "into" and all(element.tag == "frame" for element in elements):
+    found = _element_in_frames(address)
+    if found and not found.tag and where != "into":
+        check_range(stored, found.frame, found.frame)
+        _splice(tx, stored, found.frame + (where == "after"), 0, elements, renumber)
+    elif address == MOTION and where == "into" and all(element.tag == "frame" for element in elements):
         _splice(tx, stored, stored.frames + 1, 0, elements, renumber)
-    elif frame or inside:
-        at = int((frame or inside)[1])  # type: ignore[index]
-        element = frame_at(tx, stored, at)
-        if inside is None:
+    elif found:
+        element = frame_at(tx, stored, found.frame)
+        if not found.tag:
             place = _end_of(element, elements)
         else:
-            place = _place(element, inside[2], int(inside[3] or 1), address) + (where == "after")
+            place = _place(element, found.tag, found.number, address) + (where == "after")
             if where == "into":
-                raise DocumentError(f"{inside[2]} holds no elements.", at=Place(element=address))
+                raise DocumentError(f"{found.tag} holds no elements.", at=Place(element=address))
         element.children[place:place] = elements
-        _splice(tx, stored, at, 1, [element], renumber=False)
-    elif address.startswith("/mcml/motion"):
+        _splice(tx, stored, found.frame, 1, [element], renumber=False)
+    elif address.startswith(MOTION):
         raise DocumentError("Only frames can be put here.", at=Place(element=address), remedy="See mcml.dtd.")
     else:
         _into_head(tx, stored, address, where, elements)
 
 
+def _element_in_frames(address: str) -> FrameAddress | None:
+    found = read_frame_address(address)
+    return None if found is None or found.attribute is not None else found
+
+
 def replace_element(tx: Transaction, stored: StoredDocument, address: str, elements: list[Element]) -> None:
     """Put elements in the place of the one at an address. Writes no revision."""
-    frame, inside = _FRAME.fullmatch(address), _INSIDE.fullmatch(address)
-    if frame:
-        at = int(frame[1])
-        check_range(stored, at, at)
-        _splice(tx, stored, at, 1, elements, renumber=False)
-    elif inside:
-        at = int(inside[1])
-        element = frame_at(tx, stored, at)
-        place = _place(element, inside[2], int(inside[3] or 1), address)
+    found = _element_in_frames(address)
+    if found and not found.tag:
+        check_range(stored, found.frame, found.frame)
+        _splice(tx, stored, found.frame, 1, elements, renumber=False)
+    elif found:
+        element = frame_at(tx, stored, found.frame)
+        place = _place(element, found.tag, found.number, address)
         change = _change(element.children[place], elements)
         if change is not None:
             apply_change(tx, stored, address, change)
             return
         element.children[place : place + 1] = elements
-        _splice(tx, stored, at, 1, [element], renumber=False)
-    elif address.startswith("/mcml/motion"):
+        _splice(tx, stored, found.frame, 1, [element], renumber=False)
+    elif address.startswith(MOTION):
         raise DocumentError("This element is not replaced.", at=Place(element=address), remedy="Change its text.")
     else:
 

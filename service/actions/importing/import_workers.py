@@ -3,6 +3,10 @@
 Reading holds Python's lock, so threads do not help. A process without threads forks in a few milliseconds, and its
 workers find files, options and settings in the memory they inherit. A process with threads must not fork, and to start
 a worker afresh takes longer than to read a hundred clips: there, and where fork is unsafe, the importer reads alone.
+
+They are not programs as those of `service/processes`: copies have nothing to start or to be sent, and nobody watches
+them, for they run the readers that the importer runs itself, under the same limits. One that dies costs time alone, as
+the importer reads its clips.
 """
 
 from __future__ import annotations

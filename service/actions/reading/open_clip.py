@@ -85,8 +85,6 @@ def _limits(settings: Settings) -> Limits:
         joints=settings.max_joints,
         frames=settings.max_frames,
         values=settings.max_values,
-        seconds=settings.read_seconds,
-        memory=settings.read_memory_mib << 20,
     )
 
 
