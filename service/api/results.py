@@ -15,7 +15,8 @@ from service.actions.analysing.describe_job import part_answer, result_answer
 from service.actions.analysing.use_result import Done, Results
 from service.actions.importing.store_clip import clip_file
 from service.analysis.catalogue import ANALYSES
-from service.analysis.interface import MadeClip, Operation
+from service.analysis.interface import MadeClip
+from service.analysis.interface import ResultUse as Operation
 from service.api.dependencies import (
     MOST,
     AuthorDep,

@@ -17,7 +17,8 @@ from schemas.jobs import Job, PartSummary, Result, Selection
 from service.actions.analysing.read_music import read_music
 from service.actions.checking.check_names import file_name
 from service.analysis.catalogue import SUBJECTS
-from service.analysis.interface import Analysis, Operation
+from service.analysis.interface import Analysis
+from service.analysis.interface import ResultUse as Operation
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, chosen_settings, console, print_json, table
 from service.cli.work import Order, open_work
 from service.errors import McmlError
