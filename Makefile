@@ -36,7 +36,7 @@ check: $(STAMP) ## Style, types, layers, spelling
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/codespell service schemas docs tests README.md CHANGELOG.md
+	$(BIN)/codespell service schemas mcml docs tests README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md
 
 fix: $(STAMP) ## Mend style, and make generated files again
 	$(BIN)/ruff check --fix .

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -38,3 +39,11 @@ def _find(name: str) -> Path:
         if candidate.exists():
             return candidate
     raise FileNotFoundError(f"{name} is missing from this installation; install the package again")
+
+
+def program_version() -> str:
+    """The version of the installed program, or 0+checkout where it is not installed."""
+    try:
+        return version("mcml-repository")
+    except PackageNotFoundError:
+        return "0+checkout"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated, BinaryIO
@@ -13,16 +12,11 @@ from service.actions.exporting.convert_files import convert_files
 from service.actions.exporting.export_motion import targets
 from service.actions.reading.import_options import ImportOptions
 from service.actions.reading.inspect_files import inspect_files
-from service.cli.access import name_of
-from service.cli.shared import JsonOption, chosen_settings, console, print_json
+from service.cli.importing import name_of
+from service.cli.shared import JsonOption, chosen_settings, console, print_json, write_file
 from service.errors import McmlError, UnsupportedError
 from service.formats import FORMATS
 from service.formats.format import SourceFile
-
-
-def add_to(app: typer.Typer) -> None:
-    app.command()(convert)
-    app.command()(validate)
 
 
 def convert(
@@ -47,7 +41,7 @@ def convert(
         )
         done = stack.enter_context(converted)
         for extension, content in done.files.items():
-            _write(result if len(done.files) == 1 else result.with_suffix(extension), content)
+            write_file(result if len(done.files) == 1 else result.with_suffix(extension), content)
         if not quiet:
             for notice in done.notices():
                 console.print(f"{notice.kind}: {notice.what}", style="dim")
@@ -58,18 +52,6 @@ def _opened(path: Path) -> BinaryIO:
         return path.open("rb")
     except OSError as error:
         raise UnsupportedError(f"{path} cannot be read: {error.strerror}.") from error
-
-
-def _write(path: Path, content: Iterable[bytes]) -> None:
-    """The whole file or none: it gets its name when it is complete."""
-    part = path.with_name(path.name + ".part")
-    try:
-        with part.open("wb") as stream:
-            for block in content:
-                stream.write(block)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _format_of(path: Path) -> str:

@@ -22,12 +22,6 @@ from service.storage.filtering import DocumentFilter
 OPEN = "Open to everything on this machine, a proxy included, until the first token is made: mcml token add NAME"
 
 
-def add_to(app: typer.Typer) -> None:
-    app.command()(serve)
-    app.command()(demo)
-    app.command()(doctor)
-
-
 def serve(
     host: Annotated[str | None, typer.Option(help="Address to listen on; other than loopback needs a token")] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on")] = None,

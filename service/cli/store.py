@@ -16,22 +16,6 @@ from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, cons
 from service.errors import McmlError
 
 
-def add_to(app: typer.Typer) -> None:
-    db = typer.Typer(no_args_is_help=True, help="Upgrade, back up, restore and check the store.")
-    db.command()(upgrade)
-    db.command("backup")(backup_)
-    db.command("restore")(restore_)
-    db.command()(check)
-    db.command()(prune)
-    db.command()(compact)
-    app.add_typer(db, name="db")
-    token = typer.Typer(no_args_is_help=True, help="Tokens that open a server to other machines.")
-    token.command("add")(token_add)
-    token.command("list")(token_list)
-    token.command("revoke")(token_revoke)
-    app.add_typer(token, name="token")
-
-
 def upgrade(database: DatabaseOption = None) -> None:
     """Bring the store's schema to this program's version."""
     store = open_database(chosen_settings(database), migrate=False)
@@ -142,7 +126,7 @@ def token_list(database: DatabaseOption = None, as_json: JsonOption = False) -> 
     with open_database(chosen_settings(database)).read() as tx:
         found = tx.tokens.all()
     if as_json:
-        print_json([vars(item) for item in found])
+        print_json({"items": [vars(item) for item in found]})
         return
     rows = table("name", "begins with", "made", "expires")
     for item in found:

@@ -14,8 +14,8 @@ from service.actions.editing.change_frames import delete_frames, insert_frames, 
 from service.actions.editing.edit_element import Change
 from service.actions.reading.compare_revisions import compare_revisions
 from service.actions.reading.read_clip import read_clip
-from service.api.dependencies import at_revision
 from service.motion.skeleton import CHANNELS
+from service.operations.arguments import at_revision
 from service.storage.database import Database
 from tests.builders import bvh, store
 from tests.edits import change_element

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from service.cli import library
-from service.cli.access import LocalLibrary, RemoteLibrary
-from service.cli.library import _groups
+from mcml.client import Client
+from service.cli import importing
+from service.cli.importing import _groups, _stored
 from service.errors import UnsupportedError
 from tests.builders import ASF, amc, bvh, read_by
 from tests.cli.test_access import library as server  # noqa: F401
@@ -55,7 +55,7 @@ def test_groups_hold_every_file_once_and_what_belongs_together(folder: Path) -> 
 
 def test_groups_are_bounded_in_bytes(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     size = (folder / "0.bvh").stat().st_size
-    monkeypatch.setattr(library, "MOST_BYTES", int(2.5 * size))
+    monkeypatch.setattr(importing, "MOST_BYTES", int(2.5 * size))
     with (folder / "5.bvh").open("ab") as large:
         large.truncate(9 * size)
     groups = names(list(_groups([folder], 64))[2:])
@@ -78,13 +78,12 @@ def test_a_folder_is_imported_in_few_calls(
 ) -> None:
     read_by(monkeypatch, processes)
     calls = []
-    given = LocalLibrary.import_paths
 
-    def counted(self: LocalLibrary, paths: list[Path], *rest: object) -> object:
+    def counted(client: Client, paths: list[Path], *rest: object) -> object:
         calls.append(len(paths))
-        return given(self, paths, *rest)  # type: ignore[arg-type]
+        return _stored(client, paths, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(LocalLibrary, "import_paths", counted)
+    monkeypatch.setattr(importing, "_stored", counted)
     code, output, _ = mcml("import", str(folder))
     assert (code, calls) == (3, [2, 2, 10])
     assert "11 stored, 1 failed" in output
@@ -106,8 +105,8 @@ def test_all_bad_is_failed(mcml: Mcml, folder: Path) -> None:  # noqa: F811
 
 
 def test_the_bar_counts_files(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(library, "SECONDS_DRAWN", -1)
-    with library._Bar(5, disable=False) as bar:
+    monkeypatch.setattr(importing, "SECONDS_DRAWN", -1)
+    with importing._Bar(5, disable=False) as bar:
         task = bar._bar.tasks[0]
         bar.begin([folder / "0.bvh", folder / "1.bvh", folder / "2.bvh"])
         for name in ("0.bvh", "0.bvh", "1.bvh", "2.bvh"):
@@ -117,8 +116,8 @@ def test_the_bar_counts_files(folder: Path, monkeypatch: pytest.MonkeyPatch) -> 
         assert (task.completed, task.total) == (3, 5)
 
 
-def test_several_files_are_one_request(server: RemoteLibrary, folder: Path) -> None:  # noqa: F811
+def test_several_files_are_one_request(server: Client, folder: Path) -> None:  # noqa: F811
     paths = [folder / f"{number}.bvh" for number in range(3, 6)]
-    answer = server.import_paths(paths, library.ImportOptions(), None)
+    answer = _stored(server, paths, {}, lambda *_: None)
     assert [item.name for item in answer.documents] == ["3", "5"]
     assert [item.file for item in answer.problems] == ["4.bvh"]

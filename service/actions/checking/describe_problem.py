@@ -7,6 +7,7 @@ from typing import Any
 
 import orjson
 
+from schemas.documents import FileProblem
 from schemas.problem import Problem, Where
 from service import errors
 from service.analysis.interface import AnalysisError
@@ -18,6 +19,7 @@ STATUS_OF: dict[type[errors.McmlError], int] = {
     errors.ConversionError: 422,
     errors.VocabularyError: 422,
     errors.QueryError: 422,
+    errors.RequestError: 422,
     errors.LimitError: 422,
     errors.SizeError: 413,
     AnalysisError: 422,
@@ -38,6 +40,15 @@ class PreconditionError(errors.McmlError):
         self.status = status
 
 
+class UploadError(errors.McmlError):
+    """Nothing of an upload was stored. problems: of each file; the first speaks for all."""
+
+    def __init__(self, problems: list[FileProblem]) -> None:
+        first = problems[0].problem
+        super().__init__(first.detail, remedy=first.remedy)
+        self.problems = problems
+
+
 def status_of(error: errors.McmlError) -> int:
     if isinstance(error, PreconditionError):
         return error.status
@@ -51,6 +62,9 @@ def slug(kind: type[errors.McmlError]) -> str:
 
 def problem_of(error: errors.McmlError) -> Problem:
     """An error of ours as a problem."""
+    if isinstance(error, UploadError):
+        first = error.problems[0].problem
+        return first.model_copy(update={"problems": [item.model_dump(exclude_none=True) for item in error.problems]})
     where = None
     if error.at is not None:
         where = Where(file=error.at.file, line=error.at.line, column=error.at.column, element=error.at.element)

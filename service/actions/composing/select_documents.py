@@ -8,9 +8,8 @@ from service.actions.composing.load_motions import Input
 from service.actions.importing.store_clip import PROVENANCE
 from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import AnalysisError
-from service.errors import QueryError
 from service.storage.database import Database
-from service.storage.filtering import DocumentFilter
+from service.storage.filtering import DocumentFilter, parse_condition
 from service.xpath.run import Queries
 
 MOST = 1_000_000
@@ -72,19 +71,3 @@ def _where(queries: Queries, expression: str, documents: list[str]) -> set[str]:
         if cursor is None:
             break
     return hits
-
-
-def parse_condition(text: str) -> tuple[str, float | None, float | None, str | None]:
-    """NAME:LEAST..GREATEST or NAME:TEXT, for `DocumentFilter.properties`. QueryError."""
-    name, colon, value = text.partition(":")
-    if not colon:
-        raise QueryError(f"{text!r} is no condition on a property.", remedy="Write age:20..30 or take:calm.")
-    low, dots, high = value.partition("..")
-    if not dots:
-        return name, None, None, value
-    try:
-        return name, float(low) if low else None, float(high) if high else None, None
-    except ValueError:
-        raise QueryError(
-            f"{value!r} is not a range of numbers.", remedy="Write age:20..30, age:20.. or age:..30."
-        ) from None

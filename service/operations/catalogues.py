@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
-
 from schemas.catalogues import (
     BodyPart,
     FormatInfo,
@@ -18,16 +16,13 @@ from schemas.catalogues import (
     SkeletonPage,
     UnsupportedFormat,
 )
-from service.api.dependencies import DatabaseDep, PageDep, ProjectQuery, decode_cursor, encode_cursor
 from service.formats import FORMATS, UNSUPPORTED
 from service.mcml import joint_names, motion_names
+from service.operations.arguments import InProject, Page
+from service.operations.call import Call
 
-router = APIRouter(tags=["catalogues"])
 
-
-@router.get("/formats", operation_id="list_formats")
-def list_formats() -> FormatList:
-    """Formats that are read and written, and those that are known but not read, with the reason."""
+def list_formats(call: Call) -> FormatList:
     items = [
         FormatInfo(
             name=format_.name,
@@ -46,9 +41,7 @@ def list_formats() -> FormatList:
     )
 
 
-@router.get("/joint-names", operation_id="list_joint_names")
-def list_joint_names() -> JointNameList:
-    """The one table of joint names: MCML's own, and what other rigs call them."""
+def list_joint_names(call: Call) -> JointNameList:
     return JointNameList(
         items=[
             JointName(
@@ -64,10 +57,8 @@ def list_joint_names() -> JointNameList:
     )
 
 
-@router.get("/motion-names", operation_id="list_motion_names")
-def list_motion_names(database: DatabaseDep, project: ProjectQuery = None) -> MotionNameList:
-    """Motion names in use with their frames, and the movements that each part of the body can perform."""
-    with database.read() as tx:
+def list_motion_names(call: Call, project: InProject = None) -> MotionNameList:
+    with call.database.read() as tx:
         used = tx.spans.counts(project)
     return MotionNameList(
         items=[MotionNameInUse(name=name, documents=documents, frames=frames) for name, documents, frames in used],
@@ -78,22 +69,20 @@ def list_motion_names(database: DatabaseDep, project: ProjectQuery = None) -> Mo
     )
 
 
-@router.get("/skeletons", operation_id="list_skeletons")
-def list_skeletons(database: DatabaseDep, page: PageDep, project: ProjectQuery = None) -> SkeletonPage:
-    """Skeletons in use. Documents with equal skeletons share one."""
-    after = 0 if page.cursor is None else int(decode_cursor(page.cursor, int)[0])
-    with database.read() as tx:
+def list_skeletons(call: Call, page: Page, project: InProject = None) -> SkeletonPage:
+    """Documents with equal skeletons share one."""
+    after = page.after(int)
+    with call.database.read() as tx:
         key = None if project is None else tx.projects.get(project)
-        rows = tx.heads.skeletons(key, after, page.limit + 1)
-    shown = rows[: page.limit]
+        rows = tx.heads.skeletons(key, 0 if after is None else after[0], page.most(call) + 1)
+    shown, more = page.cut(call, rows, lambda row: (row.id,))
     return SkeletonPage(
         items=[SkeletonInfo(id=row.id, hash=row.hash, joints=row.joints, documents=row.documents) for row in shown],
-        next_cursor=encode_cursor(shown[-1].id) if len(rows) > page.limit else None,
+        next_cursor=more,
     )
 
 
-@router.get("/projects", operation_id="list_projects")
-def list_projects(database: DatabaseDep) -> ProjectList:
-    """Projects by name. Uploading into a new name makes it."""
-    with database.read() as tx:
+def list_projects(call: Call) -> ProjectList:
+    """Uploading into a new name makes it."""
+    with call.database.read() as tx:
         return ProjectList(items=tx.projects.names())
