@@ -16,7 +16,8 @@ from mcml.files import write_file
 from schemas.jobs import Selection
 from service.actions.analysing.read_music import read_music
 from service.analysis.catalogue import SUBJECTS
-from service.analysis.interface import Analysis, Operation
+from service.analysis.interface import Analysis
+from service.analysis.interface import ResultUse as Operation
 from service.cli.commands import add_group
 from service.cli.exporting import local_name
 from service.cli.present import present

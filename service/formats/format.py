@@ -16,7 +16,7 @@ _CONTROL = re.compile("[\x00-\x1f\x7f]")
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class FileKind:
     """One kind of file that a format consists of.
 
     name: "bvh", "asf" … extensions: with the dot, the usual one first. title: for people.
@@ -136,7 +136,7 @@ class Format(Protocol):
     @property
     def title(self) -> str: ...
     @property
-    def parts(self) -> tuple[Part, ...]: ...
+    def parts(self) -> tuple[FileKind, ...]: ...
     @property
     def convention(self) -> Convention: ...
     @property

@@ -24,7 +24,7 @@ MAX_BYTES = 1024
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class BodyPart:
     """A part of the body.
 
     sided: whether its names need left, right or both; if not, they must not have one. joints: of Table 1, `*` for
@@ -144,10 +144,10 @@ def nearest(side: str, part: str, movement: str) -> str:
 
 
 @cache
-def parts() -> dict[str, Part]:
+def parts() -> dict[str, BodyPart]:
     """Parts of the body by name, in the order of the table."""
     return {
-        row["name"]: Part(
+        row["name"]: BodyPart(
             row["name"],
             row["sided"] == "yes",
             _list(row["joints"]),

@@ -16,7 +16,7 @@ from service.actions.analysing.use_result import Done
 from service.actions.importing.store_clip import clip_file
 from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import Analysis, MadeClip
-from service.analysis.interface import Operation as Use
+from service.analysis.interface import ResultUse as Use
 from service.errors import NotFoundError, SizeError
 from service.formats.format import SourceFile
 from service.motion.hub import walked

@@ -35,10 +35,10 @@ from service.xpath.tree import (
     Operation,
     Path,
     Step,
+    Written,
     depends_on_position,
     type_of,
 )
-from service.xpath.tree import Sequence as Written
 
 SLICE = 10_000
 """Candidates of a predicate that are looked at together."""

@@ -105,7 +105,7 @@ def _blocks(forest: Forest, documents: Ints, chunks: Ints) -> tuple[list[Block],
         blocks = read_blocks(forest.tx, [(key, chunk) for key, _, chunk in some])
         return {key: blocks[key[0], key[2]] for key in some}
 
-    return forest.shared.blocks.get(keys, missing), block_of.reshape(-1)
+    return forest.caches.blocks.get(keys, missing), block_of.reshape(-1)
 
 
 def _stretches(blocks: Sequence[Block], block_of: Ints, offsets: Ints) -> Iterator[Stretch]:

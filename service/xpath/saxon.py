@@ -37,7 +37,7 @@ class Saxon(Evaluator):
         limit: int,
         limits: Limits | None = None,
     ) -> Items:
-        """The value of an expression that has been checked (`later.py`), the document as context item.
+        """The value of an expression that has been checked (`xpath2.py`), the document as context item.
 
         Raises QueryError where Saxon refuses the expression or is not installed, else as `evaluate` does.
         """

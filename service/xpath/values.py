@@ -115,7 +115,7 @@ def samples(forest: Forest, nodes: Ints) -> Floats:
     starts, stops = find_equal(track[order]).T
     rows = _rows(forest, track[order[starts]])
     for row, data, start, stop in zip(
-        rows, forest.shared.tracks.read(forest.tx, rows), starts.tolist(), stops.tolist(), strict=True
+        rows, forest.caches.tracks.read(forest.tx, rows), starts.tolist(), stops.tolist(), strict=True
     ):
         some = order[start:stop]
         held = channels_of(row[4])

@@ -37,6 +37,7 @@ PLANTS = {
     "service/storage/rows.py": ("service.settings", "service.actions.editing.edit_names"),
     "service/motion/clip.py": ("sqlalchemy", "service.formats"),
     "service/numerics/runs.py": ("service.motion.clip", "pydantic"),
+    "service/processes/programs.py": ("service.settings", "service.xpath.limits"),
     "service/formats/bvh.py": ("service.mcml.element", "pydantic"),
     "service/analysis/dance/bars.py": ("pydantic", "service.analysis.reach_blending.fit", "fastapi"),
     "service/mcml/element.py": ("schemas.problem", "service.storage.rows"),

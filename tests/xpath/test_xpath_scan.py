@@ -16,13 +16,13 @@ from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
-from service.xpath import forest, run, scan, shared, streams
+from service.xpath import caches, forest, run, scan, streams
+from service.xpath.caches import Caches, DocumentCache
 from service.xpath.nodes import Node
 from service.xpath.parse import parse
 from service.xpath.rules import normal
 from service.xpath.run import Queries
 from service.xpath.scan import plan_scan
-from service.xpath.shared import OfDocuments, Shared
 from service.xpath.sources import described
 from service.xpath.tracks import Tracks
 from service.xpath.zones import read_zones
@@ -182,8 +182,8 @@ def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: p
     requests = [QueryRequest(q=text, limit=200) for text in questions]
     usual = [shown(engine.answer(request)) for request in requests]
     forgetful = Queries(engine.database, Settings())
-    forgetful.shared = Shared(tracks=Tracks(packed=0, decoded=0), zones=OfDocuments(read_zones, 0))
-    for module in (shared, streams):
+    forgetful.caches = Caches(tracks=Tracks(packed=0, decoded=0), zones=DocumentCache(read_zones, 0))
+    for module in (caches, streams):
         monkeypatch.setattr(module, "MANY_DOCUMENTS", 0)
     for many, few in ((10**9, 10**9), (10**9, 0), (299, 10**9)):
         for module in (forest, scan):

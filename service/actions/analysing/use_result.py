@@ -1,4 +1,4 @@
-"""Operations on finished results: a motion from a fitted model, a path through a space."""
+"""What can be done with finished results: a motion from a fitted model, a path through a space."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from service.actions.analysing.save_results import add_parts, load_parts, made_w
 from service.actions.analysing.start_analysis import checked_parameters
 from service.actions.importing.store_clip import store_clip
 from service.analysis.catalogue import ANALYSES
-from service.analysis.interface import Answer, Operation, Parts
+from service.analysis.interface import Answer, Parts, ResultUse
 from service.errors import NotFoundError
 from service.settings import Settings
 from service.storage.database import Database
@@ -127,7 +127,7 @@ class Results:
                     self._ready.popitem(last=False)
         return stored, ready
 
-    def _operation(self, stored: StoredResult, name: str) -> Operation:
+    def _operation(self, stored: StoredResult, name: str) -> ResultUse:
         operations = ANALYSES[stored.analysis].operations
         if name not in operations:
             raise NotFoundError(

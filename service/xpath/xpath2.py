@@ -16,7 +16,7 @@ from elementpath.tdop import Parser
 from service.errors import Place, QueryError
 from service.xpath.grammar import check_arity
 from service.xpath.signatures import AGGREGATES, SAFE_FUNCTIONS
-from service.xpath.tree import Sequence
+from service.xpath.tree import Written
 
 TYPES = frozenset({"string", "double", "decimal", "integer", "boolean", "float"})
 """Types of `xs:` that may be named."""
@@ -32,13 +32,13 @@ _NEXT_BINDING = re.compile(r",\s*\$[^\s,]+\s+in\s")
 _COMMENT = re.compile(r"""'[^']*'|"[^"]*"|(\(:)""")
 
 
-def sequence(text: str, variables: Mapping[str, str | float | bool]) -> Sequence:
+def read_xpath2(text: str, variables: Mapping[str, str | float | bool]) -> Written:
     """The expression as a tree of one node.
 
     elementpath parses it. Its ordinary entry evaluates constants while parsing, which a hostile text makes last for
     minutes; `tdop.Parser.parse` only parses. Raises QueryError for what is no XPath 2.0, or may not be asked.
     """
-    text = readable(text)
+    text = spell_for_elementpath(text)
     try:
         root = Parser.parse(XPath2Parser(), text)
     except ElementPathError as error:
@@ -57,12 +57,12 @@ def sequence(text: str, variables: Mapping[str, str | float | bool]) -> Sequence
                 remedy="Give it one with the request, or bind it with for, some or every.",
             )
     bound = tuple((name, variables[name]) for name in needed)
-    inner = arguments(text) if root.label == "function" and root.symbol in AGGREGATES else []
+    inner = split_arguments(text) if root.label == "function" and root.symbol in AGGREGATES else []
     function = root.symbol if inner else ""
-    return Sequence(text, bound, function, tuple(inner), _gives_nodes(root))
+    return Written(text, bound, function, tuple(inner), _gives_nodes(root))
 
 
-def readable(text: str) -> str:
+def spell_for_elementpath(text: str) -> str:
     """The expression as elementpath reads it rightly."""
     # It takes the + of `node() + 1` for an occurrence indicator of XPath 2.0; a predicate keeps them apart.
     text = _KIND_TEST_BEFORE_SIGN.sub(lambda match: match.group() + "[true()]" * bool(match.group(1)), text)
@@ -132,7 +132,7 @@ def _variables(root: Any) -> dict[str, int]:
     return used
 
 
-def arguments(text: str) -> list[str]:
+def split_arguments(text: str) -> list[str]:
     """The arguments of the call that a text is; none if it is more than one call."""
     inner = text[text.index("(") + 1 :].rstrip()
     result = [""]

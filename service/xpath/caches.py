@@ -10,9 +10,9 @@ from service.storage.blocks import Block
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.batches import Batch, batch_of
+from service.xpath.cache import Cache
 from service.xpath.frame_runs import Ids, Labels, read_ids, read_labels
 from service.xpath.heads import Heads
-from service.xpath.kept import Kept
 from service.xpath.layouts import Layout, read_layouts
 from service.xpath.listing import Listing
 from service.xpath.tracks import OVERHEAD, BlockKey, Tracks
@@ -24,32 +24,32 @@ class _Sized(Protocol):
     def nbytes(self) -> int: ...
 
 
-Part = TypeVar("Part", bound=_Sized)
+Entry = TypeVar("Entry", bound=_Sized)
 
 
-class OfDocuments(Generic[Part]):
-    """Parts of documents. At one revision a document never changes.
+class DocumentCache(Generic[Entry]):
+    """A cache of what belongs to one document. At one revision a document never changes.
 
-    read: the part of each document by its key. limit: bytes kept.
+    read: the entry of each document by its key. limit: bytes kept.
     """
 
     def __init__(
-        self, read: Callable[[Transaction, Sequence[Listed]], Mapping[int, Part]], limit: int = 8 << 20
+        self, read: Callable[[Transaction, Sequence[Listed]], Mapping[int, Entry]], limit: int = 8 << 20
     ) -> None:
         self._read = read
-        self._kept = Kept[tuple[int, int], Part](limit, lambda part: part.nbytes)
+        self._kept = Cache[tuple[int, int], Entry](limit, lambda entry: entry.nbytes)
 
     def holds(self, documents: Sequence[Listed]) -> bool:
-        """Whether the parts of all of them are kept now."""
+        """Whether the entries of all of them are kept now."""
         return self._kept.holds([(listed.key, listed.revision) for listed in documents])
 
-    def read(self, tx: Transaction, documents: Sequence[Listed]) -> list[Part]:
-        """The part of each document. tx: one that only reads, for a revision that may yet be taken back is none."""
+    def read(self, tx: Transaction, documents: Sequence[Listed]) -> list[Entry]:
+        """The entry of each document. tx: one that only reads, for a revision that may yet be taken back is none."""
         wanted = {(listed.key, listed.revision): listed for listed in documents}
 
-        def missing(keys: list[tuple[int, int]]) -> dict[tuple[int, int], Part]:
-            parts = self._read(tx, [wanted[key] for key in keys])
-            return {key: parts[key[0]] for key in keys}
+        def missing(keys: list[tuple[int, int]]) -> dict[tuple[int, int], Entry]:
+            entries = self._read(tx, [wanted[key] for key in keys])
+            return {key: entries[key[0]] for key in keys}
 
         return self._kept.get([(listed.key, listed.revision) for listed in documents], missing)
 
@@ -61,20 +61,20 @@ BatchKey: TypeAlias = tuple[bool, tuple[tuple[int, int], ...]]
 
 
 @dataclass(frozen=True)
-class Shared:
+class Caches:
     """listing: which documents there are. heads, layouts, labels, ids, zones: of documents. tracks: decoded. blocks:
     all tracks over a chunk."""
 
     listing: Listing = field(default_factory=Listing)
     heads: Heads = field(default_factory=Heads)
-    layouts: OfDocuments[Layout] = field(default_factory=lambda: OfDocuments(read_layouts))
-    labels: OfDocuments[Labels] = field(default_factory=lambda: OfDocuments(read_labels))
-    ids: OfDocuments[Ids] = field(default_factory=lambda: OfDocuments(read_ids))
-    zones: OfDocuments[Zones] = field(default_factory=lambda: OfDocuments(read_zones, 24 << 20))
-    _batches: Kept[BatchKey, Batch] = field(default_factory=lambda: Kept(24 << 20, lambda batch: batch.nbytes))
+    layouts: DocumentCache[Layout] = field(default_factory=lambda: DocumentCache(read_layouts))
+    labels: DocumentCache[Labels] = field(default_factory=lambda: DocumentCache(read_labels))
+    ids: DocumentCache[Ids] = field(default_factory=lambda: DocumentCache(read_ids))
+    zones: DocumentCache[Zones] = field(default_factory=lambda: DocumentCache(read_zones, 24 << 20))
+    _batches: Cache[BatchKey, Batch] = field(default_factory=lambda: Cache(24 << 20, lambda batch: batch.nbytes))
     tracks: Tracks = field(default_factory=Tracks)
-    blocks: Kept[BlockKey, Block] = field(
-        default_factory=lambda: Kept(24 << 20, lambda block: block.values.nbytes + OVERHEAD)
+    blocks: Cache[BlockKey, Block] = field(
+        default_factory=lambda: Cache(24 << 20, lambda block: block.values.nbytes + OVERHEAD)
     )
 
     def batch(self, documents: Sequence[Listed], *, whole_heads: bool) -> Batch:

@@ -10,6 +10,7 @@ from service.mcml.vocabulary import FRAME, FRAME_BONE, MOTION_NAME
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.axes import SIBLINGS
+from service.xpath.caches import Caches
 from service.xpath.columns import Columns
 from service.xpath.forest import Forest
 from service.xpath.functions import as_booleans, kind_of
@@ -19,7 +20,6 @@ from service.xpath.numbering import MAX_DOCUMENTS, Ints, documents_of, first_of_
 from service.xpath.pairs import TooWideError
 from service.xpath.projection import DOCUMENT, Projection, needs_head, projection
 from service.xpath.rules import after
-from service.xpath.shared import Shared
 from service.xpath.starts import Frames, Start, start_of
 from service.xpath.texts import Strings
 from service.xpath.tree import Expression, Path, Step
@@ -33,7 +33,7 @@ LEAVING = frozenset({"following", "preceding"})
 IN_FRAMES = frozenset({FRAME, MOTION_NAME, FRAME_BONE})
 
 
-class Columnar:
+class ColumnSource:
     """An expression over the documents of a scope, evaluated on columns.
 
     check: called often; raises when the query must end. Every method may raise TooWideError or TooLongError where an
@@ -41,13 +41,13 @@ class Columnar:
     """
 
     def __init__(
-        self, tx: Transaction, tree: Expression, scope: Scope, shared: Shared, check: Callable[[], None]
+        self, tx: Transaction, tree: Expression, scope: Scope, caches: Caches, check: Callable[[], None]
     ) -> None:
         self.tx = tx
         self.tree = tree
         self.start = start_of(tree)
         self.frames = Frames(tx, self.start, scope)
-        self._shared = shared
+        self._caches = caches
         self._check = check
 
     @property
@@ -67,7 +67,7 @@ class Columnar:
             while stop < last and (stop == start or weight + weights[stop] <= allowed):
                 weight += weights[stop]
                 stop += 1
-            yield Forest(self.tx, self.documents[start:stop], self._shared, whole_heads=whole_heads)
+            yield Forest(self.tx, self.documents[start:stop], self._caches, whole_heads=whole_heads)
             start, allowed = stop, min(BATCH, allowed * 4)
 
     def _nodes_a_frame(self) -> float:
@@ -91,7 +91,7 @@ class Columnar:
             return self.frames.count()
         if self.start is not None and not self.start.indexed and not self.start.predicates and _all_bones(self.start):
             parts = (self.documents[at : at + MAX_DOCUMENTS] for at in range(0, len(self.documents), MAX_DOCUMENTS))
-            return sum(Forest(self.tx, part, self._shared, whole_heads=False).shapes.total() for part in parts)
+            return sum(Forest(self.tx, part, self._caches, whole_heads=False).shapes.total() for part in parts)
         return sum(len(nodes) for _, nodes in self.chunks())
 
     def values(self) -> list[float | str | bool]:
