@@ -16,7 +16,7 @@ from rich.text import Text
 
 from mcml.files import write_file
 from service.cli.shared import DatabaseOption, ForceOption, chosen_settings, console, open_database
-from service.errors import AccessError
+from service.errors import AccessError, McmlError
 from service.resources import dtd_path, migrations_path
 from service.settings import is_loopback
 from service.storage.filtering import DocumentFilter
@@ -132,10 +132,13 @@ def doctor(database: DatabaseOption = None) -> None:
     except Exception as error:  # any driver's own error: the doctor reports it and goes on
         line("store", f"{address}: {error}", False, "Check the address and that the server runs.")
     else:
-        current = version == wanted
         line("store", address)
-        line("schema", f"{version or 'none'} of {wanted}", current, "" if current else "Run `mcml db upgrade`.")
-        if current:
+        try:
+            store.require_schema()
+        except McmlError as error:
+            line("schema", error.what, False, error.remedy or "")
+        else:
+            line("schema", f"{version} of {wanted}")
             sizes = store.size()
             with store.read() as tx:
                 count = tx.documents.count(DocumentFilter())

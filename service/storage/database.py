@@ -49,7 +49,7 @@ from service.storage.moments import valid
 from service.storage.projects import Projects, Tokens
 from service.storage.pruning import Pruning
 from service.storage.purging import Purging
-from service.storage.reserve import Reserve
+from service.storage.reserve import TO_OPEN, Reserve
 from service.storage.results import Results
 from service.storage.schema import CURRENT
 from service.storage.seals import Checked, sealed
@@ -299,11 +299,15 @@ class Database:
 
     def schema_versions(self) -> tuple[str | None, str | None]:
         """(the store's schema version, this program's)."""
-        with in_words(self.dialect), self.dialect.reading() as connection:
-            known = inspect(connection).has_table("alembic_version")
-            found = connection.execute(text("SELECT version_num FROM alembic_version")).scalar() if known else None
+        # A store on a full disk has to be opened before it can be emptied.
+        found = self.reserve.spend(self._schema_version, TO_OPEN)
         # Migrations have numbers, and go forward only: the last one is the newest.
         return found, max(path.name[:4] for path in (migrations_path() / "versions").glob("[0-9][0-9][0-9][0-9]_*.py"))
+
+    def _schema_version(self) -> str | None:
+        with in_words(self.dialect), self.dialect.reading() as connection:
+            known = inspect(connection).has_table("alembic_version")
+            return connection.execute(text("SELECT version_num FROM alembic_version")).scalar() if known else None
 
     def require_schema(self) -> None:
         """StoreError unless the schema is this program's."""
