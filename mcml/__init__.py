@@ -12,9 +12,31 @@ an `Error`: what, where, and how to mend it.
 
 from __future__ import annotations
 
-from mcml.frames import Frames
-from mcml.motion import Motion, convert, read
-from mcml.repository import Document, Imported, Query, Repository, Run, open  # noqa: A004  # mcml.open is the name that is wanted
-from service.errors import McmlError as Error
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mcml.frames import Frames
+    from mcml.motion import Motion, convert, read
+    from mcml.repository import Document, Imported, Query, Repository, Run, open  # noqa: A004  # the name that is wanted
+    from service.errors import McmlError as Error
+
+_HOMES = {
+    "mcml.frames": ("Frames",),
+    "mcml.motion": ("Motion", "convert", "read"),
+    "mcml.repository": ("Document", "Imported", "Query", "Repository", "Run", "open"),
+}
 
 __all__ = ["Document", "Error", "Frames", "Imported", "Motion", "Query", "Repository", "Run", "convert", "open", "read"]
+
+
+def __getattr__(name: str) -> Any:
+    """Names are imported when they are used: the command line needs few of them, and mathematics takes a while."""
+    if name == "Error":
+        from service.errors import McmlError
+
+        return McmlError
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(module), name)
+    raise AttributeError(f"module 'mcml' has no attribute {name!r}")

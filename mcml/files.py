@@ -7,10 +7,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from os import PathLike
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from service.errors import ConflictError, UnsupportedError
-from service.formats.format import SourceFile
+
+if TYPE_CHECKING:
+    from service.formats.format import SourceFile
 
 Files: TypeAlias = str | PathLike[str] | Sequence[str | PathLike[str]]
 """A file, or several."""
@@ -33,6 +35,9 @@ def name_of(path: Path) -> str:
 @contextmanager
 def opened_files(files: Files) -> Iterator[list[SourceFile]]:
     """Files to be read. UnsupportedError for one that cannot be opened."""
+    # Imported late: what writes files alone needs no formats.
+    from service.formats.format import SourceFile
+
     with ExitStack() as stack:
         found = []
         for path in paths_of(files):

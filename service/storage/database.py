@@ -38,7 +38,7 @@ from service.storage import tables
 from service.storage.aliases import Aliases
 from service.storage.columns import Columns
 from service.storage.damage import describe_damage
-from service.storage.dialects import DIALECTS, Dialect
+from service.storage.dialects import DIALECTS, Dialect, find_dialect
 from service.storage.documents import Documents
 from service.storage.heads import Heads
 from service.storage.identifiers import now
@@ -257,7 +257,8 @@ class Database:
         if name not in DIALECTS:
             raise StoreError(f"Unknown kind of database {name!r}.", remedy=f"Use one of: {', '.join(DIALECTS)}.")
         self.url = url
-        self.dialect = DIALECTS[name](DIALECTS[name].create_engine(url))
+        kind = find_dialect(name)
+        self.dialect = kind(kind.create_engine(url))
         self.reserve = Reserve(self.dialect.file)
         self._watch: PoolProxiedConnection | None = None
 
