@@ -54,10 +54,16 @@ def serve(
     reason = why_closed(settings, store)
     with store.read() as tx:
         has_token = tx.tokens.exist()
+    link = None
+    if reason or has_token:
+        with store.write() as tx:
+            link = tx.sessions.link("local")
     store.close()
     name = f"[{settings.host}]" if ":" in settings.host else settings.host
     console.print(Text.assemble("MCML Repository on ", (f"http://{name}:{settings.port}/", "bold"), "  (Ctrl+C stops)"))
-    console.print(Text("Closed: requests need a token." if reason or has_token else OPEN, style="dim"))
+    console.print(Text("Closed: requests need a token." if link else OPEN, style="dim"))
+    if link:
+        console.print(f"This link opens it once in a browser:  http://{name}:{settings.port}/login?link={link}")
     os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
     os.environ["MCML_DATABASE"] = settings.database_url
     uvicorn.run(
