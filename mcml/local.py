@@ -20,9 +20,10 @@ if TYPE_CHECKING:
 
 
 class Local(Client):
-    """database: whose schema is current. It stays open when the client is closed."""
+    """database: whose schema is current. owned: it is closed with the client."""
 
-    def __init__(self, database: Database, settings: Settings) -> None:
+    def __init__(self, database: Database, settings: Settings, *, owned: bool = False) -> None:
+        self._owned = owned
         self.repository = Repository(database, settings)
         self.repository.runner = new_uuid()
 
@@ -52,8 +53,18 @@ class Local(Client):
 
     def close(self) -> None:
         self.repository.close()
+        if self._owned:
+            self.repository.database.close()
 
 
 def _holding(held: ExitStack, blocks: Iterator[bytes | memoryview]) -> Iterator[bytes | memoryview]:
     with held:
         yield from blocks
+
+
+def open_store(address: str) -> Local:
+    """A store by its file or SQLAlchemy URL, brought to this program's schema; a file that is not there is made."""
+    settings = Settings(database=address if "://" in address else f"sqlite:///{address}")
+    database = Database(settings.database_url)
+    database.migrate()
+    return Local(database, settings, owned=True)

@@ -43,7 +43,7 @@ def create_app(
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
         store.require_schema()
-        store.sweep()
+        store.reserve.spend(store.sweep)
         store.reserve.keep()
         finish_purges(store)
         app.state.runner.start()

@@ -12,6 +12,7 @@ import typer
 from pydantic import BaseModel
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from mcml.files import write_file
 from schemas.jobs import Selection
 from service.actions.analysing.read_music import read_music
 from service.analysis.catalogue import SUBJECTS
@@ -30,7 +31,6 @@ from service.cli.shared import (
     console,
     opened,
     print_json,
-    write_file,
 )
 from service.formats.format import SourceFile
 from service.operations import OPERATIONS

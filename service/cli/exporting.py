@@ -8,8 +8,9 @@ from typing import Annotated, Any
 
 import typer
 
+from mcml.files import write_file
 from service.cli.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, chosen, for_each
-from service.cli.shared import DatabaseOption, ForceOption, ServerOption, console, opened, write_file
+from service.cli.shared import DatabaseOption, ForceOption, ServerOption, console, opened
 
 
 def export(

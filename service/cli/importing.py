@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,35 +12,12 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.text import Text
 
 from mcml.choosing import id_of
-from mcml.client import Client
-from schemas.documents import ImportedDocument, UploadResult
-from service.actions.checking.describe_problem import UploadError
-from service.actions.importing.encode_clip import Progress as ImportProgress
+from mcml.folders import import_paths
+from schemas.documents import ImportedDocument
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json
-from service.errors import UnsupportedError
-from service.formats import FORMATS
-from service.formats.format import SourceFile
-
-EXTENSIONS = {".mcml", ".xml", ".zip"}.union(
-    extension for format_ in FORMATS.values() for part in format_.parts for extension in part.extensions
-)
-
-PAIRED = (".asf", ".amc")
-
-MOST_FILES, MOST_BYTES = 128, 64 << 20
-"""Of one call: its files are open together, and what became of them is told when all are stored."""
 
 SECONDS_DRAWN = 0.1
 """Between two drawings of the bar, each of which takes as long as to read a short clip."""
-
-
-def name_of(path: Path) -> str:
-    """The name of a file as text. Names on disk are bytes: UTF-8, or what an older system wrote."""
-    name = os.fsencode(path.name)
-    for encoding in ("utf-8", "cp949"):
-        with suppress(UnicodeDecodeError):
-            return name.decode(encoding)
-    return name.decode("latin-1")
 
 
 def import_(
@@ -92,15 +66,8 @@ def import_(
         "on_duplicate": "new" if again else "skip",
     }
     stored, failed, answers = 0, 0, []
-    # A name is for the one document of a call.
-    groups = list(_groups(paths, MOST_FILES if name is None else 1))
-    if not groups:
-        known = " ".join(sorted(EXTENSIONS))
-        raise UnsupportedError("There is nothing here that can be read.", remedy=f"Files end in {known}.")
-    with _Bar(sum(map(len, groups)), disable=as_json or not sys.stderr.isatty()) as bar:
-        for group in groups:
-            bar.begin(group)
-            answer = _stored(client, group, options, bar.tell)
+    with _Bar(disable=as_json or not sys.stderr.isatty()) as bar:
+        for answer in import_paths(client, paths, options, bar.tell):
             answers.append(answer)
             for document in answer.documents:
                 stored += not document.skipped
@@ -123,17 +90,6 @@ def import_(
         raise typer.Exit(3 if stored else 1)
 
 
-def _stored(client: Client, paths: list[Path], options: dict[str, Any], progress: ImportProgress) -> UploadResult:
-    """What became of some files in one call."""
-    with ExitStack() as stack:
-        files = [SourceFile(name_of(path), stack.enter_context(path.open("rb"))) for path in paths]
-        try:
-            result: UploadResult = client.call("upload_documents", file=files, progress=progress, **options)
-        except UploadError as error:
-            return UploadResult(documents=[], problems=error.problems)
-        return result
-
-
 def _print_imported(document: ImportedDocument) -> None:
     if document.skipped:
         console.print(f"skipped  {document.name}  {document.id} (stored already)")
@@ -153,14 +109,11 @@ def _print_imported(document: ImportedDocument) -> None:
 class _Bar:
     """How many files are done. It is drawn by whoever tells it: beside a thread that drew it, no import could fork."""
 
-    def __init__(self, files: int, *, disable: bool) -> None:
+    def __init__(self, *, disable: bool) -> None:
         what = TextColumn("{task.description}", markup=False)
         columns = (what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
         self._bar = Progress(*columns, console=console, transient=True, disable=disable, auto_refresh=False)
-        self._task = self._bar.add_task("importing", total=files)
-        self._before = 0
-        self._files = 0
-        self._names: set[str] = set()
+        self._task = self._bar.add_task("importing", total=None)
         self._drawn = 0.0
 
     def __enter__(self) -> _Bar:
@@ -170,59 +123,8 @@ class _Bar:
     def __exit__(self, *_: object) -> None:
         self._bar.stop()
 
-    def begin(self, group: list[Path]) -> None:
-        """All before these files are done."""
-        self._before += self._files
-        self._files = len(group)
-        self._names = set()
-        self._draw(name_of(group[0]))
-
-    def tell(self, name: str, _frames: int, _of: int | None) -> None:
-        """The progress of an import: a file of the group is read."""
-        self._names.add(name)
+    def tell(self, done: int, of: int, name: str) -> None:
+        """Draw it, if it was not just now."""
         if time.monotonic() - self._drawn > SECONDS_DRAWN:
-            self._draw(name)
-
-    def _draw(self, name: str) -> None:
-        completed = self._before + max(0, len(self._names) - 1)
-        self._bar.update(self._task, description=name[:40], completed=completed, refresh=True)
-        self._drawn = time.monotonic()
-
-
-def _groups(paths: list[Path], most: int) -> Iterator[list[Path]]:
-    """Files for one call each: ASF with the AMC files of its folder, a zip alone, at most so many others together."""
-    others: list[Path] = []
-    for path in paths:
-        if not path.exists():
-            raise UnsupportedError(f"{path} does not exist.")
-        if not path.is_dir():
-            others += [] if path.suffix.lower() in PAIRED else [path]
-            continue
-        paired: dict[Path, list[Path]] = {}
-        for file in sorted(found for found in path.rglob("*") if found.suffix.lower() in EXTENSIONS):
-            if file.suffix.lower() in PAIRED:
-                paired.setdefault(file.parent, []).append(file)
-            else:
-                others.append(file)
-        yield from paired.values()
-    yield from _bounded(others, most)
-    loose = [path for path in paths if path.is_file() and path.suffix.lower() in PAIRED]
-    if loose:
-        yield loose
-
-
-def _bounded(files: list[Path], most: int) -> Iterator[list[Path]]:
-    group: list[Path] = []
-    size = 0
-    for file in files:
-        if file.suffix.lower() == ".zip":
-            # Its ASF and AMC files are looked for among all of a call.
-            yield [file]
-            continue
-        size += file.stat().st_size
-        if group and (len(group) == most or size > MOST_BYTES):
-            yield group
-            group, size = [], file.stat().st_size
-        group.append(file)
-    if group:
-        yield group
+            self._bar.update(self._task, description=name[:40], completed=done, total=of, refresh=True)
+            self._drawn = time.monotonic()

@@ -8,13 +8,15 @@ import platform
 import shutil
 import sqlite3
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.text import Text
 
-from service.cli.shared import DatabaseOption, chosen_settings, console, open_database
-from service.errors import AccessError
+from mcml.files import write_file
+from service.cli.shared import DatabaseOption, ForceOption, chosen_settings, console, open_database
+from service.errors import AccessError, McmlError
 from service.resources import dtd_path, migrations_path
 from service.settings import is_loopback
 from service.storage.filtering import DocumentFilter
@@ -73,8 +75,19 @@ def serve(
 def demo(
     database: DatabaseOption = None,
     seed: Annotated[int, typer.Option(help="Another seed makes other clips")] = 1,
+    files: Annotated[
+        Path | None, typer.Option(help="Instead: write walk.bvh, reach.asf and reach.amc into this folder, to try with")
+    ] = None,
+    force: ForceOption = False,
 ) -> None:
     """Add a small library of generated clips: walks, reaches, dances, faces, with their motion names and properties."""
+    if files is not None:
+        from service.actions.importing.load_demo import demo_files
+
+        for name, content in demo_files(seed).items():
+            write_file(files / name, [content], force=force)
+            console.print(f"wrote    {files / name}")
+        return
     count = _load_demo(database, seed)
     console.print(f"Added {count} generated clips to the projects demo, demo-reach, demo-dance and demo-face.")
 
@@ -119,10 +132,13 @@ def doctor(database: DatabaseOption = None) -> None:
     except Exception as error:  # any driver's own error: the doctor reports it and goes on
         line("store", f"{address}: {error}", False, "Check the address and that the server runs.")
     else:
-        current = version == wanted
         line("store", address)
-        line("schema", f"{version or 'none'} of {wanted}", current, "" if current else "Run `mcml db upgrade`.")
-        if current:
+        try:
+            store.require_schema()
+        except McmlError as error:
+            line("schema", error.what, False, error.remedy or "")
+        else:
+            line("schema", f"{version} of {wanted}")
             sizes = store.size()
             with store.read() as tx:
                 count = tx.documents.count(DocumentFilter())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -14,6 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 from mcml.client import Client
+from mcml.files import write_file
 from service.errors import McmlError
 from service.local_secret import read_secret
 from service.settings import Settings, data_folder, is_loopback, private_folder
@@ -74,26 +74,6 @@ def opened(database: str | None, server: str | None) -> Client:
 def match_of(revision: int | None) -> str:
     """For which revision a change is made: for one, or for whatever is current."""
     return "*" if revision is None else f'"{revision}"'
-
-
-def write_file(path: Path, blocks: Iterable[bytes | memoryview], *, force: bool = False) -> None:
-    """The whole file or none: it gets its name when it is complete and on the disk.
-
-    McmlError where there is a file already, unless it may be replaced (force).
-    """
-    if path.exists() and not force:
-        raise McmlError(f"{path} exists.", remedy="Choose another name, or replace it with --force.")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
-    try:
-        with part.open("wb") as stream:
-            for block in blocks:
-                stream.write(block)
-            stream.flush()
-            os.fsync(stream.fileno())
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def write_blocks(blocks: Iterable[bytes | memoryview], output: Path | None, *, force: bool = False) -> None:

@@ -6,7 +6,9 @@ import io
 import math
 import zlib
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from itertools import chain
+from typing import Annotated, Any, Literal
+from urllib.parse import quote
 
 import numpy as np
 import orjson
@@ -15,11 +17,11 @@ from pydantic import Field, ValidationError
 from schemas.documents import FramePage, FrameRow
 from schemas.frames import FrameEdits, FramesEdited, FrameValues
 from service.actions.editing import change_frames
-from service.actions.reading.read_clip import read_clip
-from service.errors import DocumentError, NotFoundError
-from service.motion.kinematics import Walker
+from service.actions.exporting.write_tables import TYPES, npy_blocks, npy_header, npy_of, npz_blocks, write_columns
+from service.actions.reading.read_clip import StoredClip, read_clip
+from service.actions.reading.read_numbers import Numbers, Space, chosen_bones, read_numbers
+from service.errors import DocumentError
 from service.motion.skeleton import CHANNELS, Array
-from service.motion.units import reading_of
 from service.operations.arguments import (
     MOST,
     AtRevision,
@@ -35,18 +37,18 @@ from service.operations.arguments import (
 )
 from service.operations.call import Call, Content
 from service.operations.operation import Body, gives
-from service.storage.blocks import evenly
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 
-Space = Literal["channels", "positions", "rotations"]
+MOST_IN_HEADER = 2048
+"""Bytes of names of columns that stand in a header."""
 ROWS = {"columns": ["left_up_leg.Rx"], "values": [[45.2], [45.9]]}
 NPY = "a NumPy file of (frames, columns), the columns named by `column`"
 
 
 @gives(
-    "A page of frames; or with `format=npy` a NumPy file of one array, numbers little-endian",
-    {"application/octet-stream": None},
+    "A page of frames; or with another `format` a file of all of them",
+    {"application/octet-stream": None, TYPES["arrow"]: None, TYPES["parquet"]: None},
 )
 def get_frames(
     call: Call,
@@ -63,25 +65,32 @@ def get_frames(
         Space,
         Field(description="Source channels, or global joint positions (x y z) or rotations (x y z w) by kinematics"),
     ] = "channels",
-    dtype: Annotated[Literal["f8", "f4"], Field(description="Numbers of the array")] = "f8",
-    format: Annotated[Literal["json", "npy"], Field(description="A page of JSON, or one NumPy array")] = "json",
+    dtype: Annotated[Literal["f8", "f4"], Field(description="Numbers of the file")] = "f8",
+    format: Annotated[
+        Literal["json", "npy", "npz", "arrow", "parquet"],
+        Field(description="A page of JSON; or one array, arrays with their columns, a table"),
+    ] = "json",
 ) -> FramePage | Content:
-    """`npy` with channels: (frames, channels) in the order of the header `x-mcml-columns`, missing samples NaN. With
-    positions (frames, bones, 3), with rotations (frames, bones, 4), bones in that order.
+    """`npz` holds `values`, `columns` (their names), `ids` and `times` (seconds from the first frame, NaN where the
+    rate is unknown). Values of channels are (frames, columns), missing samples NaN; positions (frames, bones, 3),
+    rotations (frames, bones, 4), bones in the order of `columns`. `npy` is `values` alone; a header names its columns
+    where they are few. `arrow` (an IPC stream) and `parquet` are tables of frame, id, time and a column for each
+    number; they need the extra `arrow`.
     """
-    if format == "npy":
+    if format != "json":
         then, stored = at_revision(call.read(), id, revision)
-        call.tagged(tag(stored, f"npy-{first}-{last}-{step}-{space}-{dtype}-{zlib.crc32(repr(bone).encode())}"))
-        return _array(then, stored, first, last, step, bone, space, dtype)
+        asked = zlib.crc32(repr(bone).encode())
+        call.tagged(tag(stored, f"{format}-{first}-{last}-{step}-{space}-{dtype}-{asked}"))
+        source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
+        return _file(source, read_numbers(source.clip, source.names, bone, space), first, step, dtype, format)
     after = page.after(int)
     start = first if after is None else int(after[0])
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
         limit = stored.frames if last is None else last
-        source = read_clip(
-            then, stored, first=start, last=min(limit, start + (page.most(call) - 1) * step), step=step, labelled=False
-        )
-        wanted = _bones(source.names, bone)
+        end = min(limit, start + (page.most(call) - 1) * step)
+        source = read_clip(then, stored, first=start, last=end, step=step, labelled=False)
+        wanted = chosen_bones(source.names, bone)
         items: list[FrameRow] = []
         for block in source.clip.blocks():
             for row, frame_id in zip(block.values.tolist(), block.ids, strict=True):
@@ -94,61 +103,52 @@ def get_frames(
     return FramePage(items=items, next_cursor=encode_cursor(following) if following <= limit else None)
 
 
-def _bones(names: tuple[str, ...], wanted: list[str] | None) -> dict[int, str]:
-    if not wanted:
-        return dict(enumerate(names))
-    known = {name: number for number, name in enumerate(names)}
-    unknown = [name for name in wanted if name not in known]
-    if unknown:
-        raise NotFoundError(f"The document has no bone {unknown[0]!r}.", remedy=f"It has: {', '.join(names[:60])}.")
-    return {known[name]: name for name in wanted}
+def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: str, form: str) -> Content:
+    frames = source.clip.frames or 0
+    shape = (frames, *numbers.shape)
+    seconds = source.clip.head.seconds_per_frame()
+    seconds = math.nan if seconds is None else seconds
+    name = f"{source.stored.name}.{form}"
+    if form == "npy":
+        size = len(npy_header(shape, dtype)) + math.prod(shape) * np.dtype(dtype).itemsize
+        values = npy_blocks((block for block, _ in numbers.blocks()), shape, dtype)
+        return Content(values, TYPES[form], name, size=size, facts=_short(numbers.columns))
+    if form == "npz":
+        ids: list[str] = []
+
+        def values_then_ids() -> Iterator[Array]:
+            for block, names in numbers.blocks():
+                ids.extend(map(str, names))
+                yield block
+
+        arrays = {
+            "values": lambda: npy_blocks(values_then_ids(), shape, dtype),
+            "columns": lambda: npy_of(numbers.columns),
+            "ids": lambda: npy_of(ids),
+            "times": lambda: npy_of(np.arange(frames) * seconds),
+        }
+        return Content(npz_blocks(arrays), TYPES[form], name)
+
+    def batches() -> Iterator[dict[str, Any]]:
+        done = 0
+        for block, names in chain(numbers.blocks(), () if frames else ((np.empty((0, *numbers.shape)), []),)):
+            places = np.arange(done, done + len(block))
+            rows = block.reshape(len(block), -1).astype(dtype)
+            yield {
+                "frame": first + places * step,
+                "id": list(map(str, names)),
+                "time": places * seconds,
+                **{column: rows[:, index] for index, column in enumerate(numbers.flat_columns)},
+            }
+            done += len(block)
+
+    return Content(write_columns(form, batches()), TYPES[form], name)
 
 
-def _array(
-    then: Transaction,
-    stored: StoredDocument,
-    first: int,
-    last: int | None,
-    step: int,
-    bone: list[str] | None,
-    space: Space,
-    dtype: str,
-) -> Content:
-    source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
-    wanted = _bones(source.names, bone)
-    skeleton = source.clip.head.skeleton
-    if space == "channels":
-        columns = [column for column in skeleton.columns() if column[0] in wanted]
-        labels = [f"{source.names[number]}.{CHANNELS[channel]}" for number, channel in columns]
-        shape: tuple[int, ...] = (source.clip.frames or 0, len(columns))
-    else:
-        order = list(wanted)
-        labels = list(wanted.values())
-        shape = (source.clip.frames or 0, len(order), 3 if space == "positions" else 4)
-
-    header = io.BytesIO()
-    np.lib.format.write_array_header_1_0(header, {"descr": f"<{dtype}", "fortran_order": False, "shape": shape})
-
-    def content() -> Iterator[bytes | memoryview]:
-        walker = None if space == "channels" else Walker(skeleton, reading_of(source.clip.head))
-        yield header.getvalue()
-        for block in source.clip.blocks():
-            if walker is None:
-                place = {column: index for index, column in enumerate(block.columns)}
-                chosen = np.array([place[column] for column in columns], np.int64)
-                values = block.values[:, evenly(chosen) if len(chosen) else chosen]
-            else:
-                positions, rotations = walker.poses(block)
-                values = (positions if space == "positions" else rotations)[:, order]
-            yield np.ascontiguousarray(values, dtype=f"<{dtype}").reshape(-1).view(np.uint8).data
-
-    return Content(
-        content(),
-        "application/octet-stream",
-        f"{stored.name}.npy",
-        size=len(header.getvalue()) + math.prod(shape) * np.dtype(dtype).itemsize,
-        facts={"columns": ",".join(labels)},
-    )
+def _short(columns: list[str]) -> dict[str, str]:
+    """Names of columns beside an array, percent-encoded, where they are few: proxies refuse long headers."""
+    text = ",".join(quote(column, safe=" .:-_") for column in columns)
+    return {"columns": text} if len(text) <= MOST_IN_HEADER else {}
 
 
 def edit_frames(call: Call, id: DocumentId, edits: FrameEdits, if_match: IfMatch = None) -> FramesEdited:

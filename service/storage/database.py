@@ -38,7 +38,7 @@ from service.storage import tables
 from service.storage.aliases import Aliases
 from service.storage.columns import Columns
 from service.storage.damage import describe_damage
-from service.storage.dialects import DIALECTS, Dialect
+from service.storage.dialects import DIALECTS, Dialect, find_dialect
 from service.storage.documents import Documents
 from service.storage.heads import Heads
 from service.storage.identifiers import now
@@ -49,7 +49,7 @@ from service.storage.moments import valid
 from service.storage.projects import Projects, Tokens
 from service.storage.pruning import Pruning
 from service.storage.purging import Purging
-from service.storage.reserve import Reserve
+from service.storage.reserve import TO_OPEN, Reserve
 from service.storage.results import Results
 from service.storage.schema import CURRENT
 from service.storage.seals import Checked, sealed
@@ -257,7 +257,8 @@ class Database:
         if name not in DIALECTS:
             raise StoreError(f"Unknown kind of database {name!r}.", remedy=f"Use one of: {', '.join(DIALECTS)}.")
         self.url = url
-        self.dialect = DIALECTS[name](DIALECTS[name].create_engine(url))
+        kind = find_dialect(name)
+        self.dialect = kind(kind.create_engine(url))
         self.reserve = Reserve(self.dialect.file)
         self._watch: PoolProxiedConnection | None = None
 
@@ -299,11 +300,15 @@ class Database:
 
     def schema_versions(self) -> tuple[str | None, str | None]:
         """(the store's schema version, this program's)."""
-        with in_words(self.dialect), self.dialect.reading() as connection:
-            known = inspect(connection).has_table("alembic_version")
-            found = connection.execute(text("SELECT version_num FROM alembic_version")).scalar() if known else None
+        # A store on a full disk has to be opened before it can be emptied.
+        found = self.reserve.spend(self._schema_version, TO_OPEN)
         # Migrations have numbers, and go forward only: the last one is the newest.
         return found, max(path.name[:4] for path in (migrations_path() / "versions").glob("[0-9][0-9][0-9][0-9]_*.py"))
+
+    def _schema_version(self) -> str | None:
+        with in_words(self.dialect), self.dialect.reading() as connection:
+            known = inspect(connection).has_table("alembic_version")
+            return connection.execute(text("SELECT version_num FROM alembic_version")).scalar() if known else None
 
     def require_schema(self) -> None:
         """StoreError unless the schema is this program's."""

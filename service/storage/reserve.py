@@ -14,6 +14,8 @@ from service.errors import SpaceError
 BYTES = 16 << 20
 ENOUGH = 8
 """The reserve is made where so many times its size are free."""
+TO_OPEN = 256 << 10
+"""What a store needs to be opened: SQLite makes two files beside it."""
 Result = TypeVar("Result")
 
 
@@ -23,10 +25,16 @@ class Reserve:
     def __init__(self, path: Path | None) -> None:
         self._path = None if path is None else path.with_name(f"{path.name}.reserve")
 
+    def _held(self) -> int:
+        """Its bytes; 0 where there is none."""
+        with suppress(OSError):
+            return self._path.stat().st_size if self._path is not None else 0
+        return 0
+
     def keep(self) -> None:
-        """Make the file where it is not there and the disk has room."""
+        """Make the file where it is not whole and the disk has room."""
         path = self._path
-        if path is None or path.exists():
+        if path is None or self._held() >= BYTES:
             return
         part = path.with_name(f"{path.name}.part")
         with suppress(OSError):
@@ -40,13 +48,17 @@ class Reserve:
             finally:
                 part.unlink(missing_ok=True)
 
-    def spend(self, operation: Callable[[], Result]) -> Result:
-        """What an operation that makes room gives. Where the disk is full the file goes, and it is done once more."""
+    def spend(self, operation: Callable[[], Result], room: int = BYTES) -> Result:
+        """What an operation that makes room gives. Where the disk is full it is done once more, with so many bytes."""
         try:
             return operation()
         except SpaceError:
-            if self._path is None or not self._path.exists():
+            held = self._held()
+            if self._path is None or not held:
                 raise
             with suppress(OSError):
-                self._path.unlink()
+                if held > room:
+                    os.truncate(self._path, held - room)
+                else:
+                    self._path.unlink()
             return operation()

@@ -254,6 +254,24 @@ def test_calls_with_a_wrong_number_of_arguments_are_refused(name: str, count: in
         parse(f"for $x in //frame return {text}")
 
 
+@pytest.mark.parametrize(
+    ("text", "part", "instead"),
+    [
+        ("let $a := 1 return $a", "`let`", "for $x in"),
+        ("//bone['a' || name = 'ab']", "`||`", "concat"),
+        ("//frame ! @id", "`!`", "for $x in"),
+        ("//bone/name => string-length()", "`=>`", "around its first argument"),
+    ],
+)
+def test_what_only_xpath_3_has_says_what_to_write(text: str, part: str, instead: str) -> None:
+    with pytest.raises(QueryError) as caught:
+        parse(text)
+    assert caught.value.remedy is not None
+    assert caught.value.remedy.startswith(f"{part} is XPath 3. Write ")
+    assert instead in caught.value.remedy
+    assert caught.value.at is not None
+
+
 def test_calls_that_make_one_value_of_all_documents() -> None:
     tree = parse("string-join(for $b in //bone return concat($b/name, ', ()'), ', ')").tree
     assert isinstance(tree, Written)

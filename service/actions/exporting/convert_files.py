@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from pathlib import PurePath
 
 from service.actions.exporting.export_motion import convert_clip, part_without_frames, targets
 from service.actions.reading.gather_files import gathered
@@ -65,6 +66,22 @@ def convert_files(
         parts = [item for item in FORMATS[name].parts if part is None or item.name == part]
         content = {item.extensions[0]: FORMATS[name].write(result, item.name) for item in parts}
         yield Converted(content, lambda: result.notices)
+
+
+def format_of(file_name: str) -> str:
+    """The format that a file of this name has. UnsupportedError where the name does not say."""
+    extension = PurePath(file_name).suffix.lower()
+    if extension in (".mcml", ".xml"):
+        return "mcml"
+    if extension == ".csv":
+        return "csv"
+    for name, format_ in FORMATS.items():
+        if any(extension in part.extensions for part in format_.parts):
+            return name
+    raise UnsupportedError(
+        f"{file_name!r} does not say which format to write.",
+        remedy=f"Say the format (--to, in Python to=): one of: {', '.join(sorted(targets()))}.",
+    )
 
 
 def _mcml(clip: ClipStream) -> Iterator[bytes]:

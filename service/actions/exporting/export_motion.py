@@ -6,7 +6,7 @@ import io
 import math
 import re
 import zipfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -105,7 +105,7 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
     parts = [item.name for item in FORMATS[name].parts]
     if part is None:
         files = {f"{stem}{_extension(name, item)}": partial(FORMATS[name].write, clip, item) for item in parts}
-        return Export(f"{stem}.zip", "application/zip", zipped(files), clip.notices)
+        return Export(f"{stem}.zip", "application/zip", zipped(files.items()), clip.notices)
     content = FORMATS[name].write(clip, part)
     return Export(f"{stem}{_extension(name, part)}", FORMATS[name].media_type, content, clip.notices)
 
@@ -134,7 +134,7 @@ def _kept(tx: Transaction, stored: StoredDocument, part: str | None) -> Export |
         return lambda: tx.uploads.read(stored.key, name) or iter(())
 
     files = {upload.file_name: opener(upload.part) for upload in uploads}
-    return Export(f"{file_stem(stored.name)}.zip", "application/zip", zipped(files))
+    return Export(f"{file_stem(stored.name)}.zip", "application/zip", zipped(files.items()))
 
 
 def _converted(source: StoredClip, name: str, options: ExportOptions) -> ClipStream:
@@ -206,11 +206,14 @@ def _cell(text: str) -> str:
     return '"' + text.replace('"', '""') + '"' if re.search(r'[",\r\n]', text) else text
 
 
-def zipped(files: Mapping[str, Callable[[], Iterator[bytes]]]) -> Iterator[bytes]:
-    """A zip of the files, streamed; times are fixed so that equal content gives equal bytes."""
-    buffer = _Tail()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
-        for name, content in files.items():
+def zipped(files: Iterable[tuple[str, Callable[[], Iterator[bytes | memoryview]]]]) -> Iterator[bytes]:
+    """A zip of the files, streamed: each is asked for when the one before is done. Nothing is compressed; an answer is.
+
+    Times are fixed so that equal content gives equal bytes.
+    """
+    buffer = Tail()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, content in files:
             with archive.open(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), "w", force_zip64=True) as member:
                 for block in content():
                     member.write(block)
@@ -218,18 +221,23 @@ def zipped(files: Mapping[str, Callable[[], Iterator[bytes]]]) -> Iterator[bytes
     yield from buffer.taken()
 
 
-class _Tail(io.RawIOBase):
+class Tail(io.RawIOBase):
     """A write-only stream that hands out what was written since last asked."""
 
     def __init__(self) -> None:
         self._blocks: list[bytes] = []
+        self._told = 0
 
     def writable(self) -> bool:
         return True
 
     def write(self, data: bytes) -> int:  # type: ignore[override]
         self._blocks.append(bytes(data))
+        self._told += len(data)
         return len(data)
+
+    def tell(self) -> int:
+        return self._told
 
     def taken(self) -> Iterator[bytes]:
         blocks, self._blocks = self._blocks, []

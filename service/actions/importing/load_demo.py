@@ -54,6 +54,15 @@ def load_demo(database: Database, settings: Settings, seed: int = 1) -> int:
     return count + add_clips(database, settings, FACES, faces, (), "A generated take of a face, 100 markers.")
 
 
+def demo_files(seed: int = 1) -> dict[str, bytes]:
+    """Files to try commands with: a walk as walk.bvh, a reach as reach.asf and reach.amc."""
+    rng = np.random.default_rng(seed)
+    walk = body.clip("walk", 172.0, *body.walk(172.0, 4.0, rng.uniform(0.85, 1.1), rng.uniform(4, 9)))
+    reach = body.clip("reach", 172.0, *body.reach(172.0, rng.uniform(1.8, 2.6), 30.0))
+    made = [*_files("walk", "bvh", walk), *_files("reach", "asf-amc", reach)]
+    return {file.name: file.stream.read() for file in made}
+
+
 def load_people(database: Database, settings: Settings, seed: int = 1) -> int:
     """Three people who walk, reach, wave, dance and show their faces, in every format; returns how many clips."""
     rng = np.random.default_rng(seed)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 from service.storage.database import Database
+from service.storage.pruning import Old
+from service.storage.words import in_words
 
 
 @dataclass(frozen=True)
@@ -28,14 +30,23 @@ def prune_history(database: Database, days: float, *, do: bool, author: str = "l
         cut = tx.pruning.commit_before(limit.isoformat(timespec="milliseconds").replace("+00:00", "Z"))
         old = tx.pruning.older(cut)
     for one in old if do else ():
-        with database.write(author) as tx:
-            tx.documents.lock(one.key)
-            tx.pruning.forget(one)
+        database.reserve.spend(lambda one=one: _forget(database, one, author))  # type: ignore[misc]
     return Prunable(len(old), sum(one.revisions for one in old), sum(one.bytes for one in old))
+
+
+def _forget(database: Database, old: Old, author: str) -> None:
+    with database.write(author) as tx:
+        tx.documents.lock(old.key)
+        tx.pruning.forget(old)
 
 
 def compact_store(database: Database, progress: Callable[[int], None]) -> int:
     """Give back room that nothing uses; answers how many bytes. progress: gets the bytes that are left to do."""
     before = database.size()["total"]
-    database.dialect.compact(progress)
+    database.reserve.spend(lambda: _compact(database, progress))
     return max(0, before - database.size()["total"])
+
+
+def _compact(database: Database, progress: Callable[[int], None]) -> None:
+    with in_words(database.dialect):
+        database.dialect.compact(progress)

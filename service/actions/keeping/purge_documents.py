@@ -8,6 +8,7 @@ from datetime import UTC, datetime, timedelta
 
 from service.errors import NotFoundError
 from service.storage.database import Database
+from service.storage.words import in_words
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ def finish_purges(database: Database, author: str = "local", progress: Callable[
         if progress is not None:
             progress(uuid)
     if begun:
-        database.dialect.settle()
+        database.reserve.spend(lambda: _settle(database))
         database.reserve.keep()
     return len(begun)
 
@@ -96,3 +97,8 @@ def _finish(database: Database, key: int, uuid: str, author: str) -> None:
     with database.write(author) as tx:
         tx.dialect.erase_what_goes(tx.connection)
         tx.purging.finish(key, uuid)
+
+
+def _settle(database: Database) -> None:
+    with in_words(database.dialect):
+        database.dialect.settle()

@@ -169,7 +169,9 @@ class SQLite(Dialect):
         self.settle()
 
     def is_full(self, error: BaseException | None) -> bool:
-        return isinstance(error, sqlite3.Error) and getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_FULL
+        # The second is what opening a store meets: the file beside it that connections share cannot grow.
+        code = getattr(error, "sqlite_errorcode", None)
+        return isinstance(error, sqlite3.Error) and code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR_SHMSIZE)
 
     def is_away(self, error: BaseException | None) -> bool:
         # Another process writes for longer than anybody waits. The low byte is the kind.

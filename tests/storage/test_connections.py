@@ -1,0 +1,56 @@
+"""Databases with no connection to give: those who ask are told to come again, and then are answered."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from sqlalchemy import create_engine, make_url, text
+
+from service.errors import UnavailableError
+from service.storage.database import Database
+from tests import postgres
+
+
+@pytest.fixture
+def guest(postgres_template: str) -> Iterator[Database]:
+    """A store in PostgreSQL, asked by someone who may have one connection."""
+    with postgres.new_database(postgres_template, "template_store") as url:
+        role = make_url(url).database
+        owner = create_engine(url, isolation_level="AUTOCOMMIT")
+        with owner.connect() as connection:
+            connection.execute(text(f"CREATE ROLE {role} LOGIN CONNECTION LIMIT 1"))
+            connection.execute(text(f"GRANT ALL ON ALL TABLES IN SCHEMA public TO {role}"))
+        owner.dispose()
+        database = Database(make_url(url).set(username=role).render_as_string(hide_password=False))
+        yield database
+        database.close()
+        owner = create_engine(url, isolation_level="AUTOCOMMIT")
+        with owner.connect() as connection:
+            connection.execute(text(f"DROP OWNED BY {role}"))
+            connection.execute(text(f"DROP ROLE {role}"))
+        owner.dispose()
+
+
+def test_who_gets_no_connection_is_told_to_come_again(guest: Database) -> None:
+    for _ in range(2):
+        with guest.read() as tx:
+            assert tx.projects.find("lab") is None
+            with pytest.raises(UnavailableError, match="cannot be reached now"), guest.read():
+                pass
+    with guest.read() as tx:
+        assert tx.projects.find("lab") is None
+
+
+def test_who_waits_too_long_for_a_place_is_told(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    pool = database.dialect.engine.pool
+    for name, value in (("_timeout", 0.01), ("_max_overflow", 0)):
+        monkeypatch.setattr(pool, name, value)
+    held = [database.dialect.engine.connect() for _ in range(16)]
+    with pytest.raises(UnavailableError, match="All connections"), database.read():
+        pass
+    held.pop().close()
+    with database.read() as tx:
+        assert tx.projects.find("lab") is None
+    for one in held:
+        one.close()
