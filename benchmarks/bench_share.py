@@ -14,9 +14,9 @@ from service.storage.database import Database
 from service.xpath.parse import parse
 from tests.conftest import shared_folder
 from tests.xpath.grammar import Grammar
-from tests.xpath.later_grammar import LaterGrammar
 from tests.xpath.library import Library, library
 from tests.xpath.oracle import most_elements
+from tests.xpath.xpath2_grammar import Xpath2Grammar
 
 EXPRESSIONS = 2000
 WANTED = 0.95
@@ -30,7 +30,7 @@ def run() -> dict[str, object]:
         with library(database, shared_folder()) as made:
             figures: dict[str, object] = {
                 "XPath 1.0": _shares("XPath 1.0", made, Grammar),
-                "XPath 2.0": _shares("XPath 2.0", made, LaterGrammar),
+                "XPath 2.0": _shares("XPath 2.0", made, Xpath2Grammar),
             }
         database.close()
     return figures

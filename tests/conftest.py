@@ -7,6 +7,10 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+# Before NumPy is imported. Tests run on all cores already: where several processes let BLAS take all of them too, its
+# threads wait for each other, and a decomposition of a second takes ten.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, settings

@@ -19,6 +19,9 @@ from tests.jobs.test_jobs import wait
 
 API = "/api/v1"
 
+one_kind = pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+"""Of database, where what is tested asks it for nothing of its own."""
+
 
 @pytest.fixture
 def dances(database: Database) -> None:
@@ -61,6 +64,7 @@ def test_clips_that_an_analysis_made_are_left_out(client: TestClient) -> None:
     assert "include_made" in refused["remedy"]
 
 
+@one_kind
 @pytest.mark.usefixtures("dances")
 def test_results_say_by_which_rules_they_were_made(client: TestClient) -> None:
     job = wait(client, start(client, "beats", {"project": "dances"}))
@@ -71,37 +75,38 @@ def test_results_say_by_which_rules_they_were_made(client: TestClient) -> None:
     assert all(analysis.rules for analysis in ANALYSES.values())
 
 
+WRONG_ON_SIGHT: list[tuple[str, dict[str, Any], str]] = [
+    ("dance", {"bars": 4}, "bpm-out-of-range"),
+    ("dance", {"bpm": 300, "bars": 4}, "bpm-out-of-range"),
+    ("dance", {"bpm": 120, "bars": 513}, "too-many-bars"),
+    ("dance", {"bpm": 120, "bars": 3, "pulse": "2"}, "bars-not-divisible"),
+    ("dance", {"bpm": 120, "bars": 4, "allowed": [{"document": "none"}]}, "unknown-clip"),
+    ("dance", {"music": {"beats": [0.5, 1.0]}, "bars": 4}, "music-no-beats"),
+    ("beats", {"clips": [{"document": "none", "source_bpm": 100}]}, "unknown-clip"),
+    ("reach", {"knots": [5, 4, 9]}, "knot-order"),
+    ("reach", {"times": {"none": {"t1": 1, "t2": 2, "end": 3}}}, "unknown-clip"),
+    ("expression", {"markers": ["a", "b", "c"]}, "marker-sets-disjoint"),
+]
+
+
+@one_kind
 @pytest.mark.usefixtures("dances")
-@pytest.mark.parametrize(
-    ("analysis", "parameters", "code"),
-    [
-        ("dance", {"bars": 4}, "bpm-out-of-range"),
-        ("dance", {"bpm": 300, "bars": 4}, "bpm-out-of-range"),
-        ("dance", {"bpm": 120, "bars": 513}, "too-many-bars"),
-        ("dance", {"bpm": 120, "bars": 3, "pulse": "2"}, "bars-not-divisible"),
-        ("dance", {"bpm": 120, "bars": 4, "allowed": [{"document": "none"}]}, "unknown-clip"),
-        ("dance", {"music": {"beats": [0.5, 1.0]}, "bars": 4}, "music-no-beats"),
-        ("beats", {"clips": [{"document": "none", "source_bpm": 100}]}, "unknown-clip"),
-        ("reach", {"knots": [5, 4, 9]}, "knot-order"),
-        ("reach", {"times": {"none": {"t1": 1, "t2": 2, "end": 3}}}, "unknown-clip"),
-        ("expression", {"markers": ["a", "b", "c"]}, "marker-sets-disjoint"),
-    ],
-)
-def test_what_is_wrong_on_sight_is_no_job(
-    client: TestClient, analysis: str, parameters: dict[str, Any], code: str
-) -> None:
-    refused = start(client, analysis, {"project": "dances"}, 422, parameters=parameters)
-    assert refused["code"] == code
-    assert refused["remedy"]
+def test_what_is_wrong_on_sight_is_no_job(client: TestClient) -> None:
+    for analysis, parameters, code in WRONG_ON_SIGHT:
+        refused = start(client, analysis, {"project": "dances"}, 422, parameters=parameters)
+        assert refused["code"] == code, parameters
+        assert refused["remedy"]
     assert client.get(f"{API}/jobs").json()["items"] == []
 
 
+@one_kind
 def test_an_unknown_analysis_is_answered_with_the_list(client: TestClient) -> None:
     for answer in (client.post(f"{API}/analyses/danse", json={}), client.get(f"{API}/analyses/danse")):
         assert answer.status_code == 404
         assert all(name in answer.json()["remedy"] for name in ANALYSES)
 
 
+@one_kind
 @pytest.mark.usefixtures("dances")
 def test_clips_of_several_skeletons_are_brought_onto_one(client: TestClient) -> None:
     """Bodies that differ are retargeted on the way; those that have the skeleton stay as they are."""

@@ -18,11 +18,11 @@ from service.xpath.signatures import AGGREGATES
 from service.xpath.tree import Call, Written, is_constant
 from tests import postgres
 from tests.conftest import shared_folder
-from tests.xpath.later_grammar import LATER_FEATURES, LaterGrammar, later_features
 from tests.xpath.library import Library, library
 from tests.xpath.oracle import DifferenceError, pages, plain, same, same_value
 from tests.xpath.shares import Tally
 from tests.xpath.test_xpath_campaign import seed_of
+from tests.xpath.xpath2_grammar import XPATH2_FEATURES, Xpath2Grammar, xpath2_features
 
 MOST_ELEMENTS = 1000
 COMBINED = {"count": sum, "sum": sum, "exists": any, "empty": all, "min": min, "max": max}
@@ -98,8 +98,8 @@ def check(
 def campaign(processor: Any, made: Library, seed: int, count: int) -> Tally:
     random = Random(seed)
     small = {uuid: tree for uuid, tree in made.trees.items() if sum(1 for _ in tree.iter()) <= MOST_ELEMENTS}
-    grammar = LaterGrammar(random, small)
-    tally = Tally(LATER_FEATURES)
+    grammar = Xpath2Grammar(random, small)
+    tally = Tally(XPATH2_FEATURES)
     differences: list[str] = []
     for uuid, text in grammar.expressions():
         if tally.asked + tally.refused >= count:
@@ -117,7 +117,7 @@ def campaign(processor: Any, made: Library, seed: int, count: int) -> Tally:
         if outcome is None:
             tally.refused += 1
             continue
-        used = later_features(text)
+        used = xpath2_features(text)
         grammar.used(used)
         tally.asked += 1
         tally.features.update(used)

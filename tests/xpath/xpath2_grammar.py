@@ -19,15 +19,15 @@ LATER_OPERATORS = (
     "to", "for", "some", "every", "if", "eq", "ne", "lt", "le", "gt", "ge", "=", "!=", "<", "<=", ">", ">=", ",",
     "union", "intersect", "except",
 )  # fmt: skip
-LATER_FEATURES = (*LATER_FUNCTIONS, *LATER_OPERATORS)
+XPATH2_FEATURES = (*LATER_FUNCTIONS, *LATER_OPERATORS)
 
 
-def later_features(text: str) -> set[str]:
+def xpath2_features(text: str) -> set[str]:
     """What of XPath 2.0 an expression uses."""
     return {token.symbol for token in Parser.parse(XPath2Parser(), spell_for_elementpath(text)).iter()}
 
 
-class LaterGrammar(Grammar):
+class Xpath2Grammar(Grammar):
     """Expressions of XPath 2.0."""
 
     def expressions(self) -> Iterator[tuple[str, str]]:
@@ -37,7 +37,7 @@ class LaterGrammar(Grammar):
             self._budget = self.random.choice([1, 2, 2, 3, 4, 6, 9])
             document = Witness("document", self.trees[name].getroot())
             text = ""
-            while not later_features(text or "a") & set(LATER_FEATURES):
+            while not xpath2_features(text or "a") & set(XPATH2_FEATURES):
                 text = self.whole(document)
             yield name, text
 
@@ -127,9 +127,9 @@ class LaterGrammar(Grammar):
 
     def prefer(self, conditions: list[str]) -> str:
         """One of several, rather one that uses what is rare."""
-        lacking = [self.counts[name] < 0.05 * self.made for name in LATER_FEATURES]
-        rare = {name for name, few in zip(LATER_FEATURES, lacking, strict=True) if few}
-        uses = [10.0 if later_features(each) & rare else 1.0 for each in conditions]
+        lacking = [self.counts[name] < 0.05 * self.made for name in XPATH2_FEATURES]
+        rare = {name for name, few in zip(XPATH2_FEATURES, lacking, strict=True) if few}
+        uses = [10.0 if xpath2_features(each) & rare else 1.0 for each in conditions]
         return self.random.choices(conditions, uses)[0]
 
     def on_bone(self, bone: Witness) -> list[str]:
