@@ -86,6 +86,7 @@ found["purge"] = run("purge", ids[1], "--yes")
 found["compact"] = run("db", "compact")
 (folder / "other").unlink()
 found["serve"] = opened(serve)
+(folder / "other").unlink()
 found["faults"] = opened(lambda database: database.check(past=True))
 print(json.dumps(found))
 """
