@@ -1,7 +1,10 @@
 FROM python:3.12-slim AS build
 WORKDIR /src
 COPY . .
-RUN pip wheel --no-cache-dir --wheel-dir /wheels .
+# The image has no history of git to find the version in: docker build --build-arg VERSION=0.2.0 .
+ARG VERSION=
+RUN ${VERSION:+env SETUPTOOLS_SCM_PRETEND_VERSION=$VERSION} pip wheel --no-cache-dir --no-deps --wheel-dir /wheels . \
+  && pip wheel --no-cache-dir --wheel-dir /wheels /wheels/*.whl
 
 FROM python:3.12-slim
 RUN useradd --create-home --uid 10001 mcml

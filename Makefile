@@ -1,11 +1,17 @@
 # The only commands to learn. `make` alone prints them.
-PYTHON ?= python3
-VENV := .venv
+# `make test PYTHON=python3.13` works beside .venv, in .venv-3.13, where .venv is of another version.
+ifdef PYTHON
+  VERSION := $(shell $(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+  VENV := $(if $(wildcard .venv/lib/python*),$(if $(wildcard .venv/lib/python$(VERSION)),.venv,.venv-$(VERSION)),.venv)
+else
+  PYTHON := python3
+  VENV := .venv
+endif
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help install run test check fix bench fuzz docs migration clean
+.PHONY: help install run test check fix bench fuzz docs migration dist clean
 
 help: ## Print this list
 	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -30,7 +36,7 @@ check: $(STAMP) ## Style, types, layers, spelling
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/codespell service schemas docs tests README.md CHANGELOG.md
+	$(BIN)/codespell service schemas mcml docs tests README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md
 
 fix: $(STAMP) ## Mend style, and make generated files again
 	$(BIN)/ruff check --fix .
@@ -50,5 +56,8 @@ migration: $(STAMP) ## Make a migration from the difference of tables.py and a f
 	MCML_DATABASE=sqlite:///$(VENV)/migration.db $(BIN)/mcml db upgrade
 	MCML_DATABASE=sqlite:///$(VENV)/migration.db $(BIN)/alembic revision --autogenerate -m "$(NAME)"
 
+dist: $(STAMP) ## Build wheel and sdist into dist/; the version is the git tag's
+	$(BIN)/python -m hatchling build
+
 clean: ## Remove the environment and everything that is made
-	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis dist
+	rm -rf .venv .venv-* .pytest_cache .mypy_cache .ruff_cache .hypothesis dist

@@ -19,9 +19,9 @@ from schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParame
 from service.analysis.dance.analyses import BEATS, DANCE, MOTION_GRAPH
 from service.analysis.dance.metrics import nearest
 from service.analysis.interface import Motion, Part, Parts, silent
-from service.demo.dance_clips import BEAT_STYLES, STYLES, Style, Truth
+from service.demo.dance_clips import Style, Truth
 from service.motion.skeleton import Convention
-from tests.analysis.dance.motions import generated, read_file, resampled
+from tests.analysis.dance.motions import BEAT_STYLES, STYLES, generated, read_file, resampled
 
 REPEAT = 3
 

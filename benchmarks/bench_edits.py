@@ -15,8 +15,8 @@ import httpx
 
 from benchmarks.library import clips, longer, served
 from benchmarks.timing import report
-from service.actions.import_motion import import_files
-from service.actions.import_options import ImportOptions
+from service.actions.importing.import_motion import import_files
+from service.actions.reading.import_options import ImportOptions
 from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database

@@ -19,11 +19,12 @@ from benchmarks import basex, basex_client
 from benchmarks.basex_client import BaseXClient
 from benchmarks.library import clips, load, load_together, longer, served, write_plain
 from benchmarks.timing import median_seconds, report
-from service.actions.edit_element import Change, change_element
-from service.actions.read_clip import read_clip
+from service.actions.editing.edit_element import Change
+from service.actions.reading.read_clip import read_clip
 from service.mcml.writer import write_document
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
+from tests.edits import change_element
 
 ASKED = 100
 """Label counts timed, before an edit and after it; each with a constant not asked before."""

@@ -17,10 +17,10 @@ from pathlib import Path
 import httpx
 import numpy as np
 
-from service.actions.export_motion import ExportOptions, export_document
-from service.actions.import_motion import import_files
-from service.actions.import_options import ImportOptions, Label
-from service.actions.shared_skeleton import kept_skeleton
+from service.actions.exporting.export_motion import ExportOptions, export_document
+from service.actions.importing.import_motion import import_files
+from service.actions.reading.import_options import ImportOptions, Label
+from service.actions.reading.shared_skeleton import kept_skeleton
 from service.demo import body
 from service.formats import FORMATS
 from service.formats.bvh_hierarchy import shared_hierarchy

@@ -34,3 +34,6 @@ class Problem(BaseModel):
         None, description="Of an analysis: what the fault is about, such as the document, or a suggestion"
     )
     errors: list[dict[str, Any]] | None = None
+    problems: list[dict[str, Any]] | None = Field(
+        None, description="Of an upload of which nothing was stored: what was wrong with each file"
+    )

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from importlib.metadata import PackageNotFoundError, version
 
 from fastapi import Depends, FastAPI
 from fastapi.middleware.gzip import GZipMiddleware
 
-from service.actions.purge_documents import finish_purges
-from service.actions.use_result import Results
-from service.api import ROUTERS, description, problems
+from service.actions.keeping.purge_documents import finish_purges
+from service.api import description, events, health, page, problems
 from service.api.doors import Doors
 from service.api.guard import Guard
 from service.api.parameters import known_parameters
+from service.api.routes import PREFIX, routes
 from service.jobs.runner import Runner
 from service.local_secret import keep_secret, read_secret
+from service.operations import all_operations
+from service.operations.call import Repository
+from service.resources import program_version
 from service.settings import Settings, data_folder
 from service.storage.database import Database
-from service.xpath.run import Queries
 
 DESCRIPTION = """
 Every motion-capture clip in one open XML language, stored element by element, searched with XPath.
@@ -27,13 +28,6 @@ Every motion-capture clip in one open XML language, stored element by element, s
 Frame numbers are XPath positions: from 1, both ends included. Errors are problem details (RFC 9457). Writes to one
 document need `If-Match` with the revision that was read.
 """
-
-
-def program_version() -> str:
-    try:
-        return version("mcml-repository")
-    except PackageNotFoundError:
-        return "0+checkout"
 
 
 def create_app(
@@ -55,7 +49,7 @@ def create_app(
         app.state.runner.start()
         yield
         app.state.runner.stop()
-        app.state.queries.close()
+        app.state.repository.close()
         if database is None:
             store.close()
 
@@ -68,17 +62,17 @@ def create_app(
         lifespan=lifespan,
         separate_input_output_schemas=False,
     )
-    app.state.settings = settings
-    app.state.database = store
-    app.state.queries = Queries(store, settings)
+    app.state.repository = Repository(store, settings)
     app.state.runner = Runner(store, settings)
-    app.state.results = Results(store, settings)
+    app.state.repository.wake = app.state.runner.wake
     app.state.requests = {}
     problems.install(app)
     description.install(app)
-    for router, prefix in ROUTERS:
-        # Pages and health checks are asked with what others append.
-        app.include_router(router, prefix=prefix, dependencies=[Depends(known_parameters)] if prefix else [])
+    for router in (routes(all_operations()), events.router):
+        app.include_router(router, prefix=PREFIX, dependencies=[Depends(known_parameters)])
+    # Pages and health checks are asked with what others append.
+    for router in (health.router, page.router):
+        app.include_router(router)
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1)
     app.add_middleware(Guard, settings=settings, doors=Doors(settings, store, secret), counts=app.state.requests)
     return app

@@ -80,6 +80,10 @@ class QueryError(McmlError):
     """An XPath expression that does not parse, has no such function, or mixes types."""
 
 
+class RequestError(McmlError):
+    """An argument that an operation does not have, or a value that does not fit."""
+
+
 class LimitError(McmlError):
     """More bytes, frames, depth, time or memory than the settings allow."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -32,15 +33,17 @@ def motion_names_path() -> Path:
     return _PACKAGE / "mcml" / "motion_names.csv"
 
 
-def web_path() -> Path | None:
-    """The folder of the built browser files, None if they were not built."""
-    folder = _PACKAGE / "web" / "static"
-    return folder if (folder / "index.html").is_file() else None
-
-
 def _find(name: str) -> Path:
     # A wheel carries the files of the top level in service/_data, where pyproject.toml puts them.
     for candidate in (_PACKAGE.parent / name, _PACKAGE / "_data" / name):
         if candidate.exists():
             return candidate
     raise FileNotFoundError(f"{name} is missing from this installation; install the package again")
+
+
+def program_version() -> str:
+    """The version of the installed program, or 0+checkout where it is not installed."""
+    try:
+        return version("mcml-repository")
+    except PackageNotFoundError:
+        return "0+checkout"

@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions import import_workers
-from service.actions.import_motion import import_files
-from service.actions.import_options import ImportOptions
+from service.actions.importing import import_workers
+from service.actions.importing.import_motion import import_files
+from service.actions.reading.import_options import ImportOptions
 from service.app import create_app
 from service.formats.format import SourceFile
 from service.local_secret import PREFIX
+from service.mcml import joint_names
+from service.motion.skeleton import Skeleton
 from service.settings import Settings
 from service.storage.database import Database
 from tests.c3d_writer import c3d_bytes
@@ -262,3 +264,8 @@ def served(
         headers={"authorization": f"Bearer {SECRET}"},
         client=("127.0.0.1", 50_000),
     )
+
+
+def assign(skeleton: Skeleton, extra: Sequence[tuple[str, str]] = ()) -> Skeleton:
+    """The skeleton with `name` and `mapped` of every joint set."""
+    return joint_names.named(skeleton, extra)[0]

@@ -137,8 +137,8 @@ class PartInfo:
 
 
 @dataclass(frozen=True)
-class Operation:
-    """Something to do with a finished result in milliseconds, such as making a motion with a fitted model.
+class ResultUse:
+    """What can be done with a finished result in milliseconds, such as making a motion with a fitted model.
 
     parameters, answer: models of what comes in and goes out.
     run: (what `Analysis.prepare` made of the result's parts, parameters) -> Answer; pure. Raises AnalysisError.
@@ -173,7 +173,7 @@ class Analysis:
     parameters: type[BaseModel]
     parts: Mapping[str, PartInfo]
     run: Callable[[Sequence[Motion], Any, Progress], Parts]
-    operations: Mapping[str, Operation] = field(default_factory=dict)
+    operations: Mapping[str, ResultUse] = field(default_factory=dict)
     prepare: Callable[[Parts], Any] = lambda parts: parts
     proceed: Callable[[Any, Parts], Any] = lambda ready, parts: ready
     extend: Callable[[Parts, Sequence[Motion], Any, Progress], Parts] | None = None

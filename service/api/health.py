@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import PlainTextResponse
 
 from schemas.catalogues import Health
-from service.api.dependencies import DatabaseDep
+from service.storage.database import Database
 
 router = APIRouter(tags=["health"])
 
@@ -24,8 +24,9 @@ def healthz() -> Health:
 
 
 @router.get("/readyz", operation_id="readyz", responses={503: {"model": Health, "description": "Not ready"}})
-def readyz(database: DatabaseDep, response: Response) -> Health:
+def readyz(request: Request, response: Response) -> Health:
     """The store answers and has this program's schema."""
+    database = _database(request)
     found, wanted = database.schema_versions()
     if found != wanted:
         response.status_code = 503
@@ -34,7 +35,7 @@ def readyz(database: DatabaseDep, response: Response) -> Health:
 
 
 @router.get("/metrics", operation_id="metrics", response_class=PlainTextResponse, responses=_METRICS)
-def metrics(request: Request, database: DatabaseDep) -> str:
+def metrics(request: Request) -> str:
     """Counters in the Prometheus text format."""
     counts: dict[tuple[str, int], int] = request.app.state.requests
     lines = ["# HELP mcml_requests_total Requests answered.", "# TYPE mcml_requests_total counter"]
@@ -42,7 +43,12 @@ def metrics(request: Request, database: DatabaseDep) -> str:
         f'mcml_requests_total{{method="{method}",status="{status}"}} {count}'
         for (method, status), count in sorted(counts.items())
     ]
-    sizes = database.size()
+    sizes = _database(request).size()
     lines += ["# HELP mcml_store_bytes Size of the store.", "# TYPE mcml_store_bytes gauge"]
     lines += [f'mcml_store_bytes{{part="{part}"}} {size}' for part, size in sorted(sizes.items())]
     return "\n".join(lines) + "\n"
+
+
+def _database(request: Request) -> Database:
+    database: Database = request.app.state.repository.database
+    return database

@@ -9,8 +9,7 @@ import fastapi_offline
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse
 
-from service.actions.describe_problem import STATUS_OF, slug
-from service.api.dependencies import DatabaseDep
+from service.actions.checking.describe_problem import STATUS_OF, slug
 from service.api.policy import page_policy
 from service.errors import NotFoundError
 from service.resources import dtd_path
@@ -47,9 +46,9 @@ pre { background: var(--panel); padding: 12px; overflow: auto; border-radius: 6p
 
 
 @router.get("/")
-def front_page(request: Request, database: DatabaseDep) -> HTMLResponse:
+def front_page(request: Request) -> HTMLResponse:
     """What is stored, and where to go from here."""
-    with database.read() as tx:
+    with request.app.state.repository.database.read() as tx:
         found = tx.documents.page(DocumentFilter(), after=None, limit=_SHOWN, newest_first=True)
         total = tx.documents.count(DocumentFilter())
         names = {stored.key: {span.name: None for span in tx.spans.of(stored.key)} for stored in found}

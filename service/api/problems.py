@@ -18,7 +18,7 @@ from starlette.routing import Match
 
 from schemas.problem import Problem
 from service import errors
-from service.actions.describe_problem import problem_of
+from service.actions.checking.describe_problem import problem_of
 
 RETRY_SECONDS = "5"
 """After these a store that could not be reached may be asked again."""

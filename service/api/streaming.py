@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Generator, Iterator
+from collections.abc import AsyncIterator, Generator, Iterator
 from contextlib import ExitStack
-from itertools import chain
 from typing import TypeAlias
 from urllib.parse import quote
 
@@ -14,7 +13,7 @@ from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from service.errors import LimitError
-from service.storage.database import Database, Transaction
+from service.operations.call import Content
 
 PIECE = 1 << 18
 """Bytes that are sent together: each piece is handed from a thread to the event loop, which takes longer than to make
@@ -23,37 +22,43 @@ a small one. A shorter answer is sent whole."""
 
 Bytes: TypeAlias = bytes | memoryview
 
+_HEADERS = {"total-count": "x-total-count"}
+"""Names of facts that are not the repository's own."""
 
-def streamed(
-    database: Database, make: Callable[[Transaction], tuple[Iterator[Bytes], str, dict[str, str]] | Response]
-) -> Response:
-    """Stream what `make` returns: (content, media type, headers); or a response that says all.
 
-    The read transaction lives as long as the stream.
+def answered(content: Content, headers: dict[str, str], held: ExitStack) -> Response:
+    """Content as a response whose beginning is made here: a short one whole, of a long one enough for errors to show.
+
+    held: what the content reads from; it is let go when the answer is sent.
     """
-    with ExitStack() as stack:
-        tx = stack.enter_context(database.read())
-        made = make(tx)
-        if isinstance(made, Response):
-            return made
-        content, media_type, headers = made
-        first = next(content, b"")
-        held = stack.pop_all()
+    headers |= {_HEADERS.get(name, f"x-mcml-{name}"): _latin(text) for name, text in content.facts.items()}
+    if content.name is not None:
+        headers["content-disposition"] = attachment(content.name, "inline" if content.shown else "attachment")
+    with held as stack:
+        if content.live:
+            kept = stack.pop_all()
+            return StreamingResponse(_holding(kept, content.blocks), media_type=content.media_type, headers=headers)
+        joined = pieces(content.blocks)
+        first = next(joined, b"")
+        if content.notices:
+            text = " | ".join(notice.what for notice in content.notices)
+            headers["x-mcml-notices"] = text.encode("ascii", "replace").decode()[:4000]
+        if len(first) < PIECE:
+            return Response(first, media_type=content.media_type, headers=headers)
+        if content.size is not None:
+            headers["content-length"] = str(content.size)
+        kept = stack.pop_all()
+    return StreamingResponse(ahead(_holding(kept, joined), first), media_type=content.media_type, headers=headers)
 
-    def blocks() -> Generator[Bytes]:
-        with held:
-            yield from pieces(chain((first,), content))
 
-    return StreamingResponse(ahead(blocks()), media_type=media_type, headers=headers)
+def _holding(kept: ExitStack, blocks: Iterator[Bytes]) -> Generator[Bytes]:
+    with kept:
+        yield from blocks
 
 
-def begun(content: Iterator[bytes], media_type: str, headers: dict[str, str]) -> Response:
-    """A response whose beginning is made here: a short answer whole, and of a long one enough for an error to show."""
-    joined = pieces(content)
-    first = next(joined, b"")
-    if len(first) < PIECE:
-        return Response(first, media_type=media_type, headers=headers)
-    return StreamingResponse(ahead(joined, first), media_type=media_type, headers=headers)
+def _latin(text: str) -> str:
+    """Text of any kind, as a header carries it: its bytes in UTF-8."""
+    return text.encode().decode("latin-1")
 
 
 def pieces(content: Iterator[Bytes]) -> Generator[Bytes]:
@@ -102,17 +107,17 @@ async def read_body(request: Request, most: int) -> bytes:
     return bytes(content)
 
 
-def attachment(file_name: str) -> str:
+def attachment(file_name: str, way: str = "attachment") -> str:
     """A Content-Disposition that every client reads (RFC 6266): plain and UTF-8 name."""
     plain = "".join(c if c.isascii() and c.isprintable() and c not in '"\\' else "_" for c in file_name)
-    return f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(file_name)}"
+    return f"{way}; filename=\"{plain}\"; filename*=UTF-8''{quote(file_name)}"
 
 
-def unchanged(request: Request, tag: str) -> Response | None:
-    """304 where the client has this representation already."""
+def known_as(request: Request, tag: str) -> str | None:
+    """How a client names this representation if it has it already, None if it has not."""
     known = request.headers.get("if-none-match", "")
     for item in known.split(","):
         said = item.strip().removeprefix("W/")
         if said == "*" or said.replace('-gzip"', '"') == tag:
-            return Response(status_code=304, headers={"etag": tag if said == "*" else said})
+            return tag if said == "*" else said
     return None

@@ -1,4 +1,4 @@
-"""The command `mcml`: one file a command group."""
+"""The command `mcml`: most of it made from OPERATIONS (`commands.py`), the rest by hand, as BY_HAND lists it."""
 
 from __future__ import annotations
 
@@ -6,50 +6,119 @@ import io
 import json
 import os
 import sys
-from typing import NoReturn
+from typing import Annotated, NoReturn
 
 import typer
 
-from service.cli import (
-    compose,
-    elements,
-    facts,
-    files,
-    frames,
-    history,
-    labels,
-    library,
-    names,
-    purging,
-    querying,
-    retarget,
-    serving,
-    store,
-)
-from service.cli.later import later
-from service.errors import McmlError
+from service.cli.commands import command_of
+from service.cli.lazily import from_module, lazy_command, lazy_group
+from service.errors import McmlError, RequestError
+from service.operations import OPERATIONS
 
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    help="Motion capture in one open XML language: convert, store, query.",
-    epilog="Exit codes: 0 done, 1 refused or failed (the message says why), 2 wrong usage, 3 done in part.",
-)
-for module in (serving, files, library, facts, labels, elements, frames, history, compose, retarget, names, querying):
-    module.add_to(app)
-for name, about in (
-    ("analyse", "Run analyses, and use what they found."),
-    ("jobs", "Long work: list it, follow it, end it."),
-):
-    group = typer.Typer(cls=later(f"service.cli.{name}"), no_args_is_help=True, help=about)
-    app.add_typer(group, name=name)
-for module in (purging, store):
-    module.add_to(app)
+BY_HAND = {
+    "serve": "serving:serve",
+    "demo": "serving:demo",
+    "doctor": "serving:doctor",
+    "convert": "files:convert",
+    "validate": "files:validate",
+    "import": "importing:import_",
+    "export": "exporting:export",
+    "xpath": "querying:xpath",
+    "label": "labels:label",
+    "set": "documents:set_",
+    "rename": "documents:rename",
+    "move": "documents:move",
+    "delete": "documents:delete",
+    "purge": "purging:purge",
+    "frames": "frames:frames",
+    "compose": "composing:compose",
+    "retarget": "composing:retarget",
+    "labels suggest": "labels:suggest",
+    "element set": "elements:set_",
+    "element move": "elements:move",
+    "mapping save": "names:save",
+    "mapping alias": "names:alias",
+    "names apply": "names:apply",
+    "db upgrade": "store:upgrade",
+    "db backup": "store:backup_",
+    "db restore": "store:restore_",
+    "db check": "store:check",
+    "db prune": "store:prune",
+    "db compact": "store:compact",
+    "token add": "store:token_add",
+    "token list": "store:token_list",
+    "token revoke": "store:token_revoke",
+}
+"""Commands that are no operation, many of them, or shorter to type than one; and where each is."""
+
+GROUPS = {
+    "labels": "Labels of documents, by query, as tables; and from the motion.",
+    "element": "Elements of a document, addressed by XPath. An edit is a revision.",
+    "mapping": "Saved mappings: which joint of one rig is which of another; and what a project calls joints.",
+    "names": "Names of joints of documents that exist.",
+    "jobs": "Long work: list it, follow it, end it.",
+    "analyse": "Run analyses, and use what they found.",
+    "db": "Upgrade, back up, restore and check the store.",
+    "token": "Tokens that open a server to other machines.",
+}
+
+MODULES = {"analyse": "service.cli.analyse", "jobs": "service.cli.jobs"}
+"""Groups that a module makes: from the catalogue of analyses, and what belongs to it."""
+
+
+def _made() -> typer.Typer:
+    made = typer.Typer(
+        no_args_is_help=True,
+        pretty_exceptions_enable=False,
+        help="Motion capture in one open XML language: convert, store, query.",
+        epilog="Exit codes: 0 done, 1 refused or failed (the message says why), 2 wrong usage, 3 done in part.",
+    )
+    made.callback()(_options)
+    groups = {name: typer.Typer(no_args_is_help=True, help=about) for name, about in GROUPS.items()}
+
+    def place(words: list[str]) -> typer.Typer:
+        return made if len(words) == 1 else groups[words[0]]
+
+    for name, address in BY_HAND.items():
+        words = name.split()
+        place(words).command(words[-1], cls=lazy_command(from_module(address)))(_nothing)
+    for operation in OPERATIONS.values():
+        words = [word for word in (operation.command or "").split() if word == word.lower()]
+        if words and words[0] not in MODULES:
+            command = lazy_command(command_of(operation))
+            place(words).command(words[-1], cls=command, short_help=operation.words)(_nothing)
+    for name, group in groups.items():
+        # A group of one command would else lose its name.
+        group.callback(help=GROUPS[name])(_nothing)
+        made.add_typer(group, name=name, cls=lazy_group(MODULES[name]) if name in MODULES else None)
+    return made
+
+
+def _nothing() -> None:
+    """Stands where a command is made later."""
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from service.resources import program_version
+
+        print(program_version())
+        raise typer.Exit
+
+
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and end")
+    ] = False,
+) -> None:
+    """Motion capture in one open XML language: convert, store, query."""
+
+
+app = _made()
 
 
 def main() -> None:
-    """The entry point: errors of ours become one message and exit code 1, never a traceback."""
+    """The entry point: errors of ours become one message and exit code 1 (2: wrong usage), never a traceback."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         # A terminal that cannot show a name, such as a Korean one in the C locale, is no reason to fail.
         sys.stdout.reconfigure(errors="backslashreplace")
@@ -65,7 +134,7 @@ def main() -> None:
             print(f"      {error.remedy}", file=sys.stderr)
         if "code" in error.details:
             print(f"      {json.dumps(error.details, default=str, ensure_ascii=False)}", file=sys.stderr)
-        sys.exit(1)
+        sys.exit(2 if isinstance(error, RequestError) else 1)
     except BrokenPipeError:
         _leave_quietly()
     except SystemExit as end:

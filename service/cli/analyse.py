@@ -4,31 +4,41 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from pydantic import BaseModel
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.text import Text
 
-from schemas.jobs import Job, PartSummary, Result, Selection
-from service.actions.check_names import file_name
-from service.actions.read_music import read_music
+from mcml.files import write_file
+from schemas.jobs import Selection
+from service.actions.analysing.read_music import read_music
 from service.analysis.catalogue import SUBJECTS
-from service.analysis.interface import Analysis, Operation
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, chosen_settings, console, print_json, table
-from service.cli.work import Order, open_work
-from service.errors import McmlError
+from service.analysis.interface import Analysis
+from service.analysis.interface import ResultUse as Operation
+from service.cli.commands import add_group
+from service.cli.exporting import local_name
+from service.cli.present import present
+from service.cli.results import show_parts
+from service.cli.shared import (
+    DatabaseOption,
+    ForceOption,
+    JsonOption,
+    ServerOption,
+    chosen_settings,
+    console,
+    opened,
+    print_json,
+)
 from service.formats.format import SourceFile
+from service.operations import OPERATIONS
 
 Assignments = Annotated[
     list[str] | None, typer.Argument(metavar="[NAME=VALUE]...", help="Parameters; values as JSON or plain text")
 ]
 ResultArgument = Annotated[str, typer.Argument(help="Result")]
-MOST_SHOWN = 12
-"""Items of a list that `info` shows."""
 
 
 def add_to(app: typer.Typer) -> None:
@@ -44,8 +54,7 @@ def add_to(app: typer.Typer) -> None:
         app.add_typer(group, name=subject)
         if subject == "dance":
             group.command("music")(music)
-    app.command("results")(results)
-    app.command("delete")(delete)
+    add_group(app, "analyse")
 
 
 def _help(description: str, parameters: type[BaseModel]) -> str:
@@ -107,96 +116,31 @@ def _run(analysis: Analysis) -> Callable[..., None]:
         hidden = as_json or not sys.stderr.isatty()
         with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
             task = bar.add_task("starting", total=1.0)
-            job = open_work(database, server).start(
-                Order(analysis.name, selection, assigned(parameters), name, into, queue, extends, skeleton),
-                lambda stage, share: bar.update(task, description=stage[:48], completed=share),
-            )
-        show_job(job, as_json)
+            client = opened(database, server)
+            if queue:
+                client.queue()
+            stated = {"name": name, "project": into, "extends": extends, "skeleton": skeleton}
+            request = {
+                "inputs": selection,
+                "parameters": assigned(parameters),
+                **{key: value for key, value in stated.items() if value is not None},
+            }
+            job = client.call(f"start_{analysis.name.replace('-', '_')}", request=request)
+            if not queue:
+                job = client.finish(job, lambda stage, share: bar.update(task, description=stage[:48], completed=share))
+        present(OPERATIONS["get_job"], job, as_json)
         if job.state == "done" and not as_json and job.result:
-            _show_result(open_work(database, server).result(job.result))
+            show_parts(client.call("get_result", id=job.result))
 
     return command
-
-
-def show_job(job: Job, as_json: bool) -> None:
-    """Print a job; exit code 1 where it failed or was cancelled."""
-    if as_json:
-        print_json(job)
-    else:
-        console.print(f"{job.state:<9} {job.name}  {job.id}  {job.share:.0%} {job.stage}")
-        if job.left_out:
-            console.print(f"          without {job.left_out} clips that an analysis made (--include-made)")
-        if job.result:
-            console.print(f"          result {job.result}")
-    if job.problem is not None:
-        error = McmlError(job.problem.detail, remedy=job.problem.remedy)
-        if job.problem.code:
-            error.details |= {"code": job.problem.code} | (job.problem.details or {})
-        raise error
-    if job.state == "cancelled":
-        raise typer.Exit(1)
 
 
 def info(
     id: ResultArgument, database: DatabaseOption = None, server: ServerOption = None, as_json: JsonOption = False
 ) -> None:
     """Show a result: its parts and what can be done with it."""
-    found = open_work(database, server).result(id)
-    if as_json:
-        print_json(found)
-        return
-    console.print(
-        Text.assemble(
-            (found.name, "bold"),
-            f"  {found.id}\n{found.analysis} of {len(found.inputs)} clips, {found.created}",
-        )
-    )
-    _show_result(found)
-    for part in found.parts.values():
-        for line in _facts(part.data.get("summary"), "  "):
-            console.print(line)
-
-
-def _show_result(found: Result) -> None:
-    for name, part in found.parts.items():
-        console.print(f"  {name} ({part.kind}) {_gist(part)}", style="default")
-    if found.operations:
-        console.print(f"  then: {', '.join(found.operations)}", style="dim")
-
-
-def _facts(value: Any, indent: str) -> Iterator[str]:
-    """Facts within facts as lines: plain ones together, lists an item a line; long lists are cut."""
-    if isinstance(value, dict):
-        plain = [f"{key} {_plain(item)}" for key, item in value.items() if not isinstance(item, list | dict)]
-        if plain:
-            yield indent + ", ".join(plain)
-        for key, item in value.items():
-            if isinstance(item, list | dict) and item:
-                yield f"{indent}{key}:"
-                yield from _facts(item, indent + "  ")
-    elif isinstance(value, list):
-        nested = any(isinstance(item, list | dict) for item in value)
-        if not nested:
-            yield indent + ", ".join(map(_plain, value[:MOST_SHOWN]))
-        for item in value[:MOST_SHOWN] if nested else ():
-            yield from _facts(item, indent)
-        if len(value) > MOST_SHOWN:
-            yield f"{indent}… {len(value):,} in all (--json)"
-    elif value is not None:
-        yield indent + _plain(value)
-
-
-def _plain(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def _gist(part: PartSummary) -> str:
-    """What a part says, in a line: its plain numbers and texts, and the sizes of the rest."""
-    words = []
-    for key, value in part.data.items():
-        words.append(f"{key}: {len(value)}" if isinstance(value, list | dict) else f"{key} {_plain(value)}")
-    words += [f"{name} {'x'.join(map(str, about.shape))}" for name, about in part.arrays.items()]
-    return (f"document {part.document} " if part.document else "") + ", ".join(words)
+    found = opened(database, server).call("get_result", id=id)
+    present(OPERATIONS["get_result"], found, as_json)
 
 
 def _use(operation: str) -> Callable[..., None]:
@@ -206,6 +150,7 @@ def _use(operation: str) -> Callable[..., None]:
         output: Annotated[
             Path | None, typer.Option("-o", "--output", help="Write the clip to this file; its ending says the format")
         ] = None,
+        force: ForceOption = False,
         save: Annotated[bool, typer.Option("--save", help="Store the clip as a document")] = False,
         name: Annotated[str | None, typer.Option(help="Name of the clip")] = None,
         project: Annotated[str | None, typer.Option(help="Project of the document")] = None,
@@ -214,13 +159,14 @@ def _use(operation: str) -> Callable[..., None]:
     ) -> None:
         saving: dict[str, Any] = {"save": save, "name": name, "project": project}
         saving = {key: value for key, value in saving.items() if value is not None}
-        work, given = open_work(database, server), assigned(parameters)
+        form = "json" if output is None else output.suffix.lstrip(".").lower() or "bvh"
+        request = {"parameters": assigned(parameters), **saving}
+        done = opened(database, server).call(f"use_{operation.replace('-', '_')}", id=id, request=request, format=form)
         if output is None:
-            print_json(work.use(id, operation, given, saving))
+            print_json(done.model_copy(update={"clip": None}))
             return
-        said, content = work.use_for_file(id, operation, given, saving, output.suffix.lstrip(".").lower() or "bvh")
-        target = output / file_name(said) if output.is_dir() else output
-        target.write_bytes(content)
+        target = output / local_name(done.name or operation) if output.is_dir() else output
+        write_file(target, done.blocks, force=force)
         console.print(f"wrote    {target}")
 
     return command
@@ -230,28 +176,3 @@ def music(file: Annotated[Path, typer.Argument(help="WAV, FLAC or MP3")], databa
     """Find the beats of music, as JSON: what to correct, and to give to `make` as music=…"""
     with file.open("rb") as stream:
         print_json(read_music(SourceFile(file.name, stream), chosen_settings(database)))
-
-
-def results(
-    project: Annotated[str | None, typer.Option(help="Only of this project")] = None,
-    analysis: Annotated[str | None, typer.Option(help="Only of this analysis")] = None,
-    limit: Annotated[int, typer.Option(min=1, help="Most results to list")] = 100,
-    database: DatabaseOption = None,
-    server: ServerOption = None,
-    as_json: JsonOption = False,
-) -> None:
-    """List results, the newest first."""
-    found = open_work(database, server).results(project, analysis, limit)
-    if as_json:
-        print_json([item.model_dump(exclude_none=True) for item in found])
-        return
-    rows = table("id", "analysis", "name", "project", "clips#", "created")
-    for item in found:
-        rows.add_row(item.id, item.analysis, item.name, item.project, str(len(item.inputs)), item.created)
-    console.print(rows)
-
-
-def delete(id: ResultArgument, database: DatabaseOption = None, server: ServerOption = None) -> None:
-    """Delete a result and what was made from it; documents that were stored from it stay."""
-    open_work(database, server).delete_result(id)
-    console.print(f"deleted  {id}")

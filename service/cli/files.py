@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated, BinaryIO
+from typing import Annotated
 
 import typer
 
-from service.actions.convert_files import convert_files
-from service.actions.export_motion import targets
-from service.actions.import_options import ImportOptions
-from service.actions.inspect_files import inspect_files
-from service.cli.access import name_of
-from service.cli.shared import JsonOption, chosen_settings, console, print_json
-from service.errors import McmlError, UnsupportedError
-from service.formats import FORMATS
-from service.formats.format import SourceFile
-
-
-def add_to(app: typer.Typer) -> None:
-    app.command()(convert)
-    app.command()(validate)
+from mcml.files import check_free, opened_files, write_file
+from service.actions.exporting.convert_files import convert_files, format_of
+from service.actions.reading.import_options import ImportOptions
+from service.actions.reading.inspect_files import inspect_files
+from service.cli.shared import ForceOption, JsonOption, chosen_settings, console, print_json
+from service.errors import McmlError
 
 
 def convert(
@@ -32,59 +23,28 @@ def convert(
     frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the files do not say")] = None,
     encoding: Annotated[str | None, typer.Option(help="Text encoding of the input, if it is not UTF-8")] = None,
     names: Annotated[str | None, typer.Option(help="Joint names: mcml, bvh1, bvh2, asf or htr")] = None,
+    force: ForceOption = False,
     quiet: Annotated[bool, typer.Option(help="Do not print what was guessed or lost")] = False,
 ) -> None:
     """Convert a motion between formats. For ASF/AMC name the .amc; its .asf is written beside it."""
     if len(paths) < 2:
         raise typer.BadParameter("give at least one file to read and one to write")
     *sources, result = paths
-    target = to or _format_of(result)
+    target = to or format_of(result.name)
     with ExitStack() as stack:
         inputs = [*sources, *([skeleton] if skeleton else [])]
-        files = [SourceFile(name_of(path), stack.enter_context(_opened(path))) for path in inputs]
+        files = stack.enter_context(opened_files(inputs))
         converted = convert_files(
             files, target, chosen_settings(), frame_time=frame_time, encoding=encoding, names=names, stem=result.stem
         )
         done = stack.enter_context(converted)
         for extension, content in done.files.items():
-            _write(result if len(done.files) == 1 else result.with_suffix(extension), content)
+            path = result if len(done.files) == 1 else result.with_suffix(extension)
+            check_free(path, force=force, sources=inputs)
+            write_file(path, content, force=force)
         if not quiet:
             for notice in done.notices():
                 console.print(f"{notice.kind}: {notice.what}", style="dim")
-
-
-def _opened(path: Path) -> BinaryIO:
-    try:
-        return path.open("rb")
-    except OSError as error:
-        raise UnsupportedError(f"{path} cannot be read: {error.strerror}.") from error
-
-
-def _write(path: Path, content: Iterable[bytes]) -> None:
-    """The whole file or none: it gets its name when it is complete."""
-    part = path.with_name(path.name + ".part")
-    try:
-        with part.open("wb") as stream:
-            for block in content:
-                stream.write(block)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _format_of(path: Path) -> str:
-    extension = path.suffix.lower()
-    if extension in (".mcml", ".xml"):
-        return "mcml"
-    if extension == ".csv":
-        return "csv"
-    for name, format_ in FORMATS.items():
-        if any(extension in part.extensions for part in format_.parts):
-            return name
-    raise UnsupportedError(
-        f"{path.name!r} does not say which format to write.",
-        remedy=f"Use --to with one of: {', '.join(sorted(targets()))}.",
-    )
 
 
 def validate(
@@ -94,7 +54,7 @@ def validate(
     """Check files: MCML against mcml.dtd and the rules beyond it, other formats against theirs."""
     settings = chosen_settings()
     with ExitStack() as stack:
-        files = [SourceFile(name_of(path), stack.enter_context(_opened(path))) for path in paths]
+        files = stack.enter_context(opened_files(paths))
         clips, problems = inspect_files(files, ImportOptions(), settings)
     if as_json:
         print_json({"clips": clips, "problems": [{"file": name, "what": str(error)} for name, error in problems]})

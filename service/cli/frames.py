@@ -7,27 +7,15 @@ from typing import Annotated, Any, get_args
 
 import typer
 
-from schemas.frames import FrameEdit, FrameEdits, FramesEdited
-from service.cli.shared import (
-    DatabaseOption,
-    JsonOption,
-    MessageOption,
-    RevisionOption,
-    ServerOption,
-    console,
-    if_match,
-    open_api,
-    print_json,
-)
+from schemas.frames import FrameEdit, FrameEdits
+from service.cli.present import present
+from service.cli.shared import DatabaseOption, JsonOption, MessageOption, RevisionOption, ServerOption, match_of, opened
+from service.operations import OPERATIONS
 
 _EDITS = {get_args(kind.model_fields["do"].annotation)[0]: kind for kind in get_args(get_args(FrameEdit)[0])}
 """What can be done with frames, by name."""
 _NAMES = {"insert": {"to": "at", "source": "document"}}
 """Options that the API calls otherwise."""
-
-
-def add_to(app: typer.Typer) -> None:
-    app.command()(frames)
 
 
 def frames(
@@ -47,7 +35,7 @@ def frames(
         list[str] | None, typer.Option("--bone", help="adjust, smooth: only this; may be repeated")
     ] = None,
     ease: Annotated[int | None, typer.Option(help="adjust, smooth: frames at either end to come and go")] = None,
-    keep_ids: Annotated[bool, typer.Option("--keep-ids", help="Leave frame ids as they are")] = False,
+    renumber: Annotated[bool, typer.Option(help="Ids of frames that counted up by one do so again")] = True,
     message: MessageOption = "",
     revision: RevisionOption = None,
     database: DatabaseOption = None,
@@ -84,11 +72,6 @@ def frames(
     unused = sorted(set(edit) - set(kind.model_fields))
     if unused:
         raise typer.BadParameter(f"{do} has no use for {', '.join(unused)}")
-    request = FrameEdits(edits=[{"do": do} | edit], renumber=not keep_ids, message=message)
-    asked = request.model_dump(exclude_unset=True)
-    answer = open_api(database, server).send("POST", f"/documents/{id}/frames", json=asked, headers=if_match(revision))
-    done = FramesEdited(**answer.json())
-    if as_json:
-        print_json(done)
-    else:
-        console.print(f"revision {done.revision}, {done.frames:,} frames")
+    request = FrameEdits.model_validate({"edits": [{"do": do} | edit], "renumber": renumber, "message": message})
+    done = opened(database, server).call("edit_frames", id=id, edits=request, if_match=match_of(revision))
+    present(OPERATIONS["edit_frames"], done, as_json)

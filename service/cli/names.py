@@ -1,29 +1,21 @@
-"""`mcml names`, and the aliases of `mcml mapping`: what joints are called."""
+"""`mcml names apply`, `mcml mapping save` and `alias`: what joints are called."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from schemas.documents import DocumentPage
-from schemas.names import Alias, AliasTable, AppliedNames
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_api, print_json, table
-from service.mcml.joint_names import alias_key
+from schemas.names import Alias, SavedAliases
+from schemas.retarget import JointPair, RetargetRequest, SavedMapping
+from service.cli.present import present
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json
+from service.errors import NotFoundError
+from service.operations import OPERATIONS
 
-ProjectOption = Annotated[str, typer.Option(help="Project whose files call joints so")]
-
-
-def add_to(app: typer.Typer) -> None:
-    names = typer.Typer(no_args_is_help=True, help="Names of joints of documents that exist.")
-    # One command alone would lose its name.
-    names.callback()(_group)
-    names.command("apply")(apply)
-    app.add_typer(names, name="names")
-
-
-def _group() -> None:
-    """Names of joints of documents that exist."""
+JointsOption = Annotated[
+    list[str] | None, typer.Option("--joint", help="SOURCE=TARGET, for all that shall move; may be repeated")
+]
 
 
 def apply(
@@ -37,19 +29,11 @@ def apply(
     """Give joints the names that an import would give them now, each document as a revision that undo takes back."""
     if ids and project is not None:
         raise typer.BadParameter("name documents, or a --project")
-    api = open_api(database, server)
-    wanted = list(ids or ())
-    asked: dict[str, Any] = {"limit": 1000} | ({} if project is None else {"project": project})
-    while not ids:
-        page = DocumentPage(**api.send("GET", "/documents", params=asked).json())
-        wanted += [item.id for item in page.items]
-        if page.next_cursor is None:
-            break
-        asked["cursor"] = page.next_cursor
+    client = opened(database, server)
+    wanted = ids or [item.id for item in client.every("list_documents", project=project).items]
     done = 0
     for id in wanted:
-        answer = api.send("POST", f"/documents/{id}/names", params={"dry_run": dry_run}, headers={"if-match": "*"})
-        made = AppliedNames(**answer.json())
+        made = client.call("apply_names", id=id, dry_run=dry_run, if_match="*")
         done += bool(made.items)
         if as_json:
             print_json(made)
@@ -60,47 +44,67 @@ def apply(
         console.print(f"{done} of {len(wanted)} documents {'would be' if dry_run else 'were'} changed")
 
 
-def aliases(
-    project: ProjectOption = "default",
-    database: DatabaseOption = None,
-    server: ServerOption = None,
-    as_json: JsonOption = False,
-) -> None:
-    """List what a project calls joints, beside the names that are known."""
-    _told(AliasTable(**open_api(database, server).send("GET", "/aliases", params={"project": project}).json()), as_json)
-
-
 def alias(
     pairs: Annotated[list[str] | None, typer.Argument(help="NAME=JOINT, such as Hüfte=Root")] = None,
     remove: Annotated[list[str] | None, typer.Option("--remove", help="Take this one away; may be repeated")] = None,
-    project: ProjectOption = "default",
+    project: Annotated[str, typer.Option(help="Project whose files call joints so")] = "default",
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Say what a project calls joints, for imports to come. `mcml names apply` renames documents that exist."""
+    from service.mcml.joint_names import alias_key
+
     given = [text.rpartition("=")[::2] for text in pairs or ()]
     if not all(one and other for one, other in given) or not (given or remove):
         raise typer.BadParameter("NAME=JOINT, such as Hüfte=Root, or --remove NAME")
-    api, asked = open_api(database, server), {"project": project}
-    present = api.send("GET", "/aliases", params=asked)
+    client = opened(database, server)
+    present_table = client.call("get_aliases", project=project)
     gone = {alias_key(name) for name in (*(one for one, _ in given), *(remove or ()))}
-    items = [item for item in AliasTable(**present.json()).items if alias_key(item.source) not in gone]
+    items = [item for item in present_table.items if alias_key(item.source) not in gone]
     items += [Alias(source=one, name=other) for one, other in given]
-    headers = {"if-match": present.headers["etag"]}
+    match = f'"{present_table.version}"'
     if not items:
-        api.send("DELETE", "/aliases", params=asked, headers=headers)
+        client.call("delete_aliases", project=project, if_match=match)
         return
-    body: dict[str, Any] = {"items": [item.model_dump() for item in items]}
-    _told(AliasTable(**api.send("PUT", "/aliases", json=body, params=asked, headers=headers).json()), as_json)
+    made = client.call("save_aliases", aliases=SavedAliases(items=items), project=project, if_match=match)
+    present(OPERATIONS["save_aliases"], made, as_json)
 
 
-def _told(made: AliasTable, as_json: bool) -> None:
-    if as_json:
-        print_json(made)
-        return
-    rows = table("name in files", "joint")
-    for item in made.items:
-        rows.add_row(item.source, item.name)
-    console.print(rows)
-    console.print(f"project {made.project}, version {made.version}")
+def save(
+    name: Annotated[str, typer.Argument(help="Mapping; one of that name is replaced")],
+    joints: JointsOption = None,
+    suggest: Annotated[
+        tuple[str, str] | None, typer.Option(metavar="ID SKELETON", help="Begin with what is suggested for these two")
+    ] = None,
+    project: Annotated[str, typer.Option(help="Project that keeps the mapping")] = "default",
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Save which joint is which: pairs of your own, over those that are suggested for two documents."""
+    client = opened(database, server)
+    pairs: dict[str, str] = {}
+    if suggest is not None:
+        asked = RetargetRequest(skeleton=suggest[1], preview=True)
+        pairs = {match.target: match.source for match in client.call("retarget", id=suggest[0], request=asked).matches}
+    pairs |= {pair.target: pair.source for pair in joint_pairs(joints)}
+    if not pairs:
+        raise typer.BadParameter("give --joint SOURCE=TARGET, or --suggest ID SKELETON")
+    try:
+        version = client.call("get_mapping", name=name, project=project).version
+    except NotFoundError:
+        match = None
+    else:
+        match = f'"{version}"'
+    mapping = SavedMapping(pairs=[JointPair(source=source, target=target) for target, source in pairs.items()])
+    made = client.call("save_mapping", name=name, mapping=mapping, project=project, if_match=match)
+    present(OPERATIONS["save_mapping"], made, as_json)
+
+
+def joint_pairs(joints: list[str] | None) -> list[JointPair]:
+    """SOURCE=TARGET texts."""
+    pairs = [text.partition("=")[::2] for text in joints or ()]
+    if not all(one and other for one, other in pairs):
+        raise typer.BadParameter("SOURCE=TARGET, such as left_hand=left_wrist", param_hint="--joint")
+    return [JointPair(source=one, target=other) for one, other in pairs]

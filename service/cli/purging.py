@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from service.actions.purge_documents import Purgeable, purge_documents, purgeable
 from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
 from service.errors import McmlError
 
-
-def add_to(app: typer.Typer) -> None:
-    app.command()(purge)
+if TYPE_CHECKING:
+    from service.actions.keeping.purge_documents import Purgeable
 
 
 def purge(
@@ -28,6 +26,8 @@ def purge(
     """Remove documents for good: all revisions and files, and what was made of them alone. Nothing brings them back."""
     if not ids and deleted_before is None:
         raise McmlError("Nothing is named.", remedy="Name full ids, or --deleted-before DAYS.")
+    from service.actions.keeping.purge_documents import purge_documents, purgeable
+
     store = open_database(chosen_settings(database))
     found = purgeable(store, ids or [], deleted_before)
     done = 0

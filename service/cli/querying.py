@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, open_library, print_json, table
+from service.cli.shared import (
+    DatabaseOption,
+    JsonOption,
+    ServerOption,
+    console,
+    opened,
+    print_json,
+    table,
+    write_blocks,
+)
 from service.xpath.parse import parse
 from service.xpath.tree import type_of
 from service.xpath.writing import STREAMS
-
-
-def add_to(app: typer.Typer) -> None:
-    app.command()(xpath)
-
 
 FORMS = ("runs", "json", "xml", "ndjson", "csv", "count")
 
@@ -47,7 +50,7 @@ def xpath(
     if output is not None and as_ not in STREAMS:
         raise typer.BadParameter(f"--output needs --as {', '.join(STREAMS)}")
     variables = dict(_variable(text) for text in variable or ())
-    library = open_library(database, server)
+    client = opened(database, server)
     text = f"count({query})" if as_ == "count" else query
     form = "json" if as_ == "count" or type_of(parse(text, variables).tree) != "nodes" else as_
     asked: dict[str, Any] = {
@@ -59,11 +62,12 @@ def xpath(
         "variables": variables,
     }
     if form in STREAMS:
-        _write(library.query_stream(QueryRequest(**asked, limit=limit, **{"as": form})), output)
+        found = client.call("post_query", request=QueryRequest(**asked, limit=limit, **{"as": form}))
+        write_blocks(found.blocks, output)
         return
     limit = limit or 1000
     request = QueryRequest(**asked, limit=limit, **{"as": form})
-    answer = library.query(request)
+    answer = client.call("post_query", request=request)
     if as_json:
         print_json(answer)
         return
@@ -98,22 +102,6 @@ def _variable(text: str) -> tuple[str, str]:
     if not found:
         raise typer.BadParameter(f"--var {text}: write name=value")
     return name.strip().removeprefix("$"), value
-
-
-def _write(blocks: Iterator[bytes], output: Path | None) -> None:
-    """To a file, whole or not at all; else to standard output."""
-    if output is None:
-        for block in blocks:
-            sys.stdout.buffer.write(block)
-        sys.stdout.buffer.flush()
-        return
-    part = output.with_name(output.name + ".part")
-    try:
-        with part.open("wb") as target:
-            target.writelines(blocks)
-        part.replace(output)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _text(value: str | float | bool) -> str:

@@ -8,24 +8,20 @@ import platform
 import shutil
 import sqlite3
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.text import Text
 
-from service.cli.shared import DatabaseOption, chosen_settings, console, open_database
+from mcml.files import write_file
+from service.cli.shared import DatabaseOption, ForceOption, chosen_settings, console, open_database
 from service.errors import AccessError, McmlError
 from service.resources import dtd_path, migrations_path
 from service.settings import is_loopback
 from service.storage.filtering import DocumentFilter
 
 OPEN = "Open to everything on this machine, a proxy included, until the first token is made: mcml token add NAME"
-
-
-def add_to(app: typer.Typer) -> None:
-    app.command()(serve)
-    app.command()(demo)
-    app.command()(doctor)
 
 
 def serve(
@@ -79,14 +75,25 @@ def serve(
 def demo(
     database: DatabaseOption = None,
     seed: Annotated[int, typer.Option(help="Another seed makes other clips")] = 1,
+    files: Annotated[
+        Path | None, typer.Option(help="Instead: write walk.bvh, reach.asf and reach.amc into this folder, to try with")
+    ] = None,
+    force: ForceOption = False,
 ) -> None:
     """Add a small library of generated clips: walks, reaches, dances, faces, with their motion names and properties."""
+    if files is not None:
+        from service.actions.importing.load_demo import demo_files
+
+        for name, content in demo_files(seed).items():
+            write_file(files / name, [content], force=force)
+            console.print(f"wrote    {files / name}")
+        return
     count = _load_demo(database, seed)
     console.print(f"Added {count} generated clips to the projects demo, demo-reach, demo-dance and demo-face.")
 
 
 def _load_demo(database: str | None, seed: int = 1) -> int:
-    from service.actions.load_demo import load_demo
+    from service.actions.importing.load_demo import load_demo
 
     settings = chosen_settings(database)
     store = open_database(settings)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,10 +12,11 @@ from pydantic import BaseModel, ValidationError
 from rich.console import Console
 from rich.table import Table
 
-from service.cli.access import Library, LocalLibrary, RemoteLibrary
-from service.cli.api import Api, local_api, remote_api
+from mcml.client import Client
+from mcml.files import write_file
 from service.errors import McmlError
-from service.settings import Settings, private_folder
+from service.local_secret import read_secret
+from service.settings import Settings, data_folder, is_loopback, private_folder
 from service.storage.database import Database
 
 DatabaseOption = Annotated[str | None, typer.Option("--database", help="Store to work on, as an SQLAlchemy URL")]
@@ -23,6 +25,7 @@ MessageOption = Annotated[str, typer.Option("-m", "--message", help="Why, for th
 RevisionOption = Annotated[
     int | None, typer.Option("--revision", min=1, help="Only if the document is still at this revision")
 ]
+ForceOption = Annotated[bool, typer.Option("--force", help="Replace a file of that name")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts")]
 
 # Names of files and documents may hold brackets: nothing that is printed is markup.
@@ -51,26 +54,40 @@ def open_database(settings: Settings, *, migrate: bool = True) -> Database:
     return database
 
 
-def open_library(database: str | None, server: str | None) -> Library:
-    """The library that a command works on: a store here, or a server."""
+def opened(database: str | None, server: str | None) -> Client:
+    """What a command works on: a store here, or a server."""
     settings = chosen_settings(database)
-    if server:
-        return RemoteLibrary(remote_api(server, settings.token))
-    return LocalLibrary(open_database(settings), settings)
+    if server is None:
+        from mcml.local import Local
+
+        return Local(open_database(settings), settings)
+    # Imported late: commands on a store of this machine need no HTTP.
+    from mcml.remote import Remote, host_of
+
+    token = settings.token
+    if token is None and is_loopback(host_of(server)):
+        # A server on this machine is sent the secret that it keeps for its owner.
+        token = read_secret(data_folder())
+    return Remote(server, token)
 
 
-def open_api(database: str | None, server: str | None) -> Api:
-    """The REST API of a server, or of the service in this process."""
-    settings = chosen_settings(database)
-    return remote_api(server, settings.token) if server else local_api(open_database(settings), settings)
+def match_of(revision: int | None) -> str:
+    """For which revision a change is made: for one, or for whatever is current."""
+    return "*" if revision is None else f'"{revision}"'
 
 
-def if_match(revision: int | None) -> dict[str, str]:
-    """The header of a change: for one revision, or for whatever is current."""
-    return {"if-match": "*" if revision is None else f'"{revision}"'}
+def write_blocks(blocks: Iterable[bytes | memoryview], output: Path | None, *, force: bool = False) -> None:
+    """To a file, whole or not at all; else to standard output."""
+    if output is not None:
+        write_file(output, blocks, force=force)
+        console.print(f"wrote    {output}")
+        return
+    for block in blocks:
+        sys.stdout.buffer.write(block)
+    sys.stdout.buffer.flush()
 
 
-def print_json(answer: BaseModel | list[Any] | dict[str, Any]) -> None:
+def print_json(answer: BaseModel | dict[str, Any]) -> None:
     if isinstance(answer, BaseModel):
         print(answer.model_dump_json(indent=2, exclude_none=True))
     else:

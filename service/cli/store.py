@@ -9,27 +9,11 @@ from typing import Annotated
 
 import typer
 
-from service.actions.check_uploads import compare_all
-from service.actions.keep_room import compact_store, prune_history
-from service.actions.keep_store import backup, restore
+from service.actions.keeping.check_uploads import compare_all
+from service.actions.keeping.keep_room import compact_store, prune_history
+from service.actions.keeping.keep_store import backup, restore
 from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
 from service.errors import McmlError
-
-
-def add_to(app: typer.Typer) -> None:
-    db = typer.Typer(no_args_is_help=True, help="Upgrade, back up, restore and check the store.")
-    db.command()(upgrade)
-    db.command("backup")(backup_)
-    db.command("restore")(restore_)
-    db.command()(check)
-    db.command()(prune)
-    db.command()(compact)
-    app.add_typer(db, name="db")
-    token = typer.Typer(no_args_is_help=True, help="Tokens that open a server to other machines.")
-    token.command("add")(token_add)
-    token.command("list")(token_list)
-    token.command("revoke")(token_revoke)
-    app.add_typer(token, name="token")
 
 
 def upgrade(database: DatabaseOption = None) -> None:
@@ -142,7 +126,7 @@ def token_list(database: DatabaseOption = None, as_json: JsonOption = False) -> 
     with open_database(chosen_settings(database)).read() as tx:
         found = tx.tokens.all()
     if as_json:
-        print_json([vars(item) for item in found])
+        print_json({"items": [vars(item) for item in found]})
         return
     rows = table("name", "begins with", "made", "expires")
     for item in found:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,6 @@ from service.motion.clip import ClipStream
 from service.motion.skeleton import Array
 
 Style = Literal["groove", "hit", "step", "accent", "wave", "preparation"]
-STYLES: tuple[Style, ...] = get_args(Style)
-BEAT_STYLES: tuple[Style, ...] = ("groove", "hit", "step", "accent")
 
 FIGURES, HOMES = 6, 2
 PREPARATION = 2.0

@@ -14,7 +14,7 @@ import numpy as np
 from service.errors import FormatError, Notice, Place
 from service.formats.asf import read_asf
 from service.formats.asf_amc_writer import write_amc, write_asf
-from service.formats.format import Limits, Part, ReadOptions, SourceFile, need_convention
+from service.formats.format import FileKind, Limits, ReadOptions, SourceFile, need_convention
 from service.formats.frame_rows import FrameRows, RowLayout, note_comments
 from service.formats.lines import BLANKS, Encoding, Lines, detect_encoding
 from service.formats.number_text import detect_style
@@ -31,7 +31,7 @@ class AsfAmc:
 
     name = "asf-amc"
     title = "Acclaim ASF/AMC"
-    parts = (Part("asf", (".asf", ".ast"), "Skeleton"), Part("amc", (".amc",), "Motion"))
+    parts = (FileKind("asf", (".asf", ".ast"), "Skeleton"), FileKind("amc", (".amc",), "Motion"))
     convention = Convention.FIXED
     media_type = "text/plain"
 

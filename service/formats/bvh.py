@@ -14,7 +14,7 @@ from typing import BinaryIO
 from service.errors import FormatError, LimitError, Notice
 from service.formats.bvh_hierarchy import LONGEST_SHARED, read_hierarchy, shared_hierarchy, write_hierarchy
 from service.formats.bvh_motion import Motion, guess_translation
-from service.formats.format import Limits, Part, ReadOptions, SourceFile, need_convention
+from service.formats.format import FileKind, Limits, ReadOptions, SourceFile, need_convention
 from service.formats.lines import Encoding, Lines, Token, Tokens, detect_encoding, encoded, shown
 from service.formats.number_text import detect_style, rows_of_text
 from service.formats.numbers import is_number, is_whole, what_is_wrong
@@ -33,7 +33,7 @@ class Bvh:
 
     name = "bvh"
     title = "Biovision BVH"
-    parts = (Part("bvh", (".bvh",), "Skeleton and motion"),)
+    parts = (FileKind("bvh", (".bvh",), "Skeleton and motion"),)
     convention = Convention.LISTED
     media_type = "text/plain"
 

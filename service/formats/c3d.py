@@ -18,7 +18,7 @@ from service.formats.c3d_layout import find_layout, scales_said
 from service.formats.c3d_parameters import Statements, read_statements
 from service.formats.c3d_points import Points
 from service.formats.c3d_writer import write_c3d
-from service.formats.format import Part, ReadOptions, SourceFile, need_convention, note
+from service.formats.format import FileKind, ReadOptions, SourceFile, need_convention, note
 from service.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart, full_shape
 from service.motion.markers import marker_skeleton
 from service.motion.skeleton import Array, Convention, Skeleton
@@ -29,7 +29,7 @@ class C3d:
 
     name = "c3d"
     title = "C3D"
-    parts = (Part("c3d", (".c3d",), "Markers"),)
+    parts = (FileKind("c3d", (".c3d",), "Markers"),)
     convention = Convention.MARKER
     media_type = "application/octet-stream"
 

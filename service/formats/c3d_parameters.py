@@ -19,7 +19,6 @@ from service.motion.skeleton import Array
 
 BLOCK: Final = 512
 INTEL, DEC, MIPS = 84, 85, 86
-_MARK: Final = 0x50
 _MOST_BYTES: Final = 256 * BLOCK
 """Of a parameter section: a byte says how many blocks it has."""
 

@@ -16,7 +16,7 @@ _CONTROL = re.compile("[\x00-\x1f\x7f]")
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class FileKind:
     """One kind of file that a format consists of.
 
     name: "bvh", "asf" … extensions: with the dot, the usual one first. title: for people.
@@ -32,7 +32,7 @@ class Limits:
     """What a reader accepts before it gives up; checked before memory is taken.
 
     joints: of a skeleton. depth: joints below each other. name: bytes of one name. frames, values: of a clip.
-    text: characters of comments and unknown sections. seconds, memory (bytes): of a reader in a process of its own.
+    text: characters of comments and unknown sections.
     """
 
     joints: int = 10_000
@@ -41,8 +41,6 @@ class Limits:
     frames: int = 50_000_000
     values: int = 4_000_000_000
     text: int = 4 << 20
-    seconds: float = 60.0
-    memory: int = 2 << 30
 
     def check_name(self, name: str, at: Place | None = None) -> None:
         """Raises LimitError for a name that is too long, FormatError for one with control characters."""
@@ -138,7 +136,7 @@ class Format(Protocol):
     @property
     def title(self) -> str: ...
     @property
-    def parts(self) -> tuple[Part, ...]: ...
+    def parts(self) -> tuple[FileKind, ...]: ...
     @property
     def convention(self) -> Convention: ...
     @property

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from service.errors import FormatError, Notice
-from service.formats.format import Part, ReadOptions, SourceFile, need_convention
+from service.formats.format import FileKind, ReadOptions, SourceFile, need_convention
 from service.formats.frame_rows import FrameRows, RowLayout, note_comments
 from service.formats.htr_head import CHANNELS, HtrHead, read_head
 from service.formats.htr_segments import Segments, index_segments, missing_lexeme, plain_ids
@@ -36,7 +36,7 @@ class Htr:
 
     name = "htr"
     title = "Motion Analysis HTR"
-    parts = (Part("htr", (".htr", ".htr2"), "Skeleton and motion"),)
+    parts = (FileKind("htr", (".htr", ".htr2"), "Skeleton and motion"),)
     convention = Convention.BASE
     media_type = "text/plain"
 

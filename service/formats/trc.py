@@ -14,7 +14,7 @@ from typing import BinaryIO, Final
 import numpy as np
 
 from service.errors import FormatError, Notice
-from service.formats.format import Part, ReadOptions, SourceFile, need_convention, note
+from service.formats.format import FileKind, ReadOptions, SourceFile, need_convention, note
 from service.formats.lines import Line, Lines, detect_encoding, shown
 from service.formats.number_text import detect_style
 from service.formats.numbers import is_number, is_whole
@@ -35,7 +35,7 @@ class Trc:
 
     name = "trc"
     title = "Motion Analysis TRC"
-    parts = (Part("trc", (".trc",), "Markers"),)
+    parts = (FileKind("trc", (".trc",), "Markers"),)
     convention = Convention.MARKER
     media_type = "text/plain"
 

@@ -10,6 +10,7 @@ from service.errors import FormatError, Notice
 from service.formats.format import Limits, note
 from service.formats.numbers import is_whole
 from service.formats.trc_rows import Columns
+from service.numerics.runs import find_consecutive
 
 
 def find_columns(
@@ -67,6 +68,5 @@ def _columns(width: int, places: Sequence[int]) -> Columns:
 
 def _ranges(numbers: np.ndarray) -> str:
     """Columns, counted from 1, as 9-11, 15-17."""
-    breaks = np.flatnonzero(np.diff(numbers) != 1) + 1
-    parts = [(int(part[0]), int(part[-1])) for part in np.split(numbers, breaks)]
-    return ", ".join(f"{first}-{last}" if first != last else str(first) for first, last in parts)
+    ranges = find_consecutive(numbers).tolist()
+    return ", ".join(f"{first}-{last}" if first != last else str(first) for first, last in ranges)

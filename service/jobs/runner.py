@@ -14,7 +14,7 @@ from contextlib import suppress
 from typing import Any
 
 from schemas.problem import Problem
-from service.actions.save_results import save_results
+from service.actions.analysing.save_results import save_results
 from service.analysis.interface import Progress
 from service.errors import ConflictError, McmlError, UnavailableError
 from service.jobs.cluster import Cluster

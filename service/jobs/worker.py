@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from service.actions.describe_problem import problem_of
-from service.actions.load_motions import load_motions
-from service.actions.save_results import load_parts
-from service.actions.start_analysis import EXTENDS, LEFT_OUT, SKELETON, checked_parameters, find_analysis
+from service.actions.analysing.save_results import load_parts
+from service.actions.analysing.start_analysis import EXTENDS, LEFT_OUT, SKELETON, checked_parameters, find_analysis
+from service.actions.checking.describe_problem import problem_of
+from service.actions.composing.load_motions import load_motions
 from service.analysis.interface import Parts, Progress
 from service.errors import McmlError
 from service.storage.database import Database

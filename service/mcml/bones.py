@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from service.errors import DocumentError, Place
+from service.mcml.addresses import address_attribute
 from service.mcml.element import Element, addresses, leaf
 from service.mcml.lexical import WHITE_SPACE, escape, is_decimal, split_list, unescape
 from service.mcml.vocabulary import (
@@ -98,7 +99,7 @@ def read_skeleton(document: Element, file_format: str) -> Skeleton:
         joints.append(read(element, address, parent, convention))
         parent_of.update({id(bone): index for bone in element.children})
         if "declared" in element.attributes:
-            ranks[index] = _integer(element.attributes["declared"], f"{address}/@declared")
+            ranks[index] = _integer(element.attributes["declared"], address_attribute(address, "declared"))
     _refuse_equal_names(joints)
     return Skeleton(tuple(joints), _declared(ranks, len(joints)))
 
@@ -186,15 +187,15 @@ def _fill_bone(bone: Element, sites: tuple[EndSite, ...], children: list[Element
 def _read_root(element: Element, address: str, parent: int, convention: Convention) -> Joint:
     get = element.attributes.get
     name = unescape(get("name", DEFAULT_ROOT_NAME))
-    channels = _channels(get("order", ""), f"{address}/@order")
+    channels = _channels(get("order", ""), address_attribute(address, "order"))
     sites = []
     for place, site in enumerate(element.children, start=1):
         where = f"{address}/end_site[{place}]"
         sites.append(_read_end_site(site, where, _integer(site.attributes.get("before", "0"), f"{where}/@before")))
     return replace(
         _read_shared(element, name, parent, convention, channels, unescape(get("axis", ""))),
-        offset=_triple(get("position"), f"{address}/@position"),
-        axis=_triple(get("orientation"), f"{address}/@orientation"),
+        offset=_triple(get("position"), address_attribute(address, "position")),
+        axis=_triple(get("orientation"), address_attribute(address, "orientation")),
         end_sites=tuple(sites),
     )
 
@@ -248,7 +249,7 @@ def _read_shared(
 
 
 def _read_end_site(element: Element, address: str, before: int) -> EndSite:
-    offset = _triple(element.attributes["position"], f"{address}/@position")
+    offset = _triple(element.attributes["position"], address_attribute(address, "position"))
     return EndSite(offset or ("0", "0", "0"), unescape(element.attributes.get("name", "")), before)
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 from lxml import etree
 
+from service.mcml.addresses import address_attribute
 from service.resources import dtd_path
 
 START = 0
@@ -42,7 +43,7 @@ class Declaration:
             if allowed is None:
                 return f"{self.name} has no attribute {name}; it may have {', '.join(self.attributes) or 'none'}"
             if allowed and value not in allowed:
-                return f"{self.name}/@{name} is {value!r}; it must be {' or '.join(allowed)}"
+                return f"{address_attribute(self.name, name)} is {value!r}; it must be {' or '.join(allowed)}"
         missing = [name for name in self.required if name not in attributes]
         return f"{self.name} needs the attribute {missing[0]}" if missing else None
 
@@ -85,7 +86,7 @@ def _declare(element: Any) -> Declaration:
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _Ends:
     """What a piece of a model begins and ends with, and whether it may be left out."""
 
     nullable: bool
@@ -100,26 +101,26 @@ class _Model:
         self.tags = [""]
         self.follow: list[set[int]] = [set()]
 
-    def compile(self, content: Any) -> _Part:
+    def compile(self, content: Any) -> _Ends:
         if content.type == "element":
             self.tags.append(content.name)
             self.follow.append(set())
             place = {len(self.tags) - 1}
-            part = _Part(False, place, place)
+            part = _Ends(False, place, place)
         else:
             left, right = self.compile(content.left), self.compile(content.right)
             if content.type == "seq":
                 self._join(left.last, right.first)
-                part = _Part(
+                part = _Ends(
                     left.nullable and right.nullable,
                     left.first | (right.first if left.nullable else set()),
                     right.last | (left.last if right.nullable else set()),
                 )
             else:
-                part = _Part(left.nullable or right.nullable, left.first | right.first, left.last | right.last)
+                part = _Ends(left.nullable or right.nullable, left.first | right.first, left.last | right.last)
         if content.occur in ("mult", "plus"):
             self._join(part.last, part.first)
-        return _Part(part.nullable or content.occur in ("opt", "mult"), part.first, part.last)
+        return _Ends(part.nullable or content.occur in ("opt", "mult"), part.first, part.last)
 
     def _join(self, before: set[int], after: set[int]) -> None:
         for place in before:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from service.mcml.addresses import number_steps
 from service.mcml.lexical import WHITE_SPACE
 
 
@@ -58,11 +58,6 @@ def addresses(element: Element, address: str = "") -> Iterator[tuple[str, Elemen
         yield here, current
         if not current.children:
             continue
-        total = Counter(child.tag for child in current.children)
-        seen: Counter[str] = Counter()
-        steps = []
-        for child in current.children:
-            seen[child.tag] += 1
-            place = f"[{seen[child.tag]}]" if total[child.tag] > 1 else ""
-            steps.append((f"{here}/{child.tag}{place}", child))
-        stack.extend(reversed(steps))
+        steps = number_steps([child.tag for child in current.children])
+        below = [(f"{here}/{step}", child) for step, child in zip(steps, current.children, strict=True)]
+        stack.extend(reversed(below))

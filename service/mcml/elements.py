@@ -16,6 +16,7 @@ from service.mcml.vocabulary import (
     DATAFRAME_RATE,
     DESCRIPTION,
     HEADER,
+    HEADER_LEAVES,
     HEADER_LEAVES_AFTER_UNITS,
     HEADER_LEAVES_BEFORE_UNITS,
     LANGUAGE_VERSION,
@@ -186,7 +187,7 @@ def _write_source(part: SourcePart) -> Element:
 def _read_fields(header: Element) -> dict[str, str]:
     fields: dict[str, str] = {}
     for child in header.children:
-        if child.tag in (*HEADER_LEAVES_BEFORE_UNITS, *HEADER_LEAVES_AFTER_UNITS):
+        if child.tag in HEADER_LEAVES:
             fields[child.tag] = unescape(child.text.strip(WHITE_SPACE))
         elif child.tag == UNITS:
             fields.update({f"units_{name}": unescape(value) for name, value in child.attributes.items()})

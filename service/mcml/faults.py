@@ -10,6 +10,7 @@ import io
 from collections.abc import Iterator, Sequence
 
 from service.errors import DocumentError, Place
+from service.mcml.addresses import address_attribute, address_frame
 from service.mcml.dtd import MOST_FAULTS, told
 from service.mcml.element import Element, leaf
 from service.mcml.reader import read_document
@@ -36,11 +37,11 @@ def all_faults(head: Element, frames: Sequence[Element], at: int, first: Documen
     """
     found: list[tuple[str, str]] = []
     for number, frame in enumerate(frames):
-        found += _faults(head, frame, f"/mcml/{MOTION}/{FRAME}[{at + number}]")
+        found += _faults(head, frame, address_frame(at + number))
         if len(found) > MOST_FAULTS:
             break
     if not found:
-        found = [(f"/mcml/{MOTION}/{FRAME}[{at}]", first.what)]
+        found = [(address_frame(at), first.what)]
     return DocumentError(told(found), at=Place(element=found[0][0]), remedy=first.remedy if len(found) == 1 else None)
 
 
@@ -69,7 +70,7 @@ def _child_faults(head: Element, frame: Element, child: Element, address: str) -
             attributes = {NAME: child.attributes[NAME]} | {name: text}
             fault = _fault(head, Element(frame.tag, frame.attributes, "", [Element(child.tag, attributes)]))
             if fault is not None:
-                found.append((f"{address}/@{name}", fault))
+                found.append((address_attribute(address, name), fault))
             if name == NAME and fault is not None:
                 # Nothing else can be told of a bone that is not there.
                 break

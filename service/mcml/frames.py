@@ -14,6 +14,7 @@ import orjson
 from numpy.typing import NDArray
 
 from service.errors import DocumentError, LimitError, Place
+from service.mcml.addresses import address_attribute, address_child, address_frame
 from service.mcml.content import declarations
 from service.mcml.lexical import WHITE_SPACE, is_decimal, unescape
 from service.mcml.repeats import Pattern, pattern_of
@@ -260,16 +261,16 @@ class FrameReader:
                     text = next(texts)
                     if not is_decimal(text):
                         frame = self.total - len(self._ids) + place + 1
-                        address = f"/mcml/motion/frame[{frame}]/frame_bone[{ordinal}]/@{CHANNELS[channel]}"
+                        bone = address_child(frame, FRAME_BONE, ordinal)
                         return DocumentError(
                             f"{CHANNELS[channel]} of {names[joint]!r} is {text[:40]!r}, not a finite decimal number",
-                            at=Place(line=line, element=address),
+                            at=Place(line=line, element=address_attribute(bone, CHANNELS[channel])),
                             remedy="Leave the attribute out where there is no sample.",
                         )
         raise ValueError("every number of the block is a decimal")
 
     def _place(self) -> Place:
-        return Place(line=self._line(), element=f"/mcml/motion/frame[{self.total + 1}]")
+        return Place(line=self._line(), element=address_frame(self.total + 1))
 
 
 def _decimals(joined: bytes, texts: list[str]) -> list[float]:

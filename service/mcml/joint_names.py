@@ -164,20 +164,6 @@ def root_candidates(skeleton: Skeleton) -> tuple[int, ...]:
     )
 
 
-def assign(skeleton: Skeleton, extra: Sequence[tuple[str, str]] = ()) -> Skeleton:
-    """The skeleton with `name` and `mapped` of every joint set; source names stay as they are.
-
-    extra: a team's own rows, (name in the source, name to give), which come first.
-    Never fails: a joint that no row fits keeps its source name, with `#2` if that is taken.
-    """
-    return named(skeleton, extra)[0]
-
-
-def report(skeleton: Skeleton, extra: Sequence[tuple[str, str]] = ()) -> NamingReport:
-    """What `assign` does to this skeleton, and why joints stay unmapped."""
-    return named(skeleton, extra)[1]
-
-
 def translate(skeleton: Skeleton, to: str) -> Skeleton:
     """The skeleton with the source names of mapped joints replaced by those of another column of Table 1.
 
@@ -203,7 +189,10 @@ def translate(skeleton: Skeleton, to: str) -> Skeleton:
 def named(
     skeleton: Skeleton, extra: Sequence[tuple[str, str]] = (), root: int | None = None
 ) -> tuple[Skeleton, NamingReport]:
-    """What `assign` and `report` give, in one go.
+    """The skeleton with `name` and `mapped` of every joint set, and why joints stay unmapped.
+
+    Source names stay as they are. extra: a team's own rows, (name in the source, name to give), which come first. Never
+    fails: a joint that no row fits keeps its source name, with `#2` if that is taken.
 
     root: which of several `root_candidates` moves the figure; None: the first.
     """

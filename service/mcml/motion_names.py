@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import re
 import unicodedata
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -24,7 +24,7 @@ MAX_BYTES = 1024
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class BodyPart:
     """A part of the body.
 
     sided: whether its names need left, right or both; if not, they must not have one. joints: of Table 1, `*` for
@@ -143,18 +143,11 @@ def nearest(side: str, part: str, movement: str) -> str:
     return str(_with_side(side, *first))
 
 
-def possible_names() -> Iterator[str]:
-    """Every anatomical motion name, in the order of the table."""
-    for part in parts().values():
-        for side in SIDES if part.sided else ("",):
-            yield from (str(MotionName(side, part.name, movement)) for movement in part.movements)
-
-
 @cache
-def parts() -> dict[str, Part]:
+def parts() -> dict[str, BodyPart]:
     """Parts of the body by name, in the order of the table."""
     return {
-        row["name"]: Part(
+        row["name"]: BodyPart(
             row["name"],
             row["sided"] == "yes",
             _list(row["joints"]),

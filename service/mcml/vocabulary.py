@@ -65,26 +65,8 @@ HEADER_LEAVES: Final = HEADER_LEAVES_BEFORE_UNITS + HEADER_LEAVES_AFTER_UNITS
 UNIT_ATTRIBUTES: Final = ("mass", "length", "angle")
 """Attributes of `units`; `ClipHead.fields` calls them units_mass, units_length, units_angle."""
 
-JOINT_ATTRIBUTES: Final = ("source_name", "mapped", "convention", "translation", "rotation_order", "declared")
-"""Attributes that root and bone share."""
-
-FRAME_BONE_ATTRIBUTES: Final = (NAME, *CHANNELS)
-"""Attributes of `frame_bone` in the order in which they are always written."""
-
 CHANNEL_OF: Final = {channel.lower(): channel for channel in CHANNELS} | {"l": "SF"}
 """Channel by its lower-case spelling; ASF calls the stretch of a bone `l`."""
-
-ELEMENT_CONTENT: Final = frozenset({MCML, HEADER, ROOT, SKELETON, BONE, MOTION, FRAME})
-"""Elements that hold elements only: white space between those is no content."""
-
-EMPTY: Final = frozenset({UNITS, PROPERTY, SOURCE, END_SITE, FRAME_BONE})
-"""Elements that hold nothing."""
-
-LEAVES: Final = frozenset(
-    {*HEADER_LEAVES, DESCRIPTION, SECTION, COMMENT, NAME, DIRECTION, LENGTH, POSITION, AXIS, ORDER, DOF, LIMITS}
-    | {BODYMASS, COFMASS, FRAMES, FRAMETIME, MOTION_NAME}
-)
-"""Elements that hold text only; white space around it does not count."""
 
 DEFAULT_ROOT_NAME: Final = "Root"
 """What frames call a root that states no name (Table 1, row 1)."""

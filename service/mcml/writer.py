@@ -192,15 +192,6 @@ def frame_texts(
     return texts
 
 
-def write_frame_bone(name: str, channels: int, values: Sequence[float] | Array) -> bytes:
-    """One `frame_bone`. channels: bits as in `Shape`; values: one a bit, lowest bit first."""
-    if channels.bit_count() != len(values):
-        raise ValueError(f"{channels.bit_count()} channels, {len(values)} values")
-    literals, tail = _template(((0, channels),), (name,), Layout.COMPACT)
-    tokens = _tokens(np.asarray(values, dtype=np.float64))
-    return b"".join([text for pair in zip(literals, tokens, strict=True) for text in pair]) + tail
-
-
 def _write_run(
     block: FrameBlock, shape: Shape, literals: list[bytes], tail: bytes, heads: Sequence[bytes], first: int, last: int
 ) -> bytes:

@@ -25,7 +25,7 @@ _LOWEST = 0.3
 
 
 @dataclass(frozen=True)
-class Part:
+class AnatomicalPart:
     """A part of the body. name: of the vocabulary of motion names. kind: what it can do, see `anatomical_rates`.
 
     joints: MCML's names, nearest to the trunk first, `*` for the side; those that the skeleton has count.
@@ -42,30 +42,30 @@ class Part:
 
 
 PARTS = (
-    Part("pelvis", "pelvis", ("Root",)),
-    Part("trunk", "axial", ("waist", "torso2", "torso3", "torso4", "torso5", "torso6", "torso7")),
-    Part("neck", "axial", ("neck1", "neck2")),
-    Part("head", "axial", ("Head",)),
-    Part("shoulder", "girdle", ("*_shoulder",)),
-    Part("arm", "limb", ("*_up_arm",)),
-    Part("elbow", "hinge", ("*_low_arm",)),
-    Part("forearm", "twist", ("*_low_arm", "*_wrist")),
-    Part("wrist", "hand", ("*_hand",)),
-    Part("fingers", "fingers", ("*_fingers",)),
-    Part("thumb", "thumb", ("*_finger_one",)),
-    Part("finger-two", "finger", ("*_finger_two",)),
-    Part("finger-three", "fingers", ("*_finger_three",)),
-    Part("finger-four", "finger", ("*_finger_four",)),
-    Part("finger-five", "finger", ("*_finger_five",)),
-    Part("leg", "limb", ("*_hip", "*_up_leg")),
-    Part("knee", "hinge", ("*_low_leg",)),
-    Part("foot", "foot", ("*_foot",)),
-    Part("toes", "toes", ("*_toes",)),
-    Part("toe-one", "toes", ("*_toe_one",)),
-    Part("toe-two", "toes", ("*_toe_two",)),
-    Part("toe-three", "toes", ("*_toe_three",)),
-    Part("toe-four", "toes", ("*_toe_four",)),
-    Part("toe-five", "toes", ("*_toe_five",)),
+    AnatomicalPart("pelvis", "pelvis", ("Root",)),
+    AnatomicalPart("trunk", "axial", ("waist", "torso2", "torso3", "torso4", "torso5", "torso6", "torso7")),
+    AnatomicalPart("neck", "axial", ("neck1", "neck2")),
+    AnatomicalPart("head", "axial", ("Head",)),
+    AnatomicalPart("shoulder", "girdle", ("*_shoulder",)),
+    AnatomicalPart("arm", "limb", ("*_up_arm",)),
+    AnatomicalPart("elbow", "hinge", ("*_low_arm",)),
+    AnatomicalPart("forearm", "twist", ("*_low_arm", "*_wrist")),
+    AnatomicalPart("wrist", "hand", ("*_hand",)),
+    AnatomicalPart("fingers", "fingers", ("*_fingers",)),
+    AnatomicalPart("thumb", "thumb", ("*_finger_one",)),
+    AnatomicalPart("finger-two", "finger", ("*_finger_two",)),
+    AnatomicalPart("finger-three", "fingers", ("*_finger_three",)),
+    AnatomicalPart("finger-four", "finger", ("*_finger_four",)),
+    AnatomicalPart("finger-five", "finger", ("*_finger_five",)),
+    AnatomicalPart("leg", "limb", ("*_hip", "*_up_leg")),
+    AnatomicalPart("knee", "hinge", ("*_low_leg",)),
+    AnatomicalPart("foot", "foot", ("*_foot",)),
+    AnatomicalPart("toes", "toes", ("*_toes",)),
+    AnatomicalPart("toe-one", "toes", ("*_toe_one",)),
+    AnatomicalPart("toe-two", "toes", ("*_toe_two",)),
+    AnatomicalPart("toe-three", "toes", ("*_toe_three",)),
+    AnatomicalPart("toe-four", "toes", ("*_toe_four",)),
+    AnatomicalPart("toe-five", "toes", ("*_toe_five",)),
 )
 """Every part whose movements angles can show, the trunk first."""
 
@@ -141,7 +141,7 @@ class Segment:
     in the reference pose; before: along the bone above. side: "left", "right" or "".
     """
 
-    part: Part
+    part: AnatomicalPart
     side: str
     joint: int
     above: int

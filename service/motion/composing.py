@@ -22,6 +22,7 @@ from service.motion.rotations import slerp
 from service.motion.skeleton import Array, Convention, Skeleton
 from service.motion.splicing import Placement, Poses, bridge, crossfade, going_on, joined_poses, placed, steps
 from service.motion.units import DEGREES, Reading
+from service.numerics.runs import find_true
 
 Style = Literal["bridge", "crossfade"]
 LARGEST_JUMP = 1.1
@@ -73,7 +74,7 @@ class Composed:
 
 
 @dataclass
-class _Part:
+class _Stretch:
     """Pieces that follow one another in their source, at the frame rate of the result."""
 
     pieces: list[tuple[int, int]]
@@ -139,7 +140,7 @@ def _runs(pieces: Sequence[Piece]) -> list[list[tuple[int, Piece]]]:
     return runs
 
 
-def _part(skeleton: Skeleton, run: list[tuple[int, Piece]], frame_time: float, up: Array, reading: Reading) -> _Part:
+def _part(skeleton: Skeleton, run: list[tuple[int, Piece]], frame_time: float, up: Array, reading: Reading) -> _Stretch:
     block = joined(piece.block for _, piece in run)
     starts = np.cumsum([0, *(len(piece.block) for _, piece in run[:-1])])
     old = run[0][1].frame_time
@@ -153,7 +154,7 @@ def _part(skeleton: Skeleton, run: list[tuple[int, Piece]], frame_time: float, u
     first = [(index, int(start)) for (index, _), start in zip(run, starts, strict=True)]
     raw = in_columns(block, skeleton.columns())
     poses = Poses(hub.translations, hub.rotations, hub.scales)
-    return _Part(first, block, raw, poses, hub.values, Placement(up), shortfall)
+    return _Stretch(first, block, raw, poses, hub.values, Placement(up), shortfall)
 
 
 _Attempt: TypeAlias = tuple[Poses | None, int, int, float, float]
@@ -169,19 +170,19 @@ class _Track:
         self._skeleton, self._reading, self._carry = skeleton, reading, carry
         self._largest, self._lengthen = largest, lengthen
         self._points = all(joint.convention is Convention.MARKER for joint in skeleton.joints)
-        self._parts: list[_Part] = []
+        self._parts: list[_Stretch] = []
         self._placed: list[Poses] = []
         self._cuts: list[tuple[int, int]] = []
         """(first, after the last) of the frames of each part that stay as they are."""
         self._between: list[Poses | None] = []
         self._seams: list[tuple[int, float, float]] = []
 
-    def start(self, part: _Part) -> None:
+    def start(self, part: _Stretch) -> None:
         self._parts.append(part)
         self._placed.append(part.poses)
         self._cuts.append((0, len(part.poses)))
 
-    def add(self, part: _Part, transition: int, style: Style, align: bool) -> None:
+    def add(self, part: _Stretch, transition: int, style: Style, align: bool) -> None:
         frames = transition
         while True:
             attempt = (
@@ -200,11 +201,11 @@ class _Track:
         self._between.append(between)
         self._seams.append((0 if between is None else len(between), root, angle))
 
-    def _room(self, part: _Part, style: Style) -> int:
+    def _room(self, part: _Stretch, style: Style) -> int:
         start, end = self._cuts[-1]
         return _LONGEST if style == "bridge" else min(end - start, len(part.poses)) - 1
 
-    def _bridged(self, part: _Part, frames: int, align: bool) -> _Attempt:
+    def _bridged(self, part: _Stretch, frames: int, align: bool) -> _Attempt:
         end = self._cuts[-1][1]
         before = self._placed[-1].rows(max(end - 2, 0), end)
         self._place(part, before, part.poses.rows(0, 2), frames + 1.0, align)
@@ -213,7 +214,7 @@ class _Track:
         around = [before.rows(len(before) - 1, len(before)), *([between] if between else []), after.rows(0, 1)]
         return between, end, 0, *self._jump(around)
 
-    def _crossfaded(self, part: _Part, frames: int, align: bool) -> _Attempt:
+    def _crossfaded(self, part: _Stretch, frames: int, align: bool) -> _Attempt:
         start, end = self._cuts[-1]
         frames = min(frames, end - start, len(part.poses))
         if not frames:
@@ -228,7 +229,7 @@ class _Track:
         around = [before.rows(max(first - 1, 0), first), between, after.rows(frames, frames + 1)]
         return between, first, frames, *self._jump(around)
 
-    def _place(self, part: _Part, before: Poses, after: Poses, ahead: float, align: bool) -> None:
+    def _place(self, part: _Stretch, before: Poses, after: Poses, ahead: float, align: bool) -> None:
         if align:
             up = part.placement.up
             part.placement = going_on(self._skeleton, before, after, self._carry, up, ahead, self._points)
@@ -251,7 +252,7 @@ class _Track:
         )
         return float(root), float(angle)
 
-    def finish(self, parts: list[_Part]) -> Composed:
+    def finish(self, parts: list[_Stretch]) -> Composed:
         columns = self._skeleton.columns()
         source = joined(part.block for part in parts)
         starts = np.cumsum([0, *(len(part.poses) for part in parts)])
@@ -304,18 +305,17 @@ class _Track:
             shortfall = shortfall.worse_of(part.shortfall)
         return Composed(block, shortfall, tuple(seams), tuple(spans))
 
-    def _leave_gaps(self, parts: list[_Part], new: Flags, raw: Array, values: Array, starts: Rows) -> None:
+    def _leave_gaps(self, parts: list[_Stretch], new: Flags, raw: Array, values: Array, starts: Rows) -> None:
         """A transition has no sample where either of its ends has none."""
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], new, [False]]).astype(np.int8))).reshape(-1, 2)
         seams = [place for place, between in enumerate(self._between) if between is not None and len(between)]
-        for (first, end), place in zip(edges, seams, strict=False):
+        for (first, end), place in zip(find_true(new), seams, strict=False):
             cut, following = self._cuts[place][1], self._cuts[place + 1][0]
             last = raw[starts[place] + min(max(cut - 1, 0), len(parts[place].raw) - 1)]
             after = raw[starts[place + 1] + min(following, len(parts[place + 1].raw) - 1)]
             values[first:end, np.isnan(last) | np.isnan(after)] = np.nan
 
 
-def _spans(part: _Part, first: int, end: int, at: int) -> list[tuple[int, int, int]]:
+def _spans(part: _Stretch, first: int, end: int, at: int) -> list[tuple[int, int, int]]:
     edges = [*(start for _, start in part.pieces), len(part.poses)]
     found = []
     for (index, start), stop in zip(part.pieces, edges[1:], strict=True):

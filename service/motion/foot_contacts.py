@@ -19,6 +19,7 @@ from service.motion.hub_writer import Flags, HubWriter
 from service.motion.rotation_vectors import from_vector, shortest_arcs
 from service.motion.rotations import inverse, multiply, rotate
 from service.motion.skeleton import Array, Skeleton
+from service.numerics.runs import find_true
 
 _LOW, _NOT_LOW = 0.06, 0.12
 """Heights above the lowest the foot gets, in lengths of a leg."""
@@ -86,7 +87,7 @@ def contacts(places: Array, frame_time: float, leg: float, up: Array) -> tuple[t
     speeds = np.linalg.norm(np.gradient(places, axis=0), axis=1) / (frame_time * leg)
     stands = hysteresis((heights < _LOW) & (speeds < _SLOW), (heights < _NOT_LOW) & (speeds < _NOT_SLOW))
     shortest = max(2, int(np.ceil(_SHORTEST / frame_time)))
-    return tuple((first, last) for first, last in runs(stands) if last - first + 1 >= shortest)
+    return tuple((first, end - 1) for first, end in find_true(stands).tolist() if end - first >= shortest)
 
 
 def hysteresis(begins: Flags, stays: Flags) -> Flags:
@@ -96,15 +97,9 @@ def hysteresis(begins: Flags, stays: Flags) -> Flags:
     [0, 1, 1, 1, 0, 0]
     """
     stands = np.zeros(len(begins), dtype=bool)
-    for first, last in runs(stays | begins):
-        stands[first : last + 1] = begins[first : last + 1].any()
+    for first, end in find_true(stays | begins):
+        stands[first:end] = begins[first:end].any()
     return stands
-
-
-def runs(flags: Flags) -> list[tuple[int, int]]:
-    """(first, last) of every run of true flags (n,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
-    return [(int(start), int(end) - 1) for start, end in edges.reshape(-1, 2)]
 
 
 def sliding(places: Array, stands: Sequence[tuple[int, int]], up: Array) -> float:

@@ -96,17 +96,6 @@ def reversed_frames(block: FrameBlock) -> FrameBlock:
     )
 
 
-def chosen_frames(block: FrameBlock, rows: Rows, ids: NDArray[np.int64] | None = None) -> FrameBlock:
-    """Frames of a block by their places (n,), in that order, repeated where asked; numbered from 1 without `ids`."""
-    return replace(
-        block,
-        values=block.values[rows],
-        shape_of=None if block.shape_of is None else block.shape_of[rows],
-        motion_names=None if block.motion_names is None else [block.motion_names[int(row)] for row in rows],
-        ids=np.arange(1, len(rows) + 1, dtype=np.int64) if ids is None else ids,
-    )
-
-
 def rows_of(block: FrameBlock, start: int, end: int) -> FrameBlock:
     """Frames start to end - 1 of a block, places from 0."""
     return replace(

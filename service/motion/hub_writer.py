@@ -21,6 +21,7 @@ from service.motion.rotation_vectors import angle_between
 from service.motion.rotations import from_euler, inverse, multiply, rotate, to_euler
 from service.motion.skeleton import CHANNEL_INDEX, Array, Convention, Skeleton
 from service.motion.units import DEGREES, Reading
+from service.numerics.runs import find_true
 
 Flags = NDArray[np.bool_]
 
@@ -168,7 +169,7 @@ class HubWriter:
             guess = known.values[np.ix_(free, np.array(columns))] * unit
             values[np.ix_(free, np.array(columns))] = _nearest_angles(rotation[free], letters, guess) / unit
             return
-        for start, end in _runs(~held):
+        for start, end in find_true(~held):
             previous = values[start - 1, columns] * unit if start else self._previous[index]
             values[start:end, columns] = angles_of(rotation[start:end], letters, previous) / unit
 
@@ -246,9 +247,3 @@ def _nearest_angles(rotation: Array, letters: str, guess: Array) -> Array:
     other = other + turns * np.round((guess - other) / turns)
     nearer = np.abs(other - guess).sum(axis=1) < np.abs(angles - guess).sum(axis=1)
     return np.where(nearer[:, None], other, angles)
-
-
-def _runs(flags: Flags) -> list[tuple[int, int]]:
-    """(first, after the last) of every run of true flags (n,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
-    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]

@@ -22,11 +22,6 @@ class Walker:
         self._skeleton = skeleton
         self._hub = HubReader(skeleton, reading)
 
-    @property
-    def tip_joints(self) -> tuple[int, ...]:
-        """The joint of each tip that `tips` gives."""
-        return tuple(joint for joint, _ in self._hub.rest.tips)
-
     def poses(self, block: FrameBlock) -> tuple[Array, Array]:
         """Positions (n, J, 3) and rotations (n, J, 4) in the world."""
         hub = self._hub.read(block)
@@ -44,21 +39,6 @@ class Walker:
         return result
 
 
-def global_positions(skeleton: Skeleton, block: FrameBlock, reading: Reading = DEGREES) -> Array:
-    """Positions (n, J, 3) of the joints of a block, in the world. Use `Walker` for several blocks of a clip."""
-    return Walker(skeleton, reading).poses(block)[0]
-
-
-def global_rotations(skeleton: Skeleton, block: FrameBlock, reading: Reading = DEGREES) -> Array:
-    """Rotations (n, J, 4) of the joints of a block from the rest pose, x y z w, in the world."""
-    return Walker(skeleton, reading).poses(block)[1]
-
-
-def tip_positions(skeleton: Skeleton, block: FrameBlock, reading: Reading = DEGREES) -> Array:
-    """Positions (n, T, 3) of the ends of chains of a block; see `Walker.tips`."""
-    return Walker(skeleton, reading).tips(block)
-
-
 def rest_positions(skeleton: Skeleton, reading: Reading = DEGREES) -> Array:
     """Positions (J + T, 3) of the rest pose: joints, then tips."""
     rest = rest_of(skeleton, reading)
@@ -68,18 +48,3 @@ def rest_positions(skeleton: Skeleton, reading: Reading = DEGREES) -> Array:
             positions[index] += positions[joint.parent]
     tips = [positions[joint] + vector for joint, vector in rest.tips]
     return np.vstack([positions, *tips]) if tips else positions
-
-
-def rest_height(skeleton: Skeleton, up: str | None = None, reading: Reading = DEGREES) -> float:
-    """Vertical extent of the rest pose in the clip's own unit.
-
-    up: "X", "Y" or "Z". Without it the Y axis counts, as most files stand on it, unless the pose lies across it:
-    then the largest extent does.
-    """
-    positions = rest_positions(skeleton, reading)
-    if not len(positions):
-        return 0.0
-    extent = np.ptp(positions, axis=0)
-    if up is not None and up.upper() in ("X", "Y", "Z"):
-        return float(extent["XYZ".index(up.upper())])
-    return float(extent[1] if extent[1] >= 0.5 * extent.max() else extent.max())

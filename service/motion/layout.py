@@ -6,7 +6,7 @@ last value; before the first one it rests: its base value.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -64,12 +64,6 @@ def _at_rest(skeleton: Skeleton, joint: int, channel: int) -> float:
     if item.convention is Convention.LISTED and item.translation != "relative" and channel < 3:
         return float(numbers(item.offset)[channel])
     return 0.0
-
-
-def held_arrays(clip: ClipStream, held: Held) -> Iterator[tuple[FrameBlock, Array]]:
-    """Each block and its values in the layout."""
-    for block in clip.blocks():
-        yield block, held.values(block)
 
 
 def count_frames(clip: ClipStream) -> int:

@@ -10,10 +10,11 @@ from scipy.ndimage import gaussian_filter1d
 from service.errors import ConversionError
 from service.motion.anatomical_angles import Rate, anatomical_rates, spins
 from service.motion.anatomical_axes import Segment, Stance, relative_turns, segments_of, stance_of
-from service.motion.foot_contacts import hysteresis, runs
+from service.motion.foot_contacts import hysteresis
 from service.motion.hub import Rest, walked
 from service.motion.rotations import rotate
 from service.motion.skeleton import Array, Skeleton
+from service.numerics.runs import find_true
 
 CIRCLING = ("head", "neck", "trunk", "shoulder", "arm", "wrist", "fingers", "thumb", "finger-two", "finger-three",
             "finger-four", "finger-five", "leg", "foot")  # fmt: skip
@@ -112,13 +113,13 @@ def _spans(
     for sign, movement in ((1.0, rate.movement), (-1.0, rate.opposite)):
         moves = sign * smooth
         moving = hysteresis((moves > limits.begin) & ~busy, (moves > limits.end) & ~busy)
-        for first, last in runs(moving):
-            span = slice(first, last + 1)
+        for first, end in find_true(moving).tolist():
+            span = slice(first, end)
             degrees = float(moves[span].sum() * frame_time)
             share = float(moves[span].sum() / max(float(speed[span].sum()), 1e-12))
             if degrees >= limits.least and share >= limits.share:
                 confidence = min(share, 1.0) * degrees / (degrees + limits.least)
-                found.append(Suggestion(rate.part, rate.side, movement, first, last, degrees, confidence))
+                found.append(Suggestion(rate.part, rate.side, movement, first, end - 1, degrees, confidence))
     return found
 
 
@@ -133,8 +134,8 @@ def _circles(
     swing = np.cross(rotate(turns, spins(turns, frame_time)), bone)
     speed = np.degrees(np.linalg.norm(_smoothed(swing, frame_time, limits), axis=1))
     found = []
-    for first, last in runs(hysteresis(speed > limits.begin, speed > limits.end)):
-        found += _turns_round(segment, bone[first : last + 1], first)
+    for first, end in find_true(hysteresis(speed > limits.begin, speed > limits.end)).tolist():
+        found += _turns_round(segment, bone[first:end], first)
     return found
 
 

@@ -25,8 +25,6 @@ UNITS: Final[Mapping[str, float]] = {
 }
 """Metres of each unit of length (formats.md 4.1)."""
 
-INCH: Final = 0.0254
-
 
 def metres_per_unit(name: str) -> float:
     """Metres of a unit, whatever its case. Raises ConversionError for an unknown one."""
@@ -49,11 +47,6 @@ def metres_of(head: ClipHead) -> float | None:
 def up_of(head: ClipHead) -> str:
     """The axis that points up, "X", "Y" or "Z": Y where the header does not say."""
     return head.fields.get("global_axis_of_gravity", "Y").strip().upper()[-1:]
-
-
-def inches_of_asf(length: float) -> float:
-    """Metres of one value of an ASF and its AMC whose local unit is the inch: 0.0564444 at length 0.45 (CMU)."""
-    return INCH / length
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,7 +38,7 @@ from service.storage import tables
 from service.storage.aliases import Aliases
 from service.storage.columns import Columns
 from service.storage.damage import describe_damage
-from service.storage.dialects import DIALECTS, Dialect
+from service.storage.dialects import DIALECTS, Dialect, find_dialect
 from service.storage.documents import Documents
 from service.storage.heads import Heads
 from service.storage.identifiers import now
@@ -257,7 +257,8 @@ class Database:
         if name not in DIALECTS:
             raise StoreError(f"Unknown kind of database {name!r}.", remedy=f"Use one of: {', '.join(DIALECTS)}.")
         self.url = url
-        self.dialect = DIALECTS[name](DIALECTS[name].create_engine(url))
+        kind = find_dialect(name)
+        self.dialect = kind(kind.create_engine(url))
         self.reserve = Reserve(self.dialect.file)
         self._watch: PoolProxiedConnection | None = None
 
@@ -345,11 +346,6 @@ class Database:
     def size(self) -> dict[str, int]:
         with in_words(self.dialect), self.dialect.reading() as connection:
             return self.dialect.size(connection)
-
-    def ping(self) -> None:
-        """One round trip to the database."""
-        with in_words(self.dialect), self.dialect.reading() as connection:
-            connection.execute(text("SELECT 1"))
 
     def has_token(self) -> bool:
         """Whether there is any token, of an SQLite file, in microseconds: asked before every request to an open one.

@@ -24,10 +24,6 @@ from service.storage.uploads import LEASE_SECONDS
 if TYPE_CHECKING:
     from service.storage.database import Transaction
 
-
-KEYS_AT_A_TIME = 10_000
-"""In one statement; SQLite takes 32,766 parameters, PostgreSQL 65,535."""
-
 # Made once: to build a statement takes four times as long as to run it.
 _WHOLE = checked(
     select(*(document.c[name] for name in SEALS[document].columns)).where(document.c.id == bindparam("key")), document
@@ -194,15 +190,6 @@ class Documents:
         found = self.find(uuid, deleted=deleted)
         if found is None:
             raise NotFoundError(f"There is no document {uuid}.", remedy="List the documents to see their ids.")
-        return found
-
-    def by_keys(self, keys: list[int]) -> dict[int, StoredDocument]:
-        found = {}
-        for start in range(0, len(keys), KEYS_AT_A_TIME):
-            some = document.c.id.in_(keys[start : start + KEYS_AT_A_TIME])
-            query = all_documents(past=self._past).where(some, document.c.deleted_commit > self._tx.at)
-            for row in self._tx.checked_once(checked(query, document, content), {"at": self._tx.at}):
-                found[row[0]] = _stored(row)
         return found
 
     @property

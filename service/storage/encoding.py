@@ -18,6 +18,7 @@ from pcodec import ChunkConfig, DeltaSpec, ModeSpec, standalone
 from service.errors import StoreError
 from service.motion.clip import FrameBlock, Shape, full_shape
 from service.motion.skeleton import CHANNELS, Array
+from service.numerics.runs import find_equal
 from service.storage.schema import CHUNK
 
 PCODEC = 1
@@ -71,7 +72,7 @@ TRACK_COLUMNS: Final = (
     *("chunk", "bone", "count", "channels", "has_missing", "codec", "data"),
     *(f"{end}_{channel}" for channel in CHANNELS for end in ("min", "max")),
 )
-CHUNK_PLACE, DATA_PLACE = TRACK_COLUMNS.index("chunk"), TRACK_COLUMNS.index("data")
+DATA_PLACE = TRACK_COLUMNS.index("data")
 _NO_ZONES: Final[list[float | None]] = [None] * (2 * len(CHANNELS))
 
 
@@ -278,10 +279,8 @@ class ClipEncoder:
         if block.shape_of is None:
             runs = [(numbers[0], len(block))]
         else:
-            ends = np.flatnonzero(np.diff(block.shape_of)) + 1
-            starts = np.concatenate([[0], ends]).tolist()
-            stops = np.concatenate([ends, [len(block)]]).tolist()
-            runs = [(numbers[int(block.shape_of[a])], b - a) for a, b in zip(starts, stops, strict=True)]
+            bounds = find_equal(block.shape_of).tolist()
+            runs = [(numbers[int(block.shape_of[begin])], end - begin) for begin, end in bounds]
         slot = self.frames
         for number, count in runs:
             if self.shape_rows and self.shape_rows[-1]["shape"] == number:

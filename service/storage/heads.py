@@ -65,11 +65,6 @@ class Heads:
         """Name of each bone number, the root's among them."""
         return dict(self._tx.checked(_BONE_NAMES, {"document": document_key, "at": self._tx.at}))
 
-    def documents_with_bone(self, name: str) -> dict[int, int]:
-        """Bone number in each document that has a bone of this name, by document key."""
-        query = select(bone.c.document, bone.c.bone).where(bone.c.name == name, self._tx.valid(bone))
-        return dict(self._tx.checked_once(checked(query, bone)))
-
     def write_header(self, document_key: int, element: Element, from_commit: int) -> None:
         """Make this the header from a commit on; the one before it is closed there. The last call in a commit wins."""
         if from_commit:

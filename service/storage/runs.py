@@ -35,8 +35,3 @@ def intersection(one: Sequence[tuple[int, int]], other: Sequence[tuple[int, int]
         else:
             j += 1
     return result
-
-
-def total(ranges: Sequence[tuple[int, int]]) -> int:
-    """How many frames the ranges hold."""
-    return sum(last - first + 1 for first, last in ranges)

@@ -10,16 +10,15 @@ from sqlalchemy import Connection, Table, bindparam, inspect, select, tuple_, up
 
 from service.storage import tables
 from service.storage.database import Transaction
-from service.storage.dialects import DIALECTS
+from service.storage.dialects import find_dialect
 from service.storage.seals import SEALS, Row, sealed
 
 ROWS = 2000
-_COMMITS = ("from_commit", "to_commit")
 
 
 def transaction_on(connection: Connection) -> Transaction:
     """What a migration reads and writes by."""
-    return Transaction(connection, DIALECTS[connection.dialect.name](connection.engine))
+    return Transaction(connection, find_dialect(connection.dialect.name)(connection.engine))
 
 
 def seal_rows(tx: Transaction) -> None:

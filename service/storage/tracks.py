@@ -31,7 +31,6 @@ from service.storage.encoding import (
 )
 from service.storage.lists import OneOf
 from service.storage.moments import of_document
-from service.storage.runs import intersection
 from service.storage.schema import CHUNK, CURRENT
 from service.storage.seals import Checked, checked, closing, unsound
 from service.storage.tables import frame_run, shape, shape_run, timeline, track
@@ -178,16 +177,6 @@ class Tracks:
         )
         return [unpack_shape(packed) for (packed,) in self._tx.checked_once(checked(query, shape))]
 
-    def shape_ranges(self, document_key: int, ranges: Sequence[tuple[int, int]]) -> Iterator[tuple[int, int, Shape]]:
-        """The ranges (first, last: positions, ascending) cut where the shape of frames changes, each with its shape."""
-        if not ranges:
-            return
-        for piece in self.pieces(document_key, ranges[0][0], ranges[-1][1]):
-            shift = piece.first - piece.slot
-            for slot, count, found in self._shape_runs(document_key, piece.slot, piece.slot + piece.count):
-                for first, last in intersection(ranges, [(slot + shift, slot + shift + count - 1)]):
-                    yield first, last, found
-
     def _shape_runs(self, document_key: int, start: int, end: int) -> Iterator[tuple[int, int, Shape]]:
         """(slot, count, shape) of the runs in slots start to end - 1, cut to them."""
         for slot, count, packed in self._rows(_SHAPE_RUNS, document_key, start, end - 1):
@@ -326,21 +315,6 @@ class Tracks:
     ) -> Sequence[Any]:
         given |= {"document": document_key, "at": self._tx.at, "first": first, "last": last}
         return self._tx.checked(query, given) if isinstance(query, Checked) else self._tx.rows(query, given)
-
-    def positions_of_id(self, document_key: int, text: str) -> list[int]:
-        """Positions of the frames with this id, ascending."""
-        query = select(
-            frame_run.c.first, frame_run.c.count, frame_run.c.first_id, frame_run.c.step, frame_run.c.texts
-        ).where(frame_run.c.document == document_key, self._tx.valid(frame_run))
-        found: list[int] = []
-        runs = self._tx.checked_once(checked(query.order_by(frame_run.c.first), frame_run))
-        for first, count, first_id, step, texts in runs:
-            if texts is not None:
-                found += [first + i for i, other in enumerate(json.loads(texts)) if other == text]
-            elif is_plain_integer(text):
-                ids = first_id + step * np.arange(count, dtype=np.int64)
-                found += [first + int(i) for i in np.flatnonzero(ids == int(text))]
-        return found
 
 
 def _every(block: FrameBlock, skip: int, step: int) -> FrameBlock:

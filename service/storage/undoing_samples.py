@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from service.motion.clip import Shape
 from service.motion.skeleton import CHANNELS, Array
+from service.numerics.runs import find_equal
 from service.storage.tables import shape_run
 
 if TYPE_CHECKING:
@@ -80,9 +81,7 @@ def merged_runs(
     touched = changed & (two != three)
     for shapes in np.unique(np.stack([one, two, three])[:, touched], axis=1).T.tolist():
         merged[touched & (one == shapes[0]) & (two == shapes[1]) & (three == shapes[2])] = merge(*shapes)
-    ends = [*(np.flatnonzero(np.diff(merged)) + 1).tolist(), slots]
-    starts = [0, *ends[:-1]]
-    runs = [(start, end - start, int(merged[start])) for start, end in zip(starts, ends, strict=True) if end > start]
+    runs = [(start, end - start, int(merged[start])) for start, end in find_equal(merged).tolist()]
     return [run for run in runs if run[2] >= 0]
 
 

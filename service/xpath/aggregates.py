@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from service.errors import LimitError
-from service.xpath.columnar import Columnar
+from service.xpath.column_source import ColumnSource
 from service.xpath.numbering import Floats
 from service.xpath.scan import Scan
 from service.xpath.texts import Strings
@@ -30,7 +30,7 @@ def aggregated(tree: Expression) -> Call | None:
     return None
 
 
-def number(function: str, source: Scan | Columnar) -> float | None:
+def number(function: str, source: Scan | ColumnSource) -> float | None:
     """`count`, `sum`, `min`, `max` or `avg`; None for the least, greatest or mean of nothing."""
     if function == "count":
         return float(source.count())
@@ -50,7 +50,7 @@ def number(function: str, source: Scan | Columnar) -> float | None:
     return {"min": least, "max": greatest, "avg": total / count}[function]
 
 
-def _numbers(function: str, source: Scan | Columnar) -> Iterator[Floats]:
+def _numbers(function: str, source: Scan | ColumnSource) -> Iterator[Floats]:
     """The numbers of the nodes; of the least and the greatest, some that hold it."""
     sample = source.plan.sample if isinstance(source, Scan) else None
     if isinstance(source, Scan) and sample is not None:
@@ -61,11 +61,11 @@ def _numbers(function: str, source: Scan | Columnar) -> Iterator[Floats]:
         yield numbers(forest, nodes)
 
 
-def exists(source: Scan | Columnar) -> bool:
+def exists(source: Scan | ColumnSource) -> bool:
     return any(len(nodes) for _, nodes in source.chunks())
 
 
-def distinct(source: Scan | Columnar) -> list[str]:
+def distinct(source: Scan | ColumnSource) -> list[str]:
     """The different strings of the nodes, in order of their first node."""
     found: dict[str, None] = {}
     for forest, nodes in source.chunks():
@@ -73,7 +73,7 @@ def distinct(source: Scan | Columnar) -> list[str]:
     return list(found)
 
 
-def joined(call: Call, source: Scan | Columnar) -> str:
+def joined(call: Call, source: Scan | ColumnSource) -> str:
     """The strings of the nodes, one after the other."""
     between = call.arguments[1].value if len(call.arguments) > 1 and isinstance(call.arguments[1], Literal) else ""
     parts: list[str] = []

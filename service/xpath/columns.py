@@ -15,6 +15,7 @@ from typing import TypeAlias
 import numpy as np
 
 from service.mcml.vocabulary import FRAME, FRAME_BONE
+from service.numerics.runs import find_equal
 from service.xpath import functions
 from service.xpath.axes import REVERSE, SIBLINGS, are_frames, named_bones, parents, sibling_frames, step
 from service.xpath.comparisons import compare
@@ -34,10 +35,10 @@ from service.xpath.tree import (
     Operation,
     Path,
     Step,
+    Written,
     depends_on_position,
     type_of,
 )
-from service.xpath.tree import Sequence as Written
 
 SLICE = 10_000
 """Candidates of a predicate that are looked at together."""
@@ -346,8 +347,7 @@ def _chosen(context: Context, which: Ints) -> Context:
 
 def _positions(groups: Ints, *, reverse: bool) -> tuple[Floats, Floats]:
     """Position and size of the list for each candidate; lists are neighbours, in document order."""
-    starts = np.flatnonzero(np.concatenate([[True], np.diff(groups) != 0]))
-    sizes = np.diff(np.append(starts, len(groups)))
+    sizes = np.diff(find_equal(groups)).reshape(-1)
     _, within = expand(sizes)
     size = np.repeat(sizes, sizes).astype(np.float64)
     return np.asarray(size - within if reverse else within + 1.0, np.float64), size

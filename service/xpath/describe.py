@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from service.mcml.addresses import address_attribute, address_child, address_frame, address_namespace, address_text
 from service.mcml.vocabulary import FRAME_BONE, MOTION_NAME
 from service.motion.skeleton import CHANNELS
 from service.xpath.forest import Forest
@@ -23,7 +24,6 @@ from service.xpath.numbering import (
     frames_of,
     slots_of,
 )
-from service.xpath.worker import NAMESPACE
 
 
 def describe_nodes(forest: Forest, nodes: Ints) -> Iterator[tuple[str, str]]:
@@ -40,23 +40,26 @@ def describe_nodes(forest: Forest, nodes: Ints) -> Iterator[tuple[str, str]]:
     outside = dict(zip(outer.tolist(), addresses, strict=True))
     for place, (kind, frame, slot) in enumerate(zip(kinds.tolist(), frames.tolist(), slots.tolist(), strict=True)):
         if frame and kind == IS_NAMESPACE:
-            element = _in_frame(slot - NAMESPACE_SLOT, names[place])
-            yield KIND_NAMES[kind], f"/mcml/motion/frame[{frame}]{element}/{NAMESPACE}"
+            element = _in_frame(frame, slot - NAMESPACE_SLOT, names[place])
+            yield KIND_NAMES[kind], address_namespace(element)
         elif frame:
-            yield KIND_NAMES[kind], f"/mcml/motion/frame[{frame}]{_in_frame(slot, names[place])}"
+            yield KIND_NAMES[kind], _in_frame(frame, slot, names[place])
         else:
             yield KIND_NAMES[kind], outside[place]
 
 
-def _in_frame(slot: int, names: int) -> str:
-    if slot == 0:
-        return ""
+_BONE_ATTRIBUTES = ("name", *CHANNELS)
+
+
+def _in_frame(frame: int, slot: int, names: int) -> str:
+    """names: how many motion names the frame has."""
+    if slot >= BONES:
+        number, place = divmod(slot - BONES, BONE_WIDTH)
+        bone = address_child(frame, FRAME_BONE, number + 1)
+        return bone if place == 0 else address_attribute(bone, _BONE_ATTRIBUTES[place - FIRST_ATTRIBUTE])
+    here = address_frame(frame)
     if slot < NAMES_FROM:
-        return "/@id"
-    if slot < BONES:
-        number, place = divmod(slot - NAMES_FROM, NAME_WIDTH)
-        numbered = f"[{number + 1}]" if names > 1 else ""
-        return f"/{MOTION_NAME}{numbered}" + ("/text()" if place > NAMESPACE_SLOT else "")
-    number, place = divmod(slot - BONES, BONE_WIDTH)
-    attribute = "" if place == 0 else f"/@{('name', *CHANNELS)[place - FIRST_ATTRIBUTE]}"
-    return f"/{FRAME_BONE}[{number + 1}]{attribute}"
+        return address_attribute(here, "id") if slot else here
+    number, place = divmod(slot - NAMES_FROM, NAME_WIDTH)
+    name = address_child(frame, MOTION_NAME, number + 1) if names > 1 else f"{here}/{MOTION_NAME}"
+    return address_text(name) if place > NAMESPACE_SLOT else name

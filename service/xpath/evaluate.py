@@ -8,25 +8,21 @@ from __future__ import annotations
 import json
 import math
 import subprocess
-import sys
 import threading
-import time
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-import psutil
-
 from service.errors import LimitError, QueryError, StoreError
+from service.processes.messages import read_message, write_message
+from service.processes.programs import Watch, end_program, start_program
 from service.xpath.limits import Limits
 from service.xpath.parse import Query
 from service.xpath.projection import may_select_document
 from service.xpath.turns import Turns
-from service.xpath.worker import LAST, read_message, write_message
+from service.xpath.worker import LAST
 
-LOOK_SECONDS = 0.02
 SECONDS_OF_SHORT = 1.0
 """After these a query is a long one."""
 
@@ -66,48 +62,14 @@ class Nodes:
     total: int
 
 
-class Watch(threading.Thread):
-    """Looks at a process while it works: kills it when the query must end, or when it holds more memory than it may.
-
-    Memory is seen from outside, for what Saxon reserves escapes the limits that the system sets. A process that works
-    long gets what time others leave.
-    """
-
-    def __init__(self, process: subprocess.Popen[bytes], limits: Limits, memory: int) -> None:
-        super().__init__(daemon=True)
-        self.demoted = False
-        self._process = process
-        self._limits = limits
-        self._memory = memory
-        self._ended = threading.Event()
-        self.start()
-
-    def run(self) -> None:
-        long_from = time.monotonic() + SECONDS_OF_SHORT
-        with suppress(psutil.NoSuchProcess):
-            seen = psutil.Process(self._process.pid)
-            while not self._ended.wait(LOOK_SECONDS):
-                if self._limits.over or seen.memory_info().rss > self._memory:
-                    self._process.kill()
-                    return
-                if not self.demoted and time.monotonic() > long_from:
-                    self.demoted = True
-                    seen.nice(10)
-
-    def end(self) -> None:
-        """Looks no more."""
-        self._ended.set()
-        self.join()
-
-
 class Evaluator:
     """A small pool of processes. Threads may share it; at most `processes` queries run at once, all but one of one
     client; others wait in turn.
 
-    program: what a process runs; it takes the memory that it may use as its argument.
+    program: the module that a process runs; it takes the memory that it may use as its argument.
     """
 
-    program = Path(__file__).with_name("worker.py")
+    program = "service.xpath.worker"
 
     def __init__(self, *, seconds: float = 10.0, memory_bytes: int = 1 << 30, processes: int = 4) -> None:
         self._seconds = seconds
@@ -158,27 +120,26 @@ class Evaluator:
         with self._lock:
             idle, self._idle = self._idle, []
         for process in idle:
-            _end(process)
+            end_program(process)
 
     def _ask(self, request: dict[str, Any], document: Iterable[bytes], limits: Limits) -> Any:
         process = self._take()
-        watch = Watch(process, limits, self._memory)
         answer = None
         # A process that dies breaks the pipe: what it said before, if anything, decides.
         try:
-            with suppress(BrokenPipeError):
-                _send(process, request, document)
-            answer = read_message(process.stdout) if process.stdout is not None else None
+            with Watch(process, lambda: limits.over, self._memory, SECONDS_OF_SHORT) as watch:
+                with suppress(BrokenPipeError):
+                    _send(process, {"seconds": limits.seconds_left, **request}, document)
+                answer = read_message(process.stdout) if process.stdout is not None else None
         finally:
-            watch.end()
             if answer is None:
-                _end(process)
+                end_program(process)
         if answer is None:
             limits.check()
             raise _out_of_memory(self._memory)
         read = json.loads(answer)
-        if read.get("error") in LAST or watch.demoted:
-            _end(process)
+        if read.get("error") in LAST or watch.is_long:
+            end_program(process)
             return read
         with self._lock:
             self._idle.append(process)
@@ -190,13 +151,9 @@ class Evaluator:
                 process = self._idle.pop()
                 if process.poll() is None:
                     return process
-                _end(process)
-        return subprocess.Popen(
-            [sys.executable, "-E", "-s", str(self.program), str(self._memory)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-        )
+                end_program(process)
+        pipe = subprocess.PIPE
+        return start_program(self.program, str(self._memory), stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL)
 
 
 def _send(process: subprocess.Popen[bytes], request: dict[str, Any], document: Iterable[bytes]) -> None:
@@ -207,15 +164,6 @@ def _send(process: subprocess.Popen[bytes], request: dict[str, Any], document: I
         if piece:
             write_message(process.stdin, piece)
     write_message(process.stdin, b"")
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    process.kill()
-    for stream in (process.stdin, process.stdout):
-        if stream is not None:
-            with suppress(BrokenPipeError):
-                stream.close()
-    process.wait()
 
 
 def _read_answer(answer: dict[str, Any]) -> Scalar | Nodes:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from service.mcml.addresses import address_attribute
 from service.motion.skeleton import CHANNELS
-from service.xpath.columnar import Columnar
+from service.xpath.column_source import ColumnSource
 from service.xpath.scan import Scan
 from service.xpath.unparse import unparse
 from service.xpath.vectors import Sample
 
 
-def steps_of(source: Scan | Columnar) -> list[str]:
+def steps_of(source: Scan | ColumnSource) -> list[str]:
     """What a source does, step by step."""
     return _scan(source) if isinstance(source, Scan) else _columns(source)
 
@@ -29,7 +30,7 @@ def _scan(source: Scan) -> list[str]:
     return steps
 
 
-def _columns(source: Columnar) -> list[str]:
+def _columns(source: ColumnSource) -> list[str]:
     start = source.start
     if start is None:
         return [f"on columns: {unparse(source.tree)}"]
@@ -52,4 +53,4 @@ def _names(group: tuple[str, ...]) -> str:
 
 def _sample(sample: Sample) -> str:
     bone, channel = sample
-    return f"{bone}/@{CHANNELS[channel]}" if bone is not None else f"@{CHANNELS[channel]}"
+    return address_attribute(bone, CHANNELS[channel]) if bone is not None else f"@{CHANNELS[channel]}"

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 from service.storage.columns import Listed
 from service.storage.database import Transaction
+from service.xpath.caches import Caches
 from service.xpath.frame_runs import IdRuns, LabelRuns
 from service.xpath.head_rows import HeadRows
 from service.xpath.layouts import Layout, ShapeRuns
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
 from service.xpath.pairs import expand
-from service.xpath.shared import Shared
 from service.xpath.timeline import Timeline
 from service.xpath.zones import FEW_FRAMES, MANY_FRAMES, Table, joined
 
@@ -23,12 +23,12 @@ class Forest:
     when they are first needed.
     """
 
-    def __init__(self, tx: Transaction, documents: Sequence[Listed], shared: Shared, *, whole_heads: bool) -> None:
+    def __init__(self, tx: Transaction, documents: Sequence[Listed], caches: Caches, *, whole_heads: bool) -> None:
         self.tx = tx
         self.documents = documents
-        self.shared = shared
+        self.caches = caches
         self.whole_heads = whole_heads
-        self._columns = shared.batch(documents, whole_heads=whole_heads)
+        self._columns = caches.batch(documents, whole_heads=whole_heads)
         self.keys = self._columns.keys
         self.frames = self._columns.frames
 
@@ -38,13 +38,13 @@ class Forest:
     @property
     def head(self) -> HeadRows:
         if self._columns.head is None:
-            self._columns.head = HeadRows(self.shared.heads.read(self.tx, self.documents, whole=self.whole_heads))
+            self._columns.head = HeadRows(self.caches.heads.read(self.tx, self.documents, whole=self.whole_heads))
         return self._columns.head
 
     @property
     def layouts(self) -> list[Layout]:
         if self._columns.layouts is None:
-            self._columns.layouts = self.shared.layouts.read(self.tx, self.documents)
+            self._columns.layouts = self.caches.layouts.read(self.tx, self.documents)
         return self._columns.layouts
 
     @property
@@ -56,13 +56,13 @@ class Forest:
     @property
     def labels(self) -> LabelRuns:
         if self._columns.labels is None:
-            self._columns.labels = LabelRuns(self.shared.labels.read(self.tx, self.documents))
+            self._columns.labels = LabelRuns(self.caches.labels.read(self.tx, self.documents))
         return self._columns.labels
 
     @property
     def ids(self) -> IdRuns:
         if self._columns.ids is None:
-            self._columns.ids = IdRuns(self.shared.ids.read(self.tx, self.documents))
+            self._columns.ids = IdRuns(self.caches.ids.read(self.tx, self.documents))
         return self._columns.ids
 
     @property
@@ -82,13 +82,13 @@ class Forest:
         frames = int(self.frames.sum())
         if frames <= FEW_FRAMES or (frames <= MANY_FRAMES and 1 < len(self) < 2 * asked):
             return True
-        return int(self.frames.max()) <= MANY_FRAMES and self.shared.zones.holds(self.documents)
+        return int(self.frames.max()) <= MANY_FRAMES and self.caches.zones.holds(self.documents)
 
     @property
     def tracks(self) -> Table:
         """All tracks with their zone maps."""
         if self._columns.tracks is None:
-            self._columns.tracks = joined(self.shared.zones.read(self.tx, self.documents))
+            self._columns.tracks = joined(self.caches.zones.read(self.tx, self.documents))
         return self._columns.tracks
 
     def all_frames(self, documents: Ints) -> tuple[Ints, Ints]:

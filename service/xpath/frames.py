@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from service.mcml.writer import columns_of, frame_texts
 from service.motion.clip import FrameBlock, Shape
 from service.motion.skeleton import Array
+from service.numerics.runs import find_equal
 from service.storage.blocks import Block, Stretch, evenly, gathered
 from service.storage.schema import CHUNK
 from service.xpath.forest import Forest
@@ -104,13 +105,12 @@ def _blocks(forest: Forest, documents: Ints, chunks: Ints) -> tuple[list[Block],
         blocks = read_blocks(forest.tx, [(key, chunk) for key, _, chunk in some])
         return {key: blocks[key[0], key[2]] for key in some}
 
-    return forest.shared.blocks.get(keys, missing), block_of.reshape(-1)
+    return forest.caches.blocks.get(keys, missing), block_of.reshape(-1)
 
 
 def _stretches(blocks: Sequence[Block], block_of: Ints, offsets: Ints) -> Iterator[Stretch]:
     """Frames by the chunk they lie in. offsets: where in it."""
     order = np.argsort(block_of, kind="stable")
-    edges = [0, *(np.flatnonzero(np.diff(block_of[order])) + 1).tolist(), len(order)]
-    for start, stop in pairwise(edges):
+    for start, stop in find_equal(block_of[order]).tolist():
         places = order[start:stop]
         yield Stretch(blocks[block_of[places[0]]], evenly(offsets[places]), evenly(places))

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from service.mcml.addresses import address_attribute, address_namespace, address_text, number_steps
 from service.mcml.elements import Element, mcml_attributes
 from service.mcml.vocabulary import MCML, MOTION
 from service.mcml.writer import attribute_bytes, text_bytes
@@ -23,13 +24,12 @@ from service.xpath.numbering import (
     code_names,
     name_codes,
 )
-from service.xpath.worker import NAMESPACE
 
 XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class Subtree:
     """Nodes in document order, each element followed by its namespace node, its attributes, its text, its children.
 
     kinds, names: as in `numbering`. parents: the row of the parent, below 0 for nodes whose parent is outside. ends:
@@ -53,7 +53,7 @@ class Head:
     addresses: those of elements that somebody asked for, by row.
     """
 
-    part: Part
+    part: Subtree
     motion: int
     addresses: dict[int, str] = field(default_factory=dict)
     _kept: list[tuple[list[int], list[str], list[int]]] = field(default_factory=list)
@@ -73,18 +73,17 @@ class Head:
         parent = int(self.part.parents[row])
         above = self.address(parent).rstrip("/")
         if kind in (IS_ATTRIBUTE, IS_TEXT):
-            return f"{above}/@{names[row]}" if kind == IS_ATTRIBUTE else f"{above}/text()"
+            return address_attribute(above, names[row]) if kind == IS_ATTRIBUTE else address_text(above)
         if kind == IS_NAMESPACE:
-            return f"{above}/{NAMESPACE}"
-        by_name: dict[str, list[int]] = {}
+            return address_namespace(above)
+        siblings = []
         child = parent + 1
         while child <= ends[parent]:
             if kinds[child] == IS_ELEMENT:
-                by_name.setdefault(names[child], []).append(child)
+                siblings.append(child)
             child = ends[child] + 1
-        for name, siblings in by_name.items():
-            for number, sibling in enumerate(siblings, start=1):
-                self.addresses[sibling] = f"{above}/{name}[{number}]" if len(siblings) > 1 else f"{above}/{name}"
+        steps = number_steps([names[sibling] for sibling in siblings])
+        self.addresses.update((sibling, f"{above}/{step}") for sibling, step in zip(siblings, steps, strict=True))
         return self.addresses[row]
 
     def xml(self, row: int) -> str:
@@ -124,7 +123,7 @@ class Head:
         return self._kept[0]
 
 
-def flatten(forest: Sequence[Element]) -> Part:
+def flatten(forest: Sequence[Element]) -> Subtree:
     """The nodes of trees, their roots without a parent."""
     codes = name_codes()
     kinds: list[int] = []
@@ -155,7 +154,7 @@ def flatten(forest: Sequence[Element]) -> Part:
             add(IS_TEXT, 0, row, element.text)
         stack.append((None, row))
         stack.extend((child, row) for child in reversed(element.children))
-    return Part(
+    return Subtree(
         np.array(kinds, np.int8),
         np.array(names, np.int16),
         np.array(parents, np.int64),
@@ -164,7 +163,7 @@ def flatten(forest: Sequence[Element]) -> Part:
     )
 
 
-def _assemble(version: str, parts: Sequence[Part], frames: int, frame_time: str | None) -> Head:
+def _assemble(version: str, parts: Sequence[Subtree], frames: int, frame_time: str | None) -> Head:
     before = _frame_of_parts(version)
     motion = _motion(frames, frame_time)
     # `mcml` is in row 1; the document node and it end with the last row.
@@ -177,7 +176,7 @@ def _assemble(version: str, parts: Sequence[Part], frames: int, frame_time: str 
     total = offset + len(motion)
     ends = np.concatenate([piece.ends for piece in pieces])
     ends[:2] = total - 1
-    whole = Part(
+    whole = Subtree(
         np.concatenate([piece.kinds for piece in pieces]),
         np.concatenate([piece.names for piece in pieces]),
         np.concatenate([piece.parents for piece in pieces]),
@@ -188,12 +187,12 @@ def _assemble(version: str, parts: Sequence[Part], frames: int, frame_time: str 
 
 
 @lru_cache(maxsize=16)
-def _frame_of_parts(version: str) -> Part:
+def _frame_of_parts(version: str) -> Subtree:
     """Document node and `mcml`."""
     mcml = flatten([Element(MCML, mcml_attributes(version), "", [])])
-    document = Part(np.array([IS_DOCUMENT], np.int8), np.zeros(1, np.int16), np.array([-1]), np.zeros(1, int), [""])
+    document = Subtree(np.array([IS_DOCUMENT], np.int8), np.zeros(1, np.int16), np.array([-1]), np.zeros(1, int), [""])
     moved = _moved(mcml, 1, parent=0)
-    return Part(
+    return Subtree(
         np.concatenate([document.kinds, moved.kinds]),
         np.concatenate([document.names, moved.names]),
         np.concatenate([document.parents, moved.parents]),
@@ -203,14 +202,14 @@ def _frame_of_parts(version: str) -> Part:
 
 
 @lru_cache(maxsize=1024)
-def _motion(frames: int, frame_time: str | None) -> Part:
+def _motion(frames: int, frame_time: str | None) -> Subtree:
     children = [Element("frames", {}, str(frames), [])]
     if frame_time is not None:
         children.append(Element("frametime", {}, frame_time, []))
     return flatten([Element(MOTION, {}, "", children)])
 
 
-def _moved(part: Part, offset: int, parent: int) -> Part:
+def _moved(part: Subtree, offset: int, parent: int) -> Subtree:
     parents = np.where(part.parents < 0, parent, part.parents + offset)
     return replace(part, parents=parents, ends=part.ends + offset)
 
@@ -225,7 +224,7 @@ class Heads:
         self._limit = limit
         self._size = 0
         self._heads: dict[tuple[int, int], Head] = {}
-        self._skeletons: dict[int, Part] = {}
+        self._skeletons: dict[int, Subtree] = {}
 
     def read(self, tx: Transaction, documents: Sequence[Listed], *, whole: bool) -> list[Head]:
         """The head of each document. whole: with header and skeleton; else only document, `mcml` and motion."""
@@ -248,7 +247,7 @@ class Heads:
             self._remember(known, skeletons, sum(len(head.part) for head in found.values()))
         return [known[listed.key, listed.revision] for listed in documents]
 
-    def _remember(self, heads: dict[tuple[int, int], Head], skeletons: dict[int, Part], added: int) -> None:
+    def _remember(self, heads: dict[tuple[int, int], Head], skeletons: dict[int, Subtree], added: int) -> None:
         # Threads that read at the same time may lose what the other read; it is read again when it is needed.
         self._size += added
         if self._size > self._limit:

@@ -11,9 +11,9 @@ import numpy as np
 from schemas.queries import NodeItem, QueryAnswer, RunItem, ScalarItem
 from service.storage.columns import Listed
 from service.storage.database import Transaction
+from service.xpath.caches import Caches
 from service.xpath.frame_runs import IdRuns
 from service.xpath.nodes import Node, Run
-from service.xpath.shared import Shared
 
 Kind = Literal["nodes", "runs", "number", "string", "boolean", "strings", "values"]
 
@@ -35,12 +35,12 @@ def kind_of_value(value: float | str | bool) -> Kind:
     return "string" if isinstance(value, str) else "number"
 
 
-def run_items(tx: Transaction, shared: Shared, runs: Sequence[Run]) -> list[RunItem]:
+def run_items(tx: Transaction, caches: Caches, runs: Sequence[Run]) -> list[RunItem]:
     """Runs as an answer shows them, their frame ids read together."""
     documents = {run.stored.key: run.stored for run in runs}
     place = {key: number for number, key in enumerate(documents)}
     ends = [(place[run.stored.key] << 48) | (end << 24) for run in runs for end in (run.first, run.last)]
-    numbers, others = IdRuns(shared.ids.read(tx, list(documents.values()))).numbers(np.array(ends, np.int64))
+    numbers, others = IdRuns(caches.ids.read(tx, list(documents.values()))).numbers(np.array(ends, np.int64))
     ids = [others.get(index, str(number)) for index, number in enumerate(numbers.tolist())]
     return [
         RunItem(

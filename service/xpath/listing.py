@@ -8,8 +8,8 @@ from functools import cached_property
 
 from service.storage.columns import Listed
 from service.storage.database import Transaction
+from service.xpath.cache import Cache
 from service.xpath.hints import Kind, compared_names, not_found
-from service.xpath.kept import Kept
 from service.xpath.tree import Expression
 
 STATES = 4
@@ -36,7 +36,7 @@ class Listing:
 
     def __init__(self) -> None:
         # By the newest commit as well as the one that is read: a deleted document that comes back was never away.
-        self._states = Kept[tuple[int, int], State](STATES, lambda _: 1)
+        self._states = Cache[tuple[int, int], State](STATES, lambda _: 1)
 
     def state(self, tx: Transaction) -> State:
         """What a transaction sees."""

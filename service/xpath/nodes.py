@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from service.errors import QueryError
 from service.storage.columns import Listed
 
 
@@ -24,3 +26,25 @@ class Run:
     stored: Listed
     first: int
     last: int
+
+
+def join_runs(runs: Iterable[Run]) -> Iterator[Run]:
+    """Runs in their order, those of a document that overlap the one before them, or follow it, as one with it."""
+    waiting: Run | None = None
+    for run in runs:
+        if waiting is not None and waiting.stored.key == run.stored.key and run.first <= waiting.last + 1:
+            waiting = Run(run.stored, waiting.first, max(waiting.last, run.last))
+            continue
+        if waiting is not None:
+            yield waiting
+        waiting = run
+    if waiting is not None:
+        yield waiting
+
+
+def in_no_frame(address: str) -> QueryError:
+    """The error of a node that no run of frames can hold."""
+    return QueryError(
+        f"{address} is not in a frame, so it is in no run of frames.",
+        remedy="Ask with as=json, or for nodes in frames.",
+    )

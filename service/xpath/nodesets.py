@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from service.numerics.runs import find_starts
 from service.xpath.numbering import Bools, Floats, Ints
 from service.xpath.pairs import MAX_PAIRS, TooWideError, expand
 
@@ -63,7 +64,7 @@ class NodeSets:
     def _reduced(self, function: np.ufunc, numbers: Floats) -> Floats:
         result = np.full(self.count, np.nan)
         if len(self.groups):
-            starts = np.flatnonzero(np.concatenate([[True], np.diff(self.groups) != 0]))
+            starts = find_starts(self.groups)
             result[self.groups[starts]] = function.reduceat(numbers, starts)
         return np.asarray(self.spread(result))
 

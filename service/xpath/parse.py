@@ -9,7 +9,6 @@ from difflib import get_close_matches
 
 from service.errors import LimitError, Place, QueryError
 from service.xpath.grammar import ArityError, read
-from service.xpath.later import sequence
 from service.xpath.meaning import bind, from_document, with_stored_names
 from service.xpath.signatures import FUNCTIONS, SAFE_FUNCTIONS
 from service.xpath.tree import (
@@ -19,12 +18,13 @@ from service.xpath.tree import (
     Filter,
     Operation,
     Path,
-    Sequence,
+    Written,
     children,
     type_of,
     walk,
 )
 from service.xpath.unparse import unparse
+from service.xpath.xpath2 import read_xpath2
 
 MAX_LENGTH = 10_000
 MAX_NESTING = 100
@@ -60,9 +60,9 @@ class Query:
         return unparse(self.tree)
 
     @property
-    def later(self) -> bool:
+    def needs_xpath2(self) -> bool:
         """Whether it needs XPath 2.0."""
-        return isinstance(self.tree, Sequence) or _is_later(self.tree)
+        return isinstance(self.tree, Written) or _uses_xpath2(self.tree)
 
 
 def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) -> Query:
@@ -88,25 +88,25 @@ def _tree(text: str, variables: Mapping[str, str | float | bool]) -> Expression:
         tree = read(text)
         tree = bind(tree, variables) if "$" in text else tree
     except QueryError as error:
-        return _later(text, error, variables)
+        return _read_xpath2(text, error, variables)
     try:
         _check_types(tree)
     except QueryError as error:
-        if not _is_later(tree):
+        if not _uses_xpath2(tree):
             raise
-        return _later(text, error, variables)
-    return sequence(unparse(read(text)), variables) if _writes_numbers(tree) else tree
+        return _read_xpath2(text, error, variables)
+    return read_xpath2(unparse(read(text)), variables) if _writes_numbers(tree) else tree
 
 
-def _later(text: str, error: QueryError, variables: Mapping[str, str | float | bool]) -> Expression:
+def _read_xpath2(text: str, error: QueryError, variables: Mapping[str, str | float | bool]) -> Expression:
     """The expression as XPath 2.0. error: why it is no XPath 1.0."""
     if isinstance(error, ArityError) or text.lstrip().startswith("+"):
         raise error
     try:
-        return sequence(text, variables)
-    except QueryError as later:
+        return read_xpath2(text, variables)
+    except QueryError as other:
         # The parser that came further is the one that the writer had in mind.
-        chosen = max(error, later, key=_column)
+        chosen = max(error, other, key=_column)
         raise QueryError(chosen.what, at=chosen.at, remedy=chosen.remedy or _hint(text, chosen.what)) from None
 
 
@@ -116,7 +116,7 @@ def _column(error: QueryError) -> int:
 
 def _writes_numbers(tree: Expression) -> bool:
     """Whether fractions become strings in an expression of XPath 2.0, which has other digits for them than 1.0."""
-    return _is_later(tree) and any(
+    return _uses_xpath2(tree) and any(
         type_of(argument) == "number" and not (isinstance(argument, Call) and argument.function in _WHOLE)
         for part in walk(tree)
         if isinstance(part, Call) and part.function in STRING_FUNCTIONS | _OF_STRINGS
@@ -124,8 +124,8 @@ def _writes_numbers(tree: Expression) -> bool:
     )
 
 
-def _is_later(tree: Expression) -> bool:
-    return any(isinstance(part, Call) and FUNCTIONS[part.function].later for part in walk(tree))
+def _uses_xpath2(tree: Expression) -> bool:
+    return any(isinstance(part, Call) and FUNCTIONS[part.function].is_xpath2 for part in walk(tree))
 
 
 def _check_types(tree: Expression) -> None:

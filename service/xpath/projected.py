@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Literal
 
 from service.errors import LimitError, QueryError
+from service.mcml.addresses import find_frame
 from service.mcml.writer import Layout, write_document
 from service.motion.clip import FrameBlock
 from service.storage.columns import Listed
@@ -16,7 +16,7 @@ from service.xpath.evaluate import Evaluator, Nodes, Scalar
 from service.xpath.evaluate import Node as Found
 from service.xpath.labels import without_index
 from service.xpath.limits import Limits
-from service.xpath.nodes import Node, Run
+from service.xpath.nodes import Node, Run, in_no_frame, join_runs
 from service.xpath.parse import Query
 from service.xpath.projection import Projection, projection
 from service.xpath.render import bone_names, labelled_blocks
@@ -135,29 +135,13 @@ class Xml:
 
 def runs_of_nodes(found: Iterable[tuple[Listed, Sequence[Node | Found]]]) -> Iterator[Run]:
     """Maximal ranges of frames that nodes of documents are or lie in. QueryError for a node outside the frames."""
+    return join_runs(_frames_of_nodes(found))
+
+
+def _frames_of_nodes(found: Iterable[tuple[Listed, Sequence[Node | Found]]]) -> Iterator[Run]:
     for stored, nodes in found:
-        waiting: Run | None = None
         for node in nodes:
-            position = frame_of(node.address)
+            position = find_frame(node.address)
             if position is None:
-                raise QueryError(
-                    f"{node.address} is not in a frame, so it is in no run of frames.",
-                    remedy="Ask with as=json, or for nodes in frames.",
-                )
-            if waiting is not None and position <= waiting.last + 1:
-                waiting = Run(stored, waiting.first, max(waiting.last, position))
-                continue
-            if waiting is not None:
-                yield waiting
-            waiting = Run(stored, position, position)
-        if waiting is not None:
-            yield waiting
-
-
-_FRAME = re.compile(r"/mcml/motion/frame(?:\[(\d+)\])?(?:/|$)")
-
-
-def frame_of(address: str) -> int | None:
-    """The position of the frame that a node is or lies in, None outside the motion's frames."""
-    match = _FRAME.match(address)
-    return None if match is None else int(match[1] or 1)
+                raise in_no_frame(node.address)
+            yield Run(stored, position, position)

@@ -13,7 +13,7 @@ from functools import cache, lru_cache
 
 from service.mcml.content import declarations
 from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
-from service.xpath.tree import Call, Expression, Filter, Literal, Operation, Path, Sequence, Step, type_of
+from service.xpath.tree import Call, Expression, Filter, Literal, Operation, Path, Step, Written, type_of
 
 DOCUMENT = "/"
 Types = frozenset[str]
@@ -90,7 +90,7 @@ class _Analysis:
         """Types of the nodes selected; of a value, none. context: types of the context node."""
         if isinstance(expression, Literal):
             return frozenset()
-        if isinstance(expression, Sequence):
+        if isinstance(expression, Written):
             self.use(_everything())
             self._head_text = True
             return _everything()

@@ -11,6 +11,7 @@ from service.mcml.vocabulary import FRAME_BONE, MOTION_NAME
 from service.mcml.writer import Layout, attribute_bytes, text_bytes, write_document, write_motion
 from service.motion.clip import FrameBlock
 from service.motion.skeleton import CHANNELS
+from service.numerics.runs import find_consecutive
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.motion_names import names_of_frames
@@ -72,12 +73,7 @@ def _frames(forest: Forest, nodes: Ints) -> list[str]:
 
 def runs_of(nodes: Ints) -> Iterator[tuple[int, int, int]]:
     """(document, first frame, last frame) of maximal runs of frames that ascending nodes lie in, each frame once."""
-    frames = np.unique(nodes >> FRAME_SHIFT)
-    if not len(frames):
-        return
-    breaks = np.flatnonzero(np.diff(frames) != 1)
-    starts = frames[np.concatenate([[0], breaks + 1])] << FRAME_SHIFT
-    stops = frames[np.concatenate([breaks, [len(frames) - 1]])] << FRAME_SHIFT
+    starts, stops = find_consecutive(np.unique(nodes >> FRAME_SHIFT)).T << FRAME_SHIFT
     yield from zip(documents_of(starts).tolist(), frames_of(starts).tolist(), frames_of(stops).tolist(), strict=True)
 
 

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from typing import Literal, TypeVar
+from typing import Literal
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.database import LATEST, Database, Transaction
 from service.xpath import aggregates, sources
-from service.xpath.columnar import Columnar
+from service.xpath.caches import Caches
+from service.xpath.column_source import ColumnSource
 from service.xpath.columns import Columns, Context
 from service.xpath.complete import Completion, complete
 from service.xpath.cursors import Cursor, question, read_cursor
@@ -40,7 +41,6 @@ from service.xpath.saxon import Saxon
 from service.xpath.scan import Scan, plan_scan
 from service.xpath.sequences import Answer as Sequenced
 from service.xpath.sequences import Sequences
-from service.xpath.shared import Shared
 from service.xpath.sources import Nth, Source
 from service.xpath.streams import Answer, Shown, collect
 from service.xpath.tree import Expression, is_constant, type_of
@@ -49,7 +49,6 @@ from service.xpath.values import TooLongError
 MAX_RUNS = 100_000
 DEFAULT_LIMIT = 100
 MAX_ON_XML = 100_000
-Item = TypeVar("Item")
 
 
 class Queries:
@@ -60,7 +59,7 @@ class Queries:
         self.settings = settings
         self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
         self.saxon = Saxon(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
-        self.shared = Shared()
+        self.caches = Caches()
 
     def close(self) -> None:
         self.evaluator.close()
@@ -80,9 +79,9 @@ class Queries:
         if request.as_ != "json" and kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         with self.database.read(self._commit(request) if cursor is None else cursor.commit) as tx:
-            scope = Scope(tx, self.shared.listing, request.document, request.project)
+            scope = Scope(tx, self.caches.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=request.explain)
-            page = _Page(self.shared, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
+            page = _Page(self.caches, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
             try:
                 answer = asking.answer(page)
             except LimitError as error:
@@ -102,14 +101,14 @@ class Queries:
         if kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         with self.database.read(self._commit(request)) as tx:
-            scope = Scope(tx, self.shared.listing, request.document, request.project)
+            scope = Scope(tx, self.caches.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=False)
             commit = scope.state.commit
             try:
                 parts = collect(asking.nodes(), request.limit)
             except (TooWideError, TooLongError, NotOnColumnsError):
                 return Shown(asking.on_xml(request.limit))
-        return Answer(self.database, self.shared, commit, parts)
+        return Answer(self.database, self.caches, commit, parts)
 
     def addresses(self, request: QueryRequest) -> list[str]:
         """The canonical addresses of all nodes of an answer (or the first `limit`). Raises as `answer` does, and
@@ -136,7 +135,7 @@ class Queries:
     ) -> tuple[int, list[Completion]]:
         """(first character that is replaced, completions) at a place in an expression, over a scope."""
         with self.database.read() as tx:
-            scope = Scope(tx, self.shared.listing, documents, project)
+            scope = Scope(tx, self.caches.listing, documents, project)
             return complete(text, at, lambda: scope.used_names("span"), lambda: scope.used_names("bone"))
 
     def limits(self, client: str = "") -> Limits:
@@ -164,9 +163,9 @@ class _Asking:
             return self._on_columns(normal(self.query.tree), page)
         except (TooWideError, TooLongError, NotOnColumnsError):
             self.explain.way = "projection"
-            by = "Saxon" if self.query.later else "libxml2"
+            by = "Saxon" if self.query.needs_xpath2 else "libxml2"
             self.explain.plan = ["the documents as XML, without what the expression cannot touch", f"by {by}"]
-            return self._by_saxon(page) if self.query.later else self._on_xml(page)
+            return self._by_saxon(page) if self.query.needs_xpath2 else self._on_xml(page)
 
     def _on_columns(self, tree: Expression, page: _Page) -> QueryAnswer:
         if is_constant(tree):
@@ -181,7 +180,7 @@ class _Asking:
             return self._aggregate(call.function, source, page)
         if type_of(tree) == "nodes":
             return page.of(self.tx, self.nodes(), self.limits.max_elements)
-        found = self._columnar(tree)
+        found = self._column_source(tree)
         return scalars(_kind(tree), found.documents, found.values())
 
     def explained(self, milliseconds: float) -> Explain:
@@ -198,28 +197,28 @@ class _Asking:
         source = self.source(tree)
         return source if nth is None else Nth(source, nth)
 
-    def source(self, tree: Expression) -> Scan | Columnar:
+    def source(self, tree: Expression) -> Scan | ColumnSource:
         """Where the nodes of an expression come from."""
         plan = plan_scan(tree)
         documents = [] if plan is None else self.scope.documents()
         if plan is None or len(documents) > MAX_DOCUMENTS:
-            return self._columnar(tree)
-        scan = Scan(self.tx, plan, documents, self.engine.shared, self.limits.check)
+            return self._column_source(tree)
+        scan = Scan(self.tx, plan, documents, self.engine.caches, self.limits.check)
         self._explained("index", scan)
         return scan
 
-    def _columnar(self, tree: Expression) -> Columnar:
-        found = Columnar(self.tx, tree, self.scope, self.engine.shared, self.limits.check)
+    def _column_source(self, tree: Expression) -> ColumnSource:
+        found = ColumnSource(self.tx, tree, self.scope, self.engine.caches, self.limits.check)
         indexed = found.start is not None and found.start.indexed
         self._explained("index" if indexed else "columns", found)
         return found
 
-    def _explained(self, way: Literal["index", "columns"], source: Scan | Columnar) -> None:
+    def _explained(self, way: Literal["index", "columns"], source: Scan | ColumnSource) -> None:
         if self.wants_explain:
             self._scan = source if isinstance(source, Scan) else None
             self.explain = Explain(way=way, plan=steps_of(source), documents=len(source.documents), milliseconds=0)
 
-    def _aggregate(self, function: str, source: Scan | Columnar, page: _Page) -> QueryAnswer:
+    def _aggregate(self, function: str, source: Scan | ColumnSource, page: _Page) -> QueryAnswer:
         if function in aggregates.TRUTH_AGGREGATES:
             return QueryAnswer(type="boolean", value=aggregates.exists(source) == (function == "exists"))
         if function == "distinct-values":
@@ -230,7 +229,7 @@ class _Asking:
         return QueryAnswer(type="number", value=None if found is None else plain(found))
 
     def _constant(self, tree: Expression) -> float | str | bool:
-        nowhere = Forest(self.tx, [], self.engine.shared, whole_heads=False)
+        nowhere = Forest(self.tx, [], self.engine.caches, whole_heads=False)
         columns = Columns(nowhere, self.limits.check)
         context = Context(np.zeros(1, np.int64))
         if type_of(tree) == "string":
@@ -242,7 +241,7 @@ class _Asking:
     def on_xml(self, limit: int | None) -> list[Node]:
         """The nodes of the whole expression, evaluated on documents as XML. LimitError for too many."""
         most = MAX_ON_XML + 1 if limit is None else min(limit, MAX_ON_XML)
-        if self.query.later:
+        if self.query.needs_xpath2:
             answer = self._sequences().page(0, most)
             if not answer.nodes:
                 raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
@@ -283,7 +282,7 @@ class _Asking:
 class _Page:
     """One page of nodes, runs or values."""
 
-    shared: Shared
+    caches: Caches
     request: QueryRequest
     limit: int
     cursor: Cursor | None
@@ -329,7 +328,7 @@ class _Page:
         if self.offset + self.limit > MAX_RUNS:
             raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
         runs = list(islice(found, self.offset, self.offset + self.limit + 1))
-        items = run_items(tx, self.shared, runs[: self.limit])
+        items = run_items(tx, self.caches, runs[: self.limit])
         return QueryAnswer(type="runs", items=list(items), next_cursor=self._next(tx, len(runs) > self.limit))
 
     def _nodes(self, tx: Transaction, nodes: list[Node], more: bool) -> QueryAnswer:

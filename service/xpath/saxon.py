@@ -6,7 +6,6 @@ import importlib.util
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from service.errors import QueryError, StoreError
 from service.xpath.evaluate import Evaluator, Node
@@ -26,7 +25,7 @@ class Items:
 class Saxon(Evaluator):
     """A pool of processes as that of libxml2."""
 
-    program = Path(__file__).with_name("saxon_worker.py")
+    program = "service.xpath.saxon_worker"
 
     def items(
         self,
@@ -38,7 +37,7 @@ class Saxon(Evaluator):
         limit: int,
         limits: Limits | None = None,
     ) -> Items:
-        """The value of an expression that has been checked (`later.py`), the document as context item.
+        """The value of an expression that has been checked (`xpath2.py`), the document as context item.
 
         Raises QueryError where Saxon refuses the expression or is not installed, else as `evaluate` does.
         """

@@ -1,28 +1,25 @@
 """A process of its own that evaluates XPath 2.0 and later with Saxon: it can be killed, and its memory is bounded.
 
-Run as a program: `python saxon_worker.py MEMORY_BYTES`. Messages are those of `worker.py`. A request is a JSON object
-{expression, variables, limit, offset}, then the document in pieces, then an empty message. The answer: {"total": n,
-"items": […]} for items offset … offset + limit - 1 of the sequence: ["node", kind, address, value] or ["number" |
-"string" | "boolean", value], NaN and infinities as texts.
+Its argument and messages are those of `worker.py`. A request is a JSON object {seconds, expression, variables, limit,
+offset}, then the document in pieces, then an empty message. The answer: {"total": n, "items": […]} for items offset …
+offset + limit - 1 of the sequence: ["node", kind, address, value] or ["number" | "string" | "boolean", value], NaN and
+infinities as texts.
 """
 
 from __future__ import annotations
 
-import json
 import re
 import resource
 import sys
-from pathlib import Path
+from functools import partial
 from typing import Any
-
-if __name__ == "__main__":
-    # As a program it stands in no package, and the folder beside it holds names that are not meant for all.
-    sys.path[0] = str(Path(__file__).resolve().parents[2])
 
 from lxml import etree
 from saxonche import PySaxonApiError, PySaxonProcessor
 
-from service.xpath.worker import LAST, NAMESPACE, Addresses, describe, read_message, write_message
+from service.mcml.addresses import address_attribute, address_namespace, address_text
+from service.processes.bounds import bound_memory
+from service.xpath.worker import Addresses, answer_requests, describe
 
 _SPECIAL = {"INF": "Infinity", "+INF": "Infinity", "-INF": "-Infinity", "NaN": "NaN"}
 _NUMBERS = ("integer", "decimal", "double", "float")
@@ -30,29 +27,11 @@ _STEP = re.compile(r"/(?:Q\{\}([^\[/]+)\[(\d+)\]|@(.+)|(text\(\))\[\d+\]|(namesp
 
 
 def main() -> None:
-    memory = int(sys.argv[1])
     # Saxon reserves addresses by the gigabyte and uses few of them, so what counts is what it writes to.
-    resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    source, target = sys.stdin.buffer, sys.stdout.buffer
+    bound_memory(resource.RLIMIT_DATA, int(sys.argv[1]))
     saxon = PySaxonProcessor(license=False)
     saxon.set_configuration_property("http://saxon.sf.net/feature/allowedProtocols", "")
-    while (request := read_message(source)) is not None:
-        parser = etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True, load_dtd=False)
-        try:
-            while piece := read_message(source):
-                parser.feed(piece)
-            answer = evaluate(saxon, parser.close(), **json.loads(request))
-        except MemoryError:
-            answer = {"error": "memory"}
-        except PySaxonApiError as error:
-            answer = {"error": "expression", "message": " ".join(str(error).split())}
-        except etree.XMLSyntaxError as error:
-            answer = {"error": "document" if error.lineno else "memory", "message": str(error)}
-        write_message(target, json.dumps(answer).encode())
-        if answer.get("error") in LAST:
-            return
-        del answer, parser
+    answer_requests(partial(evaluate, saxon), PySaxonApiError)
 
 
 def evaluate(
@@ -120,10 +99,10 @@ class Places:
                 continue
             own = self._addresses.of(current)
             if attribute:
-                return ["attribute", f"{own}/@{attribute}", current.get(attribute)]
+                return ["attribute", address_attribute(own, attribute), current.get(attribute)]
             if text:
-                return ["text", f"{own}/text()", current.text]
-            return ["namespace", f"{own}/{NAMESPACE}", node.string_value]
+                return ["text", address_text(own), current.text]
+            return ["namespace", address_namespace(own), node.string_value]
         return describe(current, self._addresses)
 
     def _child(self, parent: Any, name: str, number: int) -> Any:
@@ -133,7 +112,3 @@ class Places:
                 held.setdefault(child.tag, []).append(child)
             self._children[parent] = held
         return self._children[parent][name][number - 1]
-
-
-if __name__ == "__main__":
-    main()

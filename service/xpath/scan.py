@@ -21,11 +21,11 @@ from service.storage.database import Transaction
 from service.storage.encoding import channels_of
 from service.storage.schema import CHUNK
 from service.xpath.axes import step as axis_step
+from service.xpath.caches import Caches
 from service.xpath.forest import Forest
 from service.xpath.intervals import Interval
 from service.xpath.labels import motion_name_groups, ranges_of
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Bools, Floats, Ints
-from service.xpath.shared import Shared
 from service.xpath.timeline import Timeline, slots_of_chunks
 from service.xpath.tree import Expression, Path
 from service.xpath.vectors import (
@@ -137,18 +137,18 @@ class Scan:
         tx: Transaction,
         plan: ScanPlan,
         documents: Sequence[Listed],
-        shared: Shared,
+        caches: Caches,
         check: Callable[[], None] = lambda: None,
     ) -> None:
         self.tx = tx
         self.plan = plan
-        self._shared = shared
+        self._caches = caches
         self._check = check
         kept = list(documents)
         self._labelled = ranges_of(tx, plan.names, [listed.key for listed in kept]) if plan.names else None
         if self._labelled is not None:
             kept = [listed for listed in kept if listed.key in self._labelled]
-        self.forest = Forest(tx, kept, shared, whole_heads=False)
+        self.forest = Forest(tx, kept, caches, whole_heads=False)
         self._timeline = self.forest.timeline
         self.tracks_read = 0
 
@@ -275,7 +275,7 @@ class Scan:
     def _tracks(self, places: range, name: str | None) -> Table:
         """The tracks of the bone of a name, or of all bones, of some documents."""
         documents = self.forest.documents[places.start : places.stop]
-        part = Forest(self.tx, documents, self._shared, whole_heads=False)
+        part = Forest(self.tx, documents, self._caches, whole_heads=False)
         if name is None:
             return part.tracks.moved(places.start)
         stored = unescape(name)
@@ -294,7 +294,7 @@ class Scan:
             bits = table.about[BITS, held].tolist()
             places = {each: _places(each, wanted) for each in set(bits)}
             values = np.full((len(wanted), len(units), CHUNK), np.nan)
-            tracks = self._shared.tracks.read(self.tx, rows_of(table.about[:, held]))
+            tracks = self._caches.tracks.read(self.tx, rows_of(table.about[:, held]))
             for unit, track, each in zip(held.tolist(), tracks, bits, strict=True):
                 here, there = places[each]
                 values[here, unit, : track.shape[1]] = track[there]

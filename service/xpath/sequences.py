@@ -16,8 +16,7 @@ from service.xpath.parse import Query
 from service.xpath.projected import Xml, runs_of_nodes
 from service.xpath.saxon import Items, Saxon
 from service.xpath.signatures import AGGREGATES
-from service.xpath.tree import Call, Literal, type_of
-from service.xpath.tree import Sequence as Written
+from service.xpath.tree import Call, Literal, Written, type_of
 from service.xpath.unparse import unparse
 
 Atomic = float | str | bool

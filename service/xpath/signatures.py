@@ -8,13 +8,13 @@ from dataclasses import dataclass
 @dataclass(frozen=True, slots=True)
 class Signature:
     """result: "nodes", "number", "string", "boolean", "strings" or "sequence". least, most: arguments; most None: any
-    number. of_nodes: the first argument is a node set. later: came with XPath 2.0."""
+    number. of_nodes: the first argument is a node set. is_xpath2: came with XPath 2.0."""
 
     result: str
     least: int
     most: int | None
     of_nodes: bool = False
-    later: bool = False
+    is_xpath2: bool = False
 
     def takes(self, count: int) -> bool:
         """Whether it may be called with so many arguments."""
@@ -57,40 +57,40 @@ FUNCTIONS = {
     "floor": Signature("number", 1, 1),
     "ceiling": Signature("number", 1, 1),
     "round": Signature("number", 1, 1),
-    "min": Signature("number", 1, 1, of_nodes=True, later=True),
-    "max": Signature("number", 1, 1, of_nodes=True, later=True),
-    "avg": Signature("number", 1, 1, of_nodes=True, later=True),
-    "abs": Signature("number", 1, 1, later=True),
-    "lower-case": Signature("string", 1, 1, later=True),
-    "upper-case": Signature("string", 1, 1, later=True),
-    "string-join": Signature("string", 1, 2, of_nodes=True, later=True),
-    "ends-with": Signature("boolean", 2, 2, later=True),
-    "exists": Signature("boolean", 1, 1, of_nodes=True, later=True),
-    "empty": Signature("boolean", 1, 1, of_nodes=True, later=True),
-    "distinct-values": Signature("strings", 1, 1, of_nodes=True, later=True),
+    "min": Signature("number", 1, 1, of_nodes=True, is_xpath2=True),
+    "max": Signature("number", 1, 1, of_nodes=True, is_xpath2=True),
+    "avg": Signature("number", 1, 1, of_nodes=True, is_xpath2=True),
+    "abs": Signature("number", 1, 1, is_xpath2=True),
+    "lower-case": Signature("string", 1, 1, is_xpath2=True),
+    "upper-case": Signature("string", 1, 1, is_xpath2=True),
+    "string-join": Signature("string", 1, 2, of_nodes=True, is_xpath2=True),
+    "ends-with": Signature("boolean", 2, 2, is_xpath2=True),
+    "exists": Signature("boolean", 1, 1, of_nodes=True, is_xpath2=True),
+    "empty": Signature("boolean", 1, 1, of_nodes=True, is_xpath2=True),
+    "distinct-values": Signature("strings", 1, 1, of_nodes=True, is_xpath2=True),
 }
 """Functions that run on columns."""
 
 SAXON_FUNCTIONS = {
-    "matches": Signature("sequence", 2, 3, later=True),
-    "replace": Signature("sequence", 3, 4, later=True),
-    "tokenize": Signature("sequence", 1, 3, later=True),
-    "index-of": Signature("sequence", 2, 2, later=True),
-    "data": Signature("sequence", 1, 1, later=True),
-    "reverse": Signature("sequence", 1, 1, later=True),
-    "subsequence": Signature("sequence", 2, 3, later=True),
-    "insert-before": Signature("sequence", 3, 3, later=True),
-    "remove": Signature("sequence", 2, 2, later=True),
-    "compare": Signature("sequence", 2, 2, later=True),
-    "deep-equal": Signature("sequence", 2, 2, later=True),
-    "codepoints-to-string": Signature("sequence", 1, 1, later=True),
-    "string-to-codepoints": Signature("sequence", 1, 1, later=True),
-    "round-half-to-even": Signature("sequence", 1, 2, later=True),
-    "zero-or-one": Signature("sequence", 1, 1, later=True),
-    "one-or-more": Signature("sequence", 1, 1, later=True),
-    "exactly-one": Signature("sequence", 1, 1, later=True),
-    "root": Signature("sequence", 0, 1, later=True),
-    "unordered": Signature("sequence", 1, 1, later=True),
+    "matches": Signature("sequence", 2, 3, is_xpath2=True),
+    "replace": Signature("sequence", 3, 4, is_xpath2=True),
+    "tokenize": Signature("sequence", 1, 3, is_xpath2=True),
+    "index-of": Signature("sequence", 2, 2, is_xpath2=True),
+    "data": Signature("sequence", 1, 1, is_xpath2=True),
+    "reverse": Signature("sequence", 1, 1, is_xpath2=True),
+    "subsequence": Signature("sequence", 2, 3, is_xpath2=True),
+    "insert-before": Signature("sequence", 3, 3, is_xpath2=True),
+    "remove": Signature("sequence", 2, 2, is_xpath2=True),
+    "compare": Signature("sequence", 2, 2, is_xpath2=True),
+    "deep-equal": Signature("sequence", 2, 2, is_xpath2=True),
+    "codepoints-to-string": Signature("sequence", 1, 1, is_xpath2=True),
+    "string-to-codepoints": Signature("sequence", 1, 1, is_xpath2=True),
+    "round-half-to-even": Signature("sequence", 1, 2, is_xpath2=True),
+    "zero-or-one": Signature("sequence", 1, 1, is_xpath2=True),
+    "one-or-more": Signature("sequence", 1, 1, is_xpath2=True),
+    "exactly-one": Signature("sequence", 1, 1, is_xpath2=True),
+    "root": Signature("sequence", 0, 1, is_xpath2=True),
+    "unordered": Signature("sequence", 1, 1, is_xpath2=True),
 }
 """Functions that only Saxon evaluates. They see nothing but their arguments and the document."""
 

@@ -7,11 +7,11 @@ from typing import Protocol
 
 import numpy as np
 
-from service.errors import LimitError, QueryError
+from service.errors import LimitError
 from service.storage.columns import Listed
 from service.xpath.describe import describe_nodes
 from service.xpath.forest import Forest
-from service.xpath.nodes import Node, Run
+from service.xpath.nodes import Node, Run, in_no_frame, join_runs
 from service.xpath.numbering import Ints, documents_of, frames_of
 from service.xpath.render import holds_frames, node_values, runs_of, whole_elements
 
@@ -81,25 +81,17 @@ def described(forest: Forest, nodes: Ints) -> list[Node]:
 
 def runs(source: Source) -> Iterator[Run]:
     """Maximal ranges of frames that nodes are or lie in. QueryError for a node outside the frames."""
-    waiting: Run | None = None
+    return join_runs(_runs_of_chunks(source))
+
+
+def _runs_of_chunks(source: Source) -> Iterator[Run]:
     for forest, nodes in source.chunks():
         outside = np.flatnonzero(frames_of(nodes) == 0)
         if len(outside):
             _, address = next(describe_nodes(forest, nodes[outside[:1]]))
-            raise QueryError(
-                f"{address} is not in a frame, so it is in no run of frames.",
-                remedy="Ask with as=json, or for nodes in frames.",
-            )
+            raise in_no_frame(address)
         for document, first, last in runs_of(nodes):
-            stored = forest.documents[document]
-            if waiting is not None and waiting.stored.key == stored.key and first <= waiting.last + 1:
-                waiting = Run(stored, waiting.first, max(waiting.last, last))
-                continue
-            if waiting is not None:
-                yield waiting
-            waiting = Run(stored, first, last)
-    if waiting is not None:
-        yield waiting
+            yield Run(forest.documents[document], first, last)
 
 
 class Nth:

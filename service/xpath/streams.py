@@ -18,11 +18,11 @@ import numpy as np
 from service.errors import LimitError
 from service.storage.columns import Listed
 from service.storage.database import Database, Transaction
+from service.xpath.caches import MANY_DOCUMENTS, Caches
 from service.xpath.forest import Forest
 from service.xpath.nodes import Node
 from service.xpath.numbering import DOCUMENT_SHIFT, Ints, documents_of
 from service.xpath.render import holds_frames
-from service.xpath.shared import MANY_DOCUMENTS, Shared
 from service.xpath.sources import Source
 
 Form = TypeVar("Form")
@@ -34,7 +34,7 @@ _INSIDE = (1 << DOCUMENT_SHIFT) - 1
 
 
 @dataclass(frozen=True)
-class Part:
+class BatchNodes:
     """Nodes of one batch of documents."""
 
     documents: list[Listed]
@@ -45,10 +45,10 @@ class Part:
 class Answer:
     """The nodes of an answer. total: how many."""
 
-    def __init__(self, database: Database, shared: Shared, commit: int, parts: list[Part]) -> None:
+    def __init__(self, database: Database, caches: Caches, commit: int, parts: list[BatchNodes]) -> None:
         self.total = sum(len(part.nodes) for part in parts)
         self._database = database
-        self._shared = shared
+        self._caches = caches
         self._commit = commit
         self._parts = parts
 
@@ -66,7 +66,7 @@ class Answer:
                     documents = [part.documents[place] for place in places.tolist()]
                     nodes = (renumbered.reshape(-1).astype(np.int64) << DOCUMENT_SHIFT) | (some & _INSIDE)
                 with self.read() as tx:
-                    forest = Forest(tx, documents, self._shared, whole_heads=part.whole_heads)
+                    forest = Forest(tx, documents, self._caches, whole_heads=part.whole_heads)
                     made = show(forest, nodes)
                 # Not within the transaction: whoever reads slowly would hold it.
                 yield made
@@ -83,14 +83,14 @@ class Shown:
         yield self._found
 
 
-def collect(source: Source, limit: int | None) -> list[Part]:
+def collect(source: Source, limit: int | None) -> list[BatchNodes]:
     """The nodes of a source, at most `limit`. LimitError for more than can be held."""
-    parts: list[Part] = []
+    parts: list[BatchNodes] = []
     left = MAX_NODES + 1 if limit is None else limit
     for forest, nodes in source.chunks():
         some = nodes[:left]
         left -= len(some)
-        parts.append(Part(list(forest.documents), some, forest.whole_heads))
+        parts.append(BatchNodes(list(forest.documents), some, forest.whole_heads))
         if left <= 0:
             break
     if limit is None and left <= 0:

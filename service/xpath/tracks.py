@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from service.motion.skeleton import Array
 from service.storage.blocks import Block, side_by_side
 from service.storage.encoding import channels_of, decompress
-from service.xpath.kept import Kept
+from service.xpath.cache import Cache
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction
@@ -34,8 +34,8 @@ class Tracks:
     """
 
     def __init__(self, packed: int = 32 << 20, decoded: int = 40 << 20) -> None:
-        self._packed = Kept[Key, Packed](packed, lambda track: len(track[1]) + OVERHEAD)
-        self._decoded = Kept[Key, Array](decoded, lambda values: values.nbytes + OVERHEAD)
+        self._packed = Cache[Key, Packed](packed, lambda track: len(track[1]) + OVERHEAD)
+        self._decoded = Cache[Key, Array](decoded, lambda values: values.nbytes + OVERHEAD)
 
     def read(self, tx: Transaction, rows: Sequence[Row]) -> list[Array]:
         """The (channels, frames) array of each track."""

@@ -89,7 +89,7 @@ class Operation:
 
 
 @dataclass(frozen=True, slots=True)
-class Sequence:
+class Written:
     """A whole expression of XPath 2.0 that only Saxon evaluates, as it is written.
 
     variables: the values of those that it does not bind itself. function, arguments: of a call that makes one value of
@@ -104,7 +104,7 @@ class Sequence:
     span: Span = field(default=(0, 0), compare=False)
 
 
-Expression: TypeAlias = Literal | Path | Filter | Call | Operation | Sequence
+Expression: TypeAlias = Literal | Path | Filter | Call | Operation | Written
 
 NODES_FUNCTIONS = giving("nodes")
 STRING_FUNCTIONS = giving("string")
@@ -112,7 +112,7 @@ STRING_FUNCTIONS = giving("string")
 
 def type_of(expression: Expression) -> str:
     """Type of the value: "nodes", "number", "string", "boolean" or "strings"; "sequence" where only it can tell."""
-    if isinstance(expression, Sequence):
+    if isinstance(expression, Written):
         return "sequence"
     if isinstance(expression, Literal):
         return "string" if isinstance(expression.value, str) else "number"
@@ -171,7 +171,7 @@ def walk(expression: Expression) -> Iterator[Expression]:
 def is_constant(expression: Expression) -> bool:
     """Whether the value is the same in every document: no path, and no function that looks at the context node."""
     return not any(
-        isinstance(part, Path | Filter | Sequence)
+        isinstance(part, Path | Filter | Written)
         or (
             isinstance(part, Call)
             and (part.function in NODES_FUNCTIONS | {"lang", "position", "last"} or not _given(part))

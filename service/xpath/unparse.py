@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from decimal import Decimal
 
-from service.xpath.tree import LEVELS, Call, Expression, Filter, Literal, Path, Sequence, Step
+from service.xpath.tree import LEVELS, Call, Expression, Filter, Literal, Path, Step, Written
 
 
 def unparse(expression: Expression | Step) -> str:
@@ -26,7 +26,7 @@ def unparse(expression: Expression | Step) -> str:
         if expression.function.startswith("$"):
             return expression.function
         return f"{expression.function}({', '.join(unparse(argument) for argument in expression.arguments)})"
-    if isinstance(expression, Sequence):
+    if isinstance(expression, Written):
         return expression.text
     level = LEVELS[expression.operator]
     if expression.operator == "negate":
@@ -40,7 +40,7 @@ def unparse(expression: Expression | Step) -> str:
 def _inner(expression: Expression, level: int) -> str:
     """An operand, in parentheses where it binds less tightly."""
     text = unparse(expression)
-    if isinstance(expression, Filter | Call | Literal | Sequence) or (isinstance(expression, Path) and level < 9):
+    if isinstance(expression, Filter | Call | Literal | Written) or (isinstance(expression, Path) and level < 9):
         return text
     own = 0 if isinstance(expression, Path) else LEVELS[expression.operator]
     return f"({text})" if own < level else text

@@ -6,6 +6,7 @@ import numpy as np
 import orjson
 
 from service.motion.skeleton import CHANNELS
+from service.numerics.runs import find_equal
 from service.storage.encoding import channels_of
 from service.storage.schema import CHUNK
 from service.xpath.forest import Forest
@@ -111,11 +112,10 @@ def samples(forest: Forest, nodes: Ints) -> Floats:
     # A track is (document, bone, chunk); sorted by it, the samples of a track are neighbours.
     track = (documents << 48) | (bones << 32) | (slot // CHUNK)
     order = np.argsort(track, kind="stable")
-    starts = np.flatnonzero(np.concatenate([[True], np.diff(track[order]) != 0]))
-    stops = np.append(starts[1:], len(track))
+    starts, stops = find_equal(track[order]).T
     rows = _rows(forest, track[order[starts]])
     for row, data, start, stop in zip(
-        rows, forest.shared.tracks.read(forest.tx, rows), starts.tolist(), stops.tolist(), strict=True
+        rows, forest.caches.tracks.read(forest.tx, rows), starts.tolist(), stops.tolist(), strict=True
     ):
         some = order[start:stop]
         held = channels_of(row[4])

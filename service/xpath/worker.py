@@ -1,50 +1,53 @@
 """A process of its own that evaluates XPath 1.0 with libxml2: it can be killed, and its memory is bounded.
 
-Run as a program: `python worker.py MEMORY_BYTES`. It imports nothing of the service. On its input, messages: a length
-in 8 bytes, big-endian, and so many bytes. A request is a JSON object {expression, document (whether the document node
-may be selected), limit, offset}, then the document in pieces, then an empty message. On its output, one JSON object.
+Its argument: MEMORY_BYTES. On its input, messages. A request is a JSON object {seconds, expression, document (whether
+the document node may be selected), limit, offset}, then the document in pieces, then an empty message. On its output,
+one JSON object. It imports little, to start fast.
 """
 
 from __future__ import annotations
 
 import json
 import resource
-import struct
 import sys
-from collections import Counter
-from collections.abc import Iterator
-from typing import IO, Any
+from collections.abc import Callable, Iterator
+from typing import Any
 
 from lxml import etree
 
-ALWAYS_NUMBERED = ("frame", "frame_bone")
-"""Tags that have their position in an address even where they stand alone."""
-
-NAMESPACE = "namespace::xml"
-"""The last step of the address of a namespace node. An element of MCML has no other."""
+from service.mcml.addresses import ALWAYS_NUMBERED, address_attribute, address_namespace, address_text, number_steps
+from service.processes.bounds import bound_memory, end_after
+from service.processes.messages import read_message, write_message
 
 LAST = ("memory", "document")
 """Errors after which the process ends: the rest of the request was not read, or memory may be in pieces."""
 
 
 def main() -> None:
-    memory = int(sys.argv[1])
-    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    bound_memory(resource.RLIMIT_AS, int(sys.argv[1]))
+    answer_requests(lambda root, **request: evaluate(root.getroottree(), **request), etree.XPathError)
+
+
+def answer_requests(evaluate: Callable[..., dict[str, Any]], refusal: type[Exception]) -> None:
+    """Answer until nobody asks. evaluate: takes the root element and what stands in a request. refusal: what it raises
+    for an expression."""
     source, target = sys.stdin.buffer, sys.stdout.buffer
-    while (request := read_message(source)) is not None:
+    while (message := read_message(source)) is not None:
+        request = json.loads(message)
+        end_after(request.pop("seconds"))
         parser = etree.XMLParser(huge_tree=True, resolve_entities=False, no_network=True, load_dtd=False)
         try:
             while piece := read_message(source):
                 parser.feed(piece)
-            answer = evaluate(parser.close().getroottree(), **json.loads(request))
+            answer = evaluate(parser.close(), **request)
         except MemoryError:
             answer = {"error": "memory"}
-        except etree.XPathError as error:
-            answer = {"error": "expression", "message": str(error)}
+        except refusal as error:
+            answer = {"error": "expression", "message": " ".join(str(error).split())}
         except etree.XMLSyntaxError as error:
             # libxml2 reports memory that it could not get as an error of line 0.
             answer = {"error": "document" if error.lineno else "memory", "message": str(error)}
+        end_after(None)
         write_message(target, json.dumps(answer).encode())
         if answer.get("error") in LAST:
             return
@@ -93,13 +96,13 @@ def describe(node: Any, addresses: Addresses, owners: Iterator[Any] = iter(())) 
         return ["document", "/", etree.tostring(node.getroot(), encoding="unicode")]
     if isinstance(node, tuple):
         owner = next(owners, None)
-        return ["namespace", "" if owner is None else f"{addresses.of(owner)}/{NAMESPACE}", str(node[1])]
+        return ["namespace", "" if owner is None else address_namespace(addresses.of(owner)), str(node[1])]
     if isinstance(node, str):
         smart: Any = node
         parent = addresses.of(smart.getparent())
         if smart.is_attribute:
-            return ["attribute", f"{parent}/@{smart.attrname}", str(node)]
-        return ["text", f"{parent}/text()", str(node)]
+            return ["attribute", address_attribute(parent, smart.attrname), str(node)]
+        return ["text", address_text(parent), str(node)]
     return ["element", addresses.of(node), etree.tostring(node, encoding="unicode", with_tail=False)]
 
 
@@ -117,31 +120,6 @@ class Addresses:
         if parent not in self._known:
             self._known[parent] = self.of(parent)
         if parent not in self._steps:
-            self._steps[parent] = self._number(parent)
+            steps = number_steps([str(child.tag) for child in parent], ALWAYS_NUMBERED)
+            self._steps[parent] = dict(zip(parent, steps, strict=True))
         return f"{self._known[parent]}/{self._steps[parent][element]}"
-
-    @staticmethod
-    def _number(parent: Any) -> dict[Any, str]:
-        total = Counter(child.tag for child in parent)
-        seen: Counter[str] = Counter()
-        steps = {}
-        for child in parent:
-            seen[child.tag] += 1
-            numbered = total[child.tag] > 1 or child.tag in ALWAYS_NUMBERED
-            steps[child] = f"{child.tag}[{seen[child.tag]}]" if numbered else str(child.tag)
-        return steps
-
-
-def read_message(source: IO[bytes]) -> bytes | None:
-    """The next message, None at the end of the input."""
-    head = source.read(8)
-    return source.read(struct.unpack(">Q", head)[0]) if len(head) == 8 else None
-
-
-def write_message(target: IO[bytes], message: bytes) -> None:
-    target.write(struct.pack(">Q", len(message)) + message)
-    target.flush()
-
-
-if __name__ == "__main__":
-    main()

@@ -15,6 +15,7 @@ import numpy as np
 import orjson
 
 from schemas.queries import NodeItem
+from service.mcml.addresses import FRAME_TEMPLATE
 from service.mcml.writer import Layout, text_bytes, write_frames
 from service.motion.clip import FrameBlock
 from service.storage.columns import Listed
@@ -124,7 +125,7 @@ def _frames(forest: Forest, nodes: Ints) -> Iterator[bytes]:
     """Frames, written with their `result` at once."""
     documents = documents_of(nodes)
     openings = {
-        place: (_opening(forest.documents[place]) + '/mcml/motion/frame[%d]">').encode()
+        place: (_opening(forest.documents[place]) + FRAME_TEMPLATE + '">').encode()
         for place in np.unique(documents).tolist()
     }
     if len(nodes) < DENSE * len(openings):

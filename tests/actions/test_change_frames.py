@@ -12,11 +12,11 @@ import pytest
 from lxml import etree
 
 from schemas.queries import NodeItem, QueryRequest
-from service.actions.change_document import add_labels, restore_revision
-from service.actions.change_frames import delete_frames, insert_frames, move_frames, reverse, trim, write_values
-from service.actions.edit_element import Change, change_element, delete_element
-from service.actions.edit_elements import Deletion, ElementEdit, edit_elements
-from service.actions.export_motion import ExportOptions, export_document
+from service.actions.editing.change_document import add_labels, restore_revision
+from service.actions.editing.change_frames import delete_frames, insert_frames, move_frames, reverse, trim, write_values
+from service.actions.editing.edit_element import Change
+from service.actions.editing.edit_elements import Deletion, ElementEdit, edit_elements
+from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.errors import DocumentError, NotFoundError
 from service.mcml.dtd import violations
 from service.settings import Settings
@@ -24,6 +24,7 @@ from service.storage.database import Database
 from service.xpath.run import Queries
 from tests.actions.test_edit_element import PARSER, canonical
 from tests.builders import bvh, store
+from tests.edits import change_element, delete_element
 
 EXPRESSIONS = (
     "//frame[motion_name='hop']",

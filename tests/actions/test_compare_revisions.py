@@ -9,15 +9,16 @@ import pytest
 from fastapi.testclient import TestClient
 from scipy.spatial.transform import Rotation
 
-from service.actions.change_document import add_labels, change_document
-from service.actions.change_frames import delete_frames, insert_frames, write_values
-from service.actions.compare_revisions import compare_revisions
-from service.actions.edit_element import Change, change_element
-from service.actions.read_clip import read_clip
-from service.api.dependencies import at_revision
+from service.actions.editing.change_document import add_labels, change_document
+from service.actions.editing.change_frames import delete_frames, insert_frames, write_values
+from service.actions.editing.edit_element import Change
+from service.actions.reading.compare_revisions import compare_revisions
+from service.actions.reading.read_clip import read_clip
 from service.motion.skeleton import CHANNELS
+from service.operations.arguments import at_revision
 from service.storage.database import Database
 from tests.builders import bvh, store
+from tests.edits import change_element
 
 
 def whole(database: Database, uuid: str, revision: int) -> tuple[np.ndarray, list[str]]:

@@ -8,13 +8,14 @@ import pytest
 from lxml import etree
 from sqlalchemy import func, select
 
-from service.actions.edit_element import Change, change_element, delete_element, read_element
-from service.actions.export_motion import ExportOptions, export_document
+from service.actions.editing.edit_element import Change, read_element
+from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.errors import DocumentError, NotFoundError
 from service.mcml.dtd import violations
 from service.storage.database import Database
 from service.storage.tables import track
 from tests.builders import ASF, MCML, amc, bvh, store
+from tests.edits import change_element, delete_element
 
 PARSER = etree.XMLParser(remove_blank_text=True)
 
@@ -107,7 +108,7 @@ def test_every_element_is_deleted_alone_or_refused(database: Database, uuid: str
         assert canonical(serialised(database, uuid)) == canonical(before), where
         with database.write() as tx:
             stored = tx.documents.get(uuid)
-            from service.actions.change_document import restore_revision
+            from service.actions.editing.change_document import restore_revision
 
             restore_revision(tx, stored, stored.revision - 1)
         assert canonical(serialised(database, uuid)) == canonical(tree), f"restored after {where}"

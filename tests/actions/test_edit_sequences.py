@@ -8,13 +8,14 @@ from random import Random
 import pytest
 from lxml import etree
 
-from service.actions.change_document import restore_revision
-from service.actions.edit_element import Change, change_element, delete_element
-from service.actions.export_motion import ExportOptions, export_document
+from service.actions.editing.change_document import restore_revision
+from service.actions.editing.edit_element import Change
+from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.errors import McmlError
 from service.storage.database import Database
 from tests.actions.test_edit_element import PARSER, addresses, canonical
 from tests.builders import MCML, bvh, store
+from tests.edits import change_element, delete_element
 
 COUNTS = b"</filename><num_segments>4</num_segments><num_frames>3</num_frames>"
 FREE = b'<skeleton><bone id="7"><name>free</name></bone><bone id="8"><name>loose</name></bone>'

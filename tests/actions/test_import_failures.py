@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from sqlalchemy import func, select
 
-from service.actions import import_motion, keep_upload
-from service.actions.import_motion import import_files
-from service.actions.import_options import ImportOptions
+from service.actions.importing import import_motion, keep_upload
+from service.actions.importing.import_motion import import_files
+from service.actions.reading.import_options import ImportOptions
 from service.errors import McmlError, NotFoundError
 from service.settings import Settings
 from service.storage import tables

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from service.actions.export_motion import ExportOptions, export_document
-from service.actions.import_batch import BATCH_CLIPS, EARLY_CLIPS, ImportResult
-from service.actions.import_motion import import_files
-from service.actions.import_options import ImportOptions
+from service.actions.exporting.export_motion import ExportOptions, export_document
+from service.actions.importing.import_batch import BATCH_CLIPS, EARLY_CLIPS, ImportResult
+from service.actions.importing.import_motion import import_files
+from service.actions.reading.import_options import ImportOptions
 from service.errors import ConflictError
 from service.settings import Settings
 from service.storage.database import Database, Transaction

@@ -16,13 +16,13 @@ from pathlib import Path
 
 import pytest
 
-from service.actions import import_workers
-from service.actions.export_motion import ExportOptions, export_document
-from service.actions.gather_files import Clip
-from service.actions.import_batch import ImportResult
-from service.actions.import_motion import import_files
-from service.actions.import_options import ImportOptions
-from service.actions.import_workers import ImportWorkers, ReadApart, Task, reading_ahead
+from service.actions.exporting.export_motion import ExportOptions, export_document
+from service.actions.importing import import_workers
+from service.actions.importing.import_batch import ImportResult
+from service.actions.importing.import_motion import import_files
+from service.actions.importing.import_workers import ImportWorkers, ReadApart, Task, reading_ahead
+from service.actions.reading.gather_files import Clip
+from service.actions.reading.import_options import ImportOptions
 from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database

@@ -10,8 +10,8 @@ import pytest
 from fastapi.testclient import TestClient
 from lxml import etree
 
-from service.actions.edit_element import Change
-from service.actions.edit_elements import Deletion, ElementEdit, Insertion, Replacement, edit_elements
+from service.actions.editing.edit_element import Change
+from service.actions.editing.edit_elements import Deletion, ElementEdit, Insertion, Replacement, edit_elements
 from service.errors import McmlError
 from service.mcml.dtd import violations
 from service.mcml.fragment import read_fragment

@@ -11,19 +11,20 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from service.actions.change_document import restore_revision, undo_revision
-from service.actions.check_uploads import compare_all
-from service.actions.edit_element import Change, change_element
-from service.actions.export_motion import ExportOptions, export_document
-from service.actions.keep_room import compact_store, prune_history
-from service.actions.keep_store import backup
-from service.actions.purge_documents import purge_documents
+from service.actions.editing.change_document import restore_revision, undo_revision
+from service.actions.editing.edit_element import Change
+from service.actions.exporting.export_motion import ExportOptions, export_document
+from service.actions.keeping.check_uploads import compare_all
+from service.actions.keeping.keep_room import compact_store, prune_history
+from service.actions.keeping.keep_store import backup
+from service.actions.keeping.purge_documents import purge_documents
 from service.cli import app
 from service.errors import ConflictError, NotFoundError, SpaceError
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.reserve import Reserve
 from tests.builders import bvh, store
+from tests.edits import change_element
 
 
 def content(database: Database, uuid: str, revision: int | None = None) -> bytes:

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import func, select
 
-from service.actions.export_motion import ExportOptions, export_document
+from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
 from service.storage.schema import metadata
@@ -23,7 +23,7 @@ IMPORTER = textwrap.dedent(
     import os, pathlib, signal, sys
     sys.path.insert(0, {root!r})
     from sqlalchemy import event
-    from service.actions import import_motion, keep_upload
+    from service.actions.importing import import_motion, keep_upload
     from service.storage.database import Database
     from tests.builders import store
 

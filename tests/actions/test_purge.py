@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from service.actions.change_document import add_labels, delete_document
-from service.actions.export_motion import ExportOptions, export_document
-from service.actions.keep_store import backup
-from service.actions.purge_documents import finish_purges, purge_documents, purgeable
+from service.actions.editing.change_document import add_labels, delete_document
+from service.actions.exporting.export_motion import ExportOptions, export_document
+from service.actions.keeping.keep_store import backup
+from service.actions.keeping.purge_documents import finish_purges, purge_documents, purgeable
 from service.cli import app
 from service.errors import NotFoundError
 from service.storage.database import Database

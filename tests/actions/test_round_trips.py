@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.actions.convert_files import convert_files
-from service.actions.edit_element import Change, change_element, delete_element, read_element
-from service.actions.export_motion import ExportOptions, export_document
-from service.actions.import_motion import import_files
-from service.actions.import_options import ImportOptions
-from service.actions.read_clip import read_clip
+from service.actions.editing.edit_element import Change, read_element
+from service.actions.exporting.convert_files import convert_files
+from service.actions.exporting.export_motion import ExportOptions, export_document
+from service.actions.importing.import_motion import import_files
+from service.actions.reading.import_options import ImportOptions
+from service.actions.reading.read_clip import read_clip
 from service.errors import ConversionError, NotFoundError
 from service.formats import FORMATS
 from service.formats.format import ReadOptions, SourceFile
@@ -23,6 +23,7 @@ from service.settings import Settings
 from service.storage.database import Database
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, store
 from tests.conftest import shared_folder
+from tests.edits import change_element, delete_element
 
 SMALL = {
     "bvh": {"chain.bvh": bvh(700)},
@@ -205,7 +206,7 @@ def test_ranges_are_frames_of_the_whole(database: Database) -> None:
 
 
 def test_labels_do_not_break_byte_identity_and_restore_regains_it(database: Database) -> None:
-    from service.actions.change_document import add_labels, change_document, restore_revision
+    from service.actions.editing.change_document import add_labels, change_document, restore_revision
 
     content = bvh(20)
     (uuid,) = store(database, {"chain.bvh": content})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.set_properties import parse_table, set_properties
+from service.actions.labelling.set_properties import parse_table, set_properties
 from service.errors import DocumentError
 from service.mcml.elements import to_head
 from service.storage.database import Database

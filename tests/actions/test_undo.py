@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.change_document import add_labels, change_document, remove_labels, undo_revision
-from service.actions.change_frames import delete_frames, insert_frames, move_frames, reverse, trim, write_values
-from service.actions.edit_element import Change, change_element, delete_element
+from service.actions.editing.change_document import add_labels, change_document, remove_labels, undo_revision
+from service.actions.editing.change_frames import delete_frames, insert_frames, move_frames, reverse, trim, write_values
+from service.actions.editing.edit_element import Change
 from service.errors import ConflictError, McmlError
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 from tests.actions.test_change_frames import content
 from tests.builders import bvh, store
+from tests.edits import change_element, delete_element
 
 
 def edit(tx: Transaction, stored: StoredDocument, chance: Random) -> None:

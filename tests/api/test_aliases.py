@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.shared_skeleton import kept_skeleton
+from service.actions.reading.shared_skeleton import kept_skeleton
 from service.mcml import joint_names
 from tests.builders import MCML, bvh, upload
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.load_demo import add_clips
-from service.actions.use_result import Results
+from service.actions.analysing.use_result import Results
+from service.actions.importing.load_demo import add_clips
 from service.demo.face_takes import EXPRESSIONS, face_takes
 from service.settings import Settings
 from service.storage.database import Database
@@ -108,7 +108,7 @@ def test_versions_of_a_path_share_the_space(client: TestClient, database: Databa
     versions = [path]
     for level in (1, 2):
         versions.append(use(client, versions[-1], "refine", level=level, auto=True)["result"])
-    results = client.app.state.results  # type: ignore[attr-defined]
+    results = client.app.state.repository.results  # type: ignore[attr-defined]
     warm = [use(client, uuid, "playback", fps=24)["value"] for uuid in versions]
     # Started anew, the last version first: whatever is not ready is read, once.
     cold = Results(database, Settings())

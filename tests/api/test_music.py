@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.load_demo import add_clips
+from service.actions.importing.load_demo import add_clips
 from service.demo.dance_clips import dance_clip
 from service.settings import Settings
 from service.storage.database import Database

@@ -14,7 +14,7 @@ from fastapi.testclient import TestClient
 from lxml import etree
 
 from schemas.queries import QueryRequest
-from service.api.queries import _while_connected
+from service.api.routes import while_connected
 from service.errors import LimitError
 from service.xpath.limits import Limits
 from service.xpath.run import Queries
@@ -80,7 +80,7 @@ def test_streams_hold_what_pages_hold(library: TestClient, text: str) -> None:
     assert [(found.get("document"), found.get("address"), content(found)) for found in results] == [
         (item["document"], item["address"], canonical(item)) for item in wanted
     ]
-    queries: Queries = library.app.state.queries  # type: ignore[attr-defined]
+    queries: Queries = library.app.state.repository.queries  # type: ignore[attr-defined]
     assert queries.addresses(QueryRequest(q=text)) == [item["address"] for item in wanted]
 
 
@@ -106,7 +106,7 @@ def test_a_document_is_written_while_it_is_read(library: TestClient, form: str, 
     (document,) = (item for item in library.get(f"{API}/documents").json()["items"] if item["name"] == "a_long")
     asked = {"q": text, "as": form, "document": document["id"]}
     before = library.get(f"{API}/xpath", params=asked).content
-    queries: Queries = library.app.state.queries  # type: ignore[attr-defined]
+    queries: Queries = library.app.state.repository.queries  # type: ignore[attr-defined]
     content = STREAMS[form][0](queries.stream(QueryRequest(q=text, document=[document["id"]])))
     read = [next(content) for _ in range(3)]
     changed = library.patch(
@@ -172,5 +172,5 @@ def test_a_query_ends_when_its_client_leaves() -> None:
             ended.set()
 
     with pytest.raises(LimitError, match="cancelled"):
-        asyncio.run(_while_connected(Gone(), limits, ask))  # type: ignore[arg-type]
+        asyncio.run(while_connected(Gone(), limits.cancel, ask))  # type: ignore[arg-type]
     assert ended.is_set()

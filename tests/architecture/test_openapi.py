@@ -7,16 +7,15 @@ import pkgutil
 from typing import Any
 
 import pytest
-from fastapi.routing import APIRoute
 from fastapi.testclient import TestClient
 from lxml import etree
 from pydantic import BaseModel
 
 import schemas
 from schemas import examples
-from service.api import results
 from service.app import create_app
 from service.mcml import dtd
+from service.operations.analyses import offered
 from service.settings import Settings
 
 DESCRIPTION: dict[str, Any] = create_app(Settings(database="sqlite://")).openapi()
@@ -38,11 +37,7 @@ def models() -> dict[str, type[BaseModel]]:
     return found
 
 
-MADE = {
-    route.response_model.__name__: route.response_model
-    for route in results.router.routes
-    if isinstance(route, APIRoute) and route.response_model is not None
-}
+MADE = {operation.model.__name__: operation.model for operation in offered() if operation.model is not None}
 """Answers of operations, which are made from the catalogue of analyses."""
 
 

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from service.cli import library
-from service.cli.access import LocalLibrary, RemoteLibrary
-from service.cli.library import _groups
+from mcml import folders
+from mcml.client import Client
+from mcml.folders import _stored, groups_of
+from service.cli import importing
 from service.errors import UnsupportedError
 from tests.builders import ASF, amc, bvh, read_by
 from tests.cli.test_access import library as server  # noqa: F401
@@ -39,7 +40,7 @@ def names(groups: list[list[Path]]) -> list[list[str]]:
 def test_groups_hold_every_file_once_and_what_belongs_together(folder: Path) -> None:
     (folder / "more.zip").write_bytes(b"PK\x03\x04")
     loose = folder / "a" / "leg.amc"
-    groups = list(_groups([folder, loose], 4))
+    groups = list(groups_of([folder, loose], 4))
     assert names(groups) == [
         ["leg.amc", "leg.asf"],
         ["leg.amc", "leg.asf"],
@@ -50,15 +51,15 @@ def test_groups_hold_every_file_once_and_what_belongs_together(folder: Path) -> 
         ["leg.amc"],
     ]
     assert [group[0].parent.name for group in groups[:2]] == ["a", "b"]
-    assert Counter(map(len, _groups([folder], 1))) == {1: 11, 2: 2}
+    assert Counter(map(len, groups_of([folder], 1))) == {1: 11, 2: 2}
 
 
 def test_groups_are_bounded_in_bytes(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     size = (folder / "0.bvh").stat().st_size
-    monkeypatch.setattr(library, "MOST_BYTES", int(2.5 * size))
+    monkeypatch.setattr(folders, "MOST_BYTES", int(2.5 * size))
     with (folder / "5.bvh").open("ab") as large:
         large.truncate(9 * size)
-    groups = names(list(_groups([folder], 64))[2:])
+    groups = names(list(groups_of([folder], 64))[2:])
     assert ["5.bvh"] in groups
     assert max(map(len, groups)) == 2
     assert sorted(name for group in groups for name in group) == [f"{number}.bvh" for number in range(10)]
@@ -66,7 +67,7 @@ def test_groups_are_bounded_in_bytes(folder: Path, monkeypatch: pytest.MonkeyPat
 
 def test_nothing_is_imported_where_a_path_is_wrong(folder: Path) -> None:
     with pytest.raises(UnsupportedError):
-        list(_groups([folder, folder / "nothing"], 64))
+        list(groups_of([folder, folder / "nothing"], 64))
 
 
 @pytest.mark.parametrize("processes", [1, 2])
@@ -78,13 +79,12 @@ def test_a_folder_is_imported_in_few_calls(
 ) -> None:
     read_by(monkeypatch, processes)
     calls = []
-    given = LocalLibrary.import_paths
 
-    def counted(self: LocalLibrary, paths: list[Path], *rest: object) -> object:
+    def counted(client: Client, paths: list[Path], *rest: object) -> object:
         calls.append(len(paths))
-        return given(self, paths, *rest)  # type: ignore[arg-type]
+        return _stored(client, paths, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(LocalLibrary, "import_paths", counted)
+    monkeypatch.setattr(folders, "_stored", counted)
     code, output, _ = mcml("import", str(folder))
     assert (code, calls) == (3, [2, 2, 10])
     assert "11 stored, 1 failed" in output
@@ -105,20 +105,16 @@ def test_all_bad_is_failed(mcml: Mcml, folder: Path) -> None:  # noqa: F811
     assert mcml("import", str(folder / "4.bvh"), str(folder / "5.bvh"))[0] == 1
 
 
-def test_the_bar_counts_files(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(library, "SECONDS_DRAWN", -1)
-    with library._Bar(5, disable=False) as bar:
+def test_the_bar_counts_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(importing, "SECONDS_DRAWN", -1)
+    with importing._Bar(disable=False) as bar:
         task = bar._bar.tasks[0]
-        bar.begin([folder / "0.bvh", folder / "1.bvh", folder / "2.bvh"])
-        for name in ("0.bvh", "0.bvh", "1.bvh", "2.bvh"):
-            bar.tell(name, 3, None)
-        assert (task.completed, task.description) == (2, "2.bvh")
-        bar.begin([folder / "3.bvh", folder / "4.bvh"])
-        assert (task.completed, task.total) == (3, 5)
+        bar.tell(2, 5, "2.bvh")
+        assert (task.completed, task.total, task.description) == (2, 5, "2.bvh")
 
 
-def test_several_files_are_one_request(server: RemoteLibrary, folder: Path) -> None:  # noqa: F811
+def test_several_files_are_one_request(server: Client, folder: Path) -> None:  # noqa: F811
     paths = [folder / f"{number}.bvh" for number in range(3, 6)]
-    answer = server.import_paths(paths, library.ImportOptions(), None)
+    answer = _stored(server, paths, {}, lambda *_: None)
     assert [item.name for item in answer.documents] == ["3", "5"]
     assert [item.file for item in answer.problems] == ["4.bvh"]

@@ -13,8 +13,8 @@ import pytest
 from lxml import etree
 
 from schemas.queries import NodeItem, QueryRequest, ScalarItem, ValueItem
-from service.actions.export_motion import ExportOptions, export_document
-from service.actions.load_demo import load_people
+from service.actions.exporting.export_motion import ExportOptions, export_document
+from service.actions.importing.load_demo import load_people
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from schemathesis import Case
 
 from schemas.jobs import Selection
-from service.actions.import_options import Label
-from service.actions.load_demo import add_clips
-from service.actions.start_analysis import find_analysis, start_analysis
+from service.actions.analysing.start_analysis import find_analysis, start_analysis
+from service.actions.importing.load_demo import add_clips
+from service.actions.reading.import_options import Label
 from service.analysis.catalogue import ANALYSES
 from service.demo.face_takes import EXPRESSIONS, face_takes
 from service.demo.reach_clips import reach_clips

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.export_motion import ExportOptions, export_document
+from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.errors import ConversionError
 from service.storage.database import Database
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, store, upload

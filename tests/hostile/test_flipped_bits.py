@@ -16,9 +16,9 @@ from sqlalchemy import Connection, Table, and_, select, update
 from sqlalchemy.exc import SQLAlchemyError
 
 from schemas.queries import QueryRequest
-from service.actions.change_document import add_labels, change_document, delete_document
-from service.actions.edit_element import Change, change_element
-from service.actions.export_motion import ExportOptions, export_document
+from service.actions.editing.change_document import add_labels, change_document, delete_document
+from service.actions.editing.edit_element import Change
+from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.errors import McmlError
 from service.settings import Settings
 from service.storage.checks import faults
@@ -28,6 +28,7 @@ from service.storage.schema import metadata
 from service.xpath.run import Queries
 from tests import postgres
 from tests.builders import ASF, HTR, MCML, amc, bvh, c3d_file, store
+from tests.edits import change_element
 
 EXPRESSIONS = (
     "//frame[motion_name='walk']/@id", "//bone/name", "//header/*", "//frame_bone[@Rx > 2]/@Rx", "sum(//@Ry)",

@@ -139,7 +139,7 @@ def check(database: Database, number: int, examples: int, analyses: dict[str, An
     try:
         asked.run(number, examples)
     finally:
-        client.app.state.queries.close()  # type: ignore[attr-defined]
+        client.app.state.repository.queries.close()  # type: ignore[attr-defined]
     assert not asked.wrong, "\n\n".join(f"{fault}\n  {request}" for fault, request in asked.wrong.items())
     assert database.check(past=True) == []
     return asked.statuses

@@ -17,7 +17,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 import service.jobs.runner
-from service.actions.load_demo import REACHES, add_clips
+from service.actions.importing.load_demo import REACHES, add_clips
 from service.analysis.interface import Part
 from service.demo.reach_clips import reach_clips
 from service.settings import Settings

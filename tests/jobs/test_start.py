@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from service.actions.load_demo import add_clips
+from service.actions.importing.load_demo import add_clips
 from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import silent
 from service.demo.dance_clips import dance_clip

@@ -7,9 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from service.errors import VocabularyError
-from service.mcml.joint_names import RIGS, assign, named, report, root_candidates, table, translate
+from service.mcml.joint_names import RIGS, NamingReport, named, root_candidates, table, translate
 from service.motion.skeleton import Convention, Joint, Skeleton
+from tests.builders import assign
 from tests.mcml.strategies import NAMES
+
+
+def report(rig: Skeleton) -> NamingReport:
+    return named(rig)[1]
 
 
 def skeleton(*names: str, convention: Convention = Convention.LISTED) -> Skeleton:

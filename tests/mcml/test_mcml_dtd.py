@@ -10,6 +10,7 @@ from lxml import etree
 from service.errors import DocumentError
 from service.mcml import dtd, vocabulary
 from service.mcml.content import declarations
+from service.motion.skeleton import CHANNELS
 from service.resources import dtd_path
 from tests.mcml.samples import FIGURES
 from tests.mcml.strategies import small_document
@@ -42,15 +43,10 @@ def test_every_name_of_the_paper_s_tables_stands_where_the_paper_has_it() -> Non
 
 
 def test_the_vocabulary_is_the_dtd_s() -> None:
-    kinds: dict[str, set[str]] = {"elements": set(), "text": set(), "empty": set()}
-    for name, declaration in declarations().items():
-        kinds[declaration.kind].add(name)
-    assert kinds["elements"] == vocabulary.ELEMENT_CONTENT
-    assert kinds["text"] == vocabulary.LEAVES
-    assert kinds["empty"] == vocabulary.EMPTY
-    assert tuple(sorted(vocabulary.FRAME_BONE_ATTRIBUTES)) == tuple(sorted(declarations()["frame_bone"].attributes))
-    for tag in ("root", "bone"):
-        assert set(vocabulary.JOINT_ATTRIBUTES) <= set(declarations()[tag].attributes)
+    words = {word for word in vars(vocabulary).values() if isinstance(word, str)} | set(vocabulary.HEADER_LEAVES)
+    assert set(declarations()) <= words
+    assert {vocabulary.NAME, *CHANNELS} == set(declarations()["frame_bone"].attributes)
+    assert set(vocabulary.UNIT_ATTRIBUTES) <= set(declarations()["units"].attributes)
 
 
 def test_the_dtd_has_no_any_no_entities_no_ids_and_no_defaults() -> None:

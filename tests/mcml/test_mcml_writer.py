@@ -10,10 +10,10 @@ from lxml import etree
 
 from service.errors import DocumentError
 from service.mcml import dtd
+from service.mcml.content import declarations
 from service.mcml.elements import from_head
 from service.mcml.lexical import escape
-from service.mcml.vocabulary import ELEMENT_CONTENT
-from service.mcml.writer import Layout, write_document, write_frame_bone, write_frames
+from service.mcml.writer import Layout, write_document, write_frames
 from service.motion.clip import ClipHead, FrameBlock
 from service.motion.skeleton import CHANNELS
 from tests.mcml.strategies import FINITE, blocks, documents, heads, small_document
@@ -54,7 +54,9 @@ def test_a_range_is_a_part_of_the_whole(block: FrameBlock, first: int, last: int
 @given(st.lists(FINITE, min_size=1, max_size=8))
 def test_one_frame_bone(values: list[float]) -> None:
     bits = (1 << len(values)) - 1
-    node = etree.fromstring(write_frame_bone("hips & co", bits, values))
+    columns = tuple((0, channel) for channel in range(len(values)))
+    block = FrameBlock(np.array([values]), columns, (((0, bits),),), np.array([1]))
+    (node,) = etree.fromstring(b"".join(write_frames(block, ("hips & co",))))
     assert node.get("name") == "hips & co"
     assert [float(text) for text in list(node.attrib.values())[1:]] == values
 
@@ -76,7 +78,7 @@ def test_layouts_differ_in_white_space_only(head: ClipHead, block: FrameBlock) -
 def _stripped(text: bytes) -> etree._Element:
     root = etree.fromstring(text)
     for node in root.iter():
-        if node.tag in ELEMENT_CONTENT:
+        if declarations()[str(node.tag)].kind == "elements":
             node.text = None
         node.tail = None
     return root

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import given
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from service.errors import VocabularyError
 from service.mcml import lexical, motion_names
 from service.mcml.joint_names import table
-from service.mcml.motion_names import canonical, movements, parse, parts, possible_names
+from service.mcml.motion_names import SIDES, MotionName, canonical, movements, parse, parts
 
 # The table of movements as anatomy books have it, in the letters of its column heads.
 F, E, AB, AD = "flexion", "extension", "abduction", "adduction"
@@ -39,6 +40,12 @@ POSSIBLE = {
     **{part: {F, E, AB, AD} for part in ("toes", "toe-one", "toe-two", "toe-three", "toe-four", "toe-five")},
 }
 AXIAL = {"head", "neck", "trunk", "pelvis", "jaw"}
+
+
+def possible_names() -> Iterator[str]:
+    for part in parts().values():
+        for side in SIDES if part.sided else ("",):
+            yield from (str(MotionName(side, part.name, movement)) for movement in part.movements)
 
 
 def test_every_part_is_in_the_table() -> None:

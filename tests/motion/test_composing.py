@@ -14,14 +14,14 @@ from scipy.spatial.transform import Rotation
 from service.errors import ConversionError
 from service.motion.clip import ClipStream, FrameBlock, full_shape
 from service.motion.composing import LARGEST_JUMP, Composed, Piece, compose, layered
-from service.motion.frames import chosen_frames, in_columns
+from service.motion.frames import in_columns
 from service.motion.hub import HubReader
-from service.motion.kinematics import global_positions, global_rotations
 from service.motion.skeleton import Array, Convention, Joint, Skeleton
 from service.motion.units import Reading, reading_of
 from tests.formats.test_real_files import opened
 from tests.motion.random_clips import random_clip
 from tests.motion.test_frames import same_bits, whole
+from tests.poses import chosen_frames, global_positions, global_rotations
 
 CONVENTIONS = [Convention.LISTED, Convention.FIXED, Convention.BASE]
 BANDAI = "bvh/bandai/dataset-1_{}_001.bvh"

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from service.motion.foot_contacts import contacts, hysteresis, runs, sliding, two_bones
+from service.motion.foot_contacts import contacts, hysteresis, sliding, two_bones
+from service.numerics.runs import find_true
 
 UP = np.array([0.0, 1.0, 0.0])
 
@@ -45,11 +46,11 @@ def test_hysteresis_is_that_of_a_switch(flags: list[tuple[bool, bool]]) -> None:
     begins = np.array([one and other for one, other in flags])
     stays = np.array([other for _, other in flags])
     found = hysteresis(begins, stays)
-    for first, last in runs(found):
-        assert begins[first : last + 1].any()
-        assert stays[first : last + 1].all()
+    for first, end in find_true(found):
+        assert begins[first:end].any()
+        assert stays[first:end].all()
         assert first == 0 or not stays[first - 1]
-        assert last == len(flags) - 1 or not stays[last + 1]
+        assert end == len(flags) or not stays[end]
     assert (found | ~begins).all()
 
 

@@ -12,9 +12,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from service.errors import ConversionError
 from service.motion.clip import ClipStream, FrameBlock, full_shape
-from service.motion.frames import adjusted, chosen_frames, eased, in_columns, joined, reversed_frames
+from service.motion.frames import adjusted, eased, in_columns, joined, reversed_frames
 from service.motion.hub import HubReader
-from service.motion.kinematics import global_positions, rest_height
 from service.motion.resampling import frame_places, resampled, sampled
 from service.motion.rotation_vectors import angle_between
 from service.motion.skeleton import Array, Convention, Joint, Skeleton
@@ -22,6 +21,7 @@ from service.motion.smoothing import smoothed
 from service.motion.units import reading_of
 from tests.formats.test_real_files import opened
 from tests.motion.random_clips import random_clip
+from tests.poses import chosen_frames, global_positions, rest_height
 
 CONVENTIONS = [Convention.LISTED, Convention.FIXED, Convention.BASE]
 

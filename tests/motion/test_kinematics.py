@@ -10,19 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from service.motion.clip import FrameBlock, full_shape
-from service.motion.kinematics import (
-    Walker,
-    global_positions,
-    global_rotations,
-    rest_height,
-    rest_positions,
-    tip_positions,
-)
+from service.motion.hub import rest_of
+from service.motion.kinematics import Walker, rest_positions
 from service.motion.rotations import rotate
 from service.motion.skeleton import Convention, EndSite, Joint, Skeleton
 from service.motion.units import reading_of
 from tests.motion import obvious
 from tests.motion.random_clips import random_clip
+from tests.poses import global_positions, global_rotations
 
 CONVENTIONS = [Convention.LISTED, Convention.FIXED, Convention.BASE]
 
@@ -36,7 +31,7 @@ def test_positions_are_those_of_the_formulas(convention: Convention, seed: int, 
     assert np.abs(found - obvious.positions(clip)).max() < 1e-9
     ends = np.concatenate([walker.tips(block) for block in clip.blocks()])
     expected = obvious.tips(clip)
-    for place, joint in enumerate(walker.tip_joints):
+    for place, joint in enumerate([joint for joint, _ in rest_of(clip.head.skeleton).tips]):
         assert np.abs(ends[:, place] - expected[joint]).max() < 1e-9
 
 
@@ -68,7 +63,7 @@ def test_an_arm_by_hand() -> None:
     block = block_of(skeleton, [[1, 2, 3, 90, 0], [0, 0, 0, 180, 90]])
     places = global_positions(skeleton, block)
     assert np.allclose(places, [[[1, 2, 3], [1, 4, 3]], [[0, 0, 0], [-2, 0, 0]]])
-    assert np.allclose(tip_positions(skeleton, block), [[[1, 5, 3]], [[-3, 0, 0]]])
+    assert np.allclose(Walker(skeleton).tips(block), [[[1, 5, 3]], [[-3, 0, 0]]])
     turned = rotate(global_rotations(skeleton, block)[:, 0], np.array([1.0, 0.0, 0.0]))
     assert np.allclose(turned, [[0, 1, 0], [-1, 0, 0]])
 
@@ -96,13 +91,8 @@ def test_columns_may_come_in_any_order() -> None:
     assert np.array_equal(global_positions(skeleton, shuffled), global_positions(skeleton, block))
 
 
-def test_rest_height() -> None:
+def test_rest_positions() -> None:
     assert rest_positions(arm()).tolist() == [[0, 9, 0], [2, 9, 0], [3, 9, 0]]
-    assert rest_height(arm()) == 3.0
-    assert rest_height(arm(), up="Y") == 0.0
-    assert rest_height(Skeleton(())) == 0.0
-    joints = [Joint(f"j{i}", i - 1, "", Convention.LISTED, offset=("0.5", "3", "0")) for i in range(4)]
-    assert rest_height(Skeleton(tuple(joints))) == 9.0
 
 
 @given(seed=st.integers(0, 10_000))

@@ -11,17 +11,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from service.errors import ConversionError
-from service.mcml.joint_names import assign
 from service.motion.clip import ClipStream, FrameBlock, full_shape
 from service.motion.frames import joined
 from service.motion.hub import HubReader, walked
-from service.motion.kinematics import global_positions, rest_height
 from service.motion.mirroring import mirrored, own_plane
 from service.motion.rotation_vectors import angle_between
 from service.motion.sides import Sagittal, is_left, partners, sagittal
 from service.motion.skeleton import Array, Convention, Joint, Skeleton
 from service.motion.units import reading_of
+from tests.builders import assign
 from tests.formats.test_real_files import opened
+from tests.poses import global_positions, rest_height
 
 REAL = {
     "asfamc/cmu02/02_lf_01.amc": 0.02,

@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from service.errors import ConversionError
-from service.mcml.joint_names import assign
 from service.mcml.motion_names import MotionName, parse, parts
 from service.motion.anatomical_axes import PARTS
 from service.motion.frames import joined
@@ -23,6 +22,7 @@ from service.motion.lexemes import triple
 from service.motion.movement_names import CIRCLING, Suggestion, suggest_movements
 from service.motion.skeleton import Array, Convention, EndSite, Joint, Skeleton
 from service.motion.units import reading_of
+from tests.builders import assign
 from tests.formats.test_real_files import opened
 
 LEFT: dict[str, tuple[str, tuple[float, float, float]]] = {

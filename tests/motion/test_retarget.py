@@ -13,14 +13,12 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from service.errors import ConversionError
-from service.mcml.joint_names import assign
 from service.motion.bone_mapping import Match, check_matches, suggest_matches
 from service.motion.clip import FrameBlock, full_shape
-from service.motion.frames import chosen_frames, joined
+from service.motion.frames import joined
 from service.motion.hinges import best_twist, beyond_limits
 from service.motion.hub import HubReader
 from service.motion.hub_writer import HubWriter
-from service.motion.kinematics import global_positions
 from service.motion.lexemes import triple
 from service.motion.resizing import scale
 from service.motion.retarget import Retargeted, retarget
@@ -28,7 +26,9 @@ from service.motion.rotation_vectors import angle_between
 from service.motion.rotations import from_euler, inverse, multiply
 from service.motion.skeleton import Array, Convention, Joint, Skeleton, numbers
 from service.motion.units import Reading, reading_of
+from tests.builders import assign
 from tests.formats.test_real_files import opened
+from tests.poses import chosen_frames, global_positions
 
 CMU, BANDAI = "asfamc/cmu02/02_lf_01.amc", "bvh/bandai/dataset-1_walk_normal_001.bvh"
 RATES = {CMU: 1 / 120, BANDAI: 1 / 30}

@@ -8,11 +8,11 @@ import pytest
 from sqlalchemy import text, update
 
 from schemas.queries import QueryRequest
-from service.actions.change_document import add_labels, restore_revision
-from service.actions.check_uploads import compare_all
-from service.actions.edit_element import Change, change_element
-from service.actions.export_motion import ExportOptions, export_document
-from service.actions.keep_store import backup, restore
+from service.actions.editing.change_document import add_labels, restore_revision
+from service.actions.editing.edit_element import Change
+from service.actions.exporting.export_motion import ExportOptions, export_document
+from service.actions.keeping.check_uploads import compare_all
+from service.actions.keeping.keep_store import backup, restore
 from service.errors import DamageError, StoreError
 from service.settings import Settings
 from service.storage import tables
@@ -21,6 +21,7 @@ from service.storage.layout import LAYOUT
 from service.storage.schema import metadata
 from service.xpath.run import Queries
 from tests.builders import ASF, MCML, amc, bvh, store
+from tests.edits import change_element
 
 
 def damage(database: Database, table: str, column: str, value: str, where: str) -> None:

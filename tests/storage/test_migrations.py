@@ -11,8 +11,8 @@ from alembic import command
 from alembic.config import Config
 from sqlalchemy import text
 
-from service.actions.change_document import change_document, restore_revision
-from service.actions.export_motion import ExportOptions, export_document
+from service.actions.editing.change_document import change_document, restore_revision
+from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.resources import migrations_path
 from service.storage.database import Database
 from tests import postgres

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from elementpath import XPath2Parser
 from elementpath.tdop import Parser
 
-from service.xpath.later import readable
+from service.xpath.xpath2 import spell_for_elementpath
 from tests.xpath.grammar import CHANNELS, Grammar
 from tests.xpath.witness import Witness, element
 
@@ -24,7 +24,7 @@ LATER_FEATURES = (*LATER_FUNCTIONS, *LATER_OPERATORS)
 
 def later_features(text: str) -> set[str]:
     """What of XPath 2.0 an expression uses."""
-    return {token.symbol for token in Parser.parse(XPath2Parser(), readable(text)).iter()}
+    return {token.symbol for token in Parser.parse(XPath2Parser(), spell_for_elementpath(text)).iter()}
 
 
 class LaterGrammar(Grammar):

@@ -12,10 +12,10 @@ from typing import Any
 
 from lxml import etree
 
-from service.actions.change_document import add_labels
-from service.actions.change_frames import delete_frames, move_frames, reverse
-from service.actions.edit_element import Change, change_element, delete_element
-from service.actions.export_motion import ExportOptions, export_document
+from service.actions.editing.change_document import add_labels
+from service.actions.editing.change_frames import delete_frames, move_frames, reverse
+from service.actions.editing.edit_element import Change
+from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.errors import McmlError
 from service.settings import Settings
 from service.storage.database import Database, Transaction
@@ -23,6 +23,7 @@ from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
 from service.xpath.run import Queries
 from tests.builders import ASF, HTR, MCML, amc, bvh, mcml_of, store
+from tests.edits import change_element, delete_element
 
 FILES: list[dict[str, bytes]] = [
     {"e_chain.bvh": bvh(12)},

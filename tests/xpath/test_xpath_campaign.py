@@ -9,7 +9,7 @@ from random import Random
 import pytest
 
 from service.storage.database import Database
-from service.xpath import columnar
+from service.xpath import column_source
 from service.xpath.parse import parse
 from tests.conftest import shared_folder
 from tests.xpath.grammar import Grammar
@@ -120,7 +120,7 @@ UP_AND_ASIDE = [
 
 def test_frames_in_slices(documents: Library, monkeypatch: pytest.MonkeyPatch) -> None:
     """Steps that go up or aside, from a few frames at a time."""
-    monkeypatch.setattr(columnar, "SLICE_FRAMES", 2)
+    monkeypatch.setattr(column_source, "SLICE_FRAMES", 2)
     small = {uuid: tree for uuid, tree in documents.trees.items() if sum(1 for _ in tree.iter()) < 600}
     for text in UP_AND_ASIDE:
         outcome = check(documents.engine, small, text, Random(1))

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from schemas.queries import NodeItem, QueryRequest
-from service.actions.import_motion import import_files
-from service.actions.import_options import ImportOptions
+from service.actions.importing.import_motion import import_files
+from service.actions.reading.import_options import ImportOptions
 from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database

@@ -15,7 +15,7 @@ from service.storage.database import Database
 from service.xpath.parse import parse
 from service.xpath.saxon_worker import evaluate
 from service.xpath.signatures import AGGREGATES
-from service.xpath.tree import Call, Sequence, is_constant
+from service.xpath.tree import Call, Written, is_constant
 from tests import postgres
 from tests.conftest import shared_folder
 from tests.xpath.later_grammar import LATER_FEATURES, LaterGrammar, later_features
@@ -67,7 +67,7 @@ def wanted(processor: Any, text: str, trees: Mapping[str, Any]) -> list[list[Any
 
 def outermost(text: str) -> str:
     tree = parse(text).tree
-    if isinstance(tree, Call | Sequence) and tree.function in AGGREGATES:
+    if isinstance(tree, Call | Written) and tree.function in AGGREGATES:
         return tree.function
     return ""
 

@@ -16,7 +16,7 @@ from service.xpath.rules import normal
 from service.xpath.scan import plan_scan
 from service.xpath.signatures import FUNCTIONS
 from service.xpath.starts import start_of
-from service.xpath.tree import Operation, Path, Sequence, Step, type_of, walk
+from service.xpath.tree import Operation, Path, Step, Written, type_of, walk
 
 
 def test_abbreviations_are_written_out() -> None:
@@ -218,7 +218,7 @@ def test_what_only_xpath_2_has_is_kept_as_it_is_written(text: str) -> None:
     query = parse(text, {"n": 1.0})
     assert type_of(query.tree) == "sequence"
     assert query.text == text
-    assert query.later
+    assert query.needs_xpath2
 
 
 def test_comparisons_associate_from_the_left() -> None:
@@ -235,7 +235,7 @@ def test_calls_with_a_wrong_number_of_arguments_are_refused(name: str, count: in
     signature = FUNCTIONS[name]
     argument = "//a" if signature.of_nodes else "'a'"
     text = f"{name}({', '.join([argument, *['1'] * 4][:count])})"
-    if not signature.later:
+    if not signature.is_xpath2:
         try:
             etree.fromstring("<a/>").xpath(f"//a[{text}]")
         except etree.XPathEvalError:
@@ -274,14 +274,14 @@ def test_what_only_xpath_3_has_says_what_to_write(text: str, part: str, instead:
 
 def test_calls_that_make_one_value_of_all_documents() -> None:
     tree = parse("string-join(for $b in //bone return concat($b/name, ', ()'), ', ')").tree
-    assert isinstance(tree, Sequence)
+    assert isinstance(tree, Written)
     assert tree.function == "string-join"
     assert tree.arguments == ("for $b in //bone return concat($b/name, ', ()')", "', '")
     tree = parse("string-join(for $a in //frame, $b in //bone return concat($a/@id, $b/@id), ' ')").tree
-    assert isinstance(tree, Sequence)
+    assert isinstance(tree, Written)
     assert tree.arguments == ("for $a in //frame, $b in //bone return concat($a/@id, $b/@id)", "' '")
     other = parse("sum((1, 2)) + sum((3, 4))").tree
-    assert isinstance(other, Sequence)
+    assert isinstance(other, Written)
     assert other.function == ""
 
 

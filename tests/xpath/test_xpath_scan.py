@@ -8,25 +8,26 @@ from random import Random
 import pytest
 
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest
-from service.actions.change_document import add_labels, delete_document, restore_document
-from service.actions.change_frames import move_frames
-from service.actions.edit_element import Change, change_element, delete_element
-from service.actions.import_options import Label
+from service.actions.editing.change_document import add_labels, delete_document, restore_document
+from service.actions.editing.change_frames import move_frames
+from service.actions.editing.edit_element import Change
+from service.actions.reading.import_options import Label
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
-from service.xpath import forest, run, scan, shared, streams
+from service.xpath import caches, forest, run, scan, streams
+from service.xpath.caches import Caches, DocumentCache
 from service.xpath.nodes import Node
 from service.xpath.parse import parse
 from service.xpath.rules import normal
 from service.xpath.run import Queries
 from service.xpath.scan import plan_scan
-from service.xpath.shared import OfDocuments, Shared
 from service.xpath.sources import described
 from service.xpath.tracks import Tracks
 from service.xpath.zones import read_zones
 from tests.builders import HTR, MCML, bvh, store
+from tests.edits import change_element, delete_element
 
 CHANNELS = ["Rx", "Ry", "Rz", "Tx", "SF"]
 NUMBERS = ["0", "5", "10.5", "-20", "45.5", "1e3", "(0 div 0)"]
@@ -181,8 +182,8 @@ def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: p
     requests = [QueryRequest(q=text, limit=200) for text in questions]
     usual = [shown(engine.answer(request)) for request in requests]
     forgetful = Queries(engine.database, Settings())
-    forgetful.shared = Shared(tracks=Tracks(packed=0, decoded=0), zones=OfDocuments(read_zones, 0))
-    for module in (shared, streams):
+    forgetful.caches = Caches(tracks=Tracks(packed=0, decoded=0), zones=DocumentCache(read_zones, 0))
+    for module in (caches, streams):
         monkeypatch.setattr(module, "MANY_DOCUMENTS", 0)
     for many, few in ((10**9, 10**9), (10**9, 0), (299, 10**9)):
         for module in (forest, scan):

@@ -166,9 +166,3 @@ def held_frames(entries: Array, leaves: Array, frames: int) -> Array:
     """(m,) frames of each bar's lead-in and leave that lie outside the clip, where a pose is held."""
     held: Array = np.maximum(0, -entries) + np.maximum(0, leaves - (frames - 1))
     return held
-
-
-def bar_tempo(bars: Array, fps: float) -> Array:
-    """(m,) seconds a beat of each bar: a third of the time between its first and fourth beat."""
-    seconds: Array = (bars[:, 3] - bars[:, 0]) / (3 * fps)
-    return seconds

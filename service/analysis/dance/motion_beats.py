@@ -16,6 +16,7 @@ from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 from service.analysis.dance.figure import Figure
 from service.motion.hub import walked
 from service.motion.skeleton import Array
+from service.numerics.runs import find_equal
 
 Difference = Literal["central", "forward"]
 Frames = NDArray[np.intp]
@@ -123,11 +124,10 @@ def minima(speed: Array) -> Frames:
     """
     if len(speed) < 3:
         return np.empty(0, dtype=np.intp)
-    starts = np.concatenate([[0], np.flatnonzero(np.diff(speed)) + 1])
-    ends = np.concatenate([starts[1:], [len(speed)]]) - 1
+    starts, ends = find_equal(speed).T
     values = speed[starts]
     lower = (values[1:-1] < values[:-2]) & (values[1:-1] < values[2:])
-    middles: Frames = ((starts[1:-1] + ends[1:-1]) // 2)[lower]
+    middles: Frames = ((starts[1:-1] + ends[1:-1] - 1) // 2)[lower]
     return middles
 
 

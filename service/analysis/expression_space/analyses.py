@@ -55,10 +55,10 @@ from service.analysis.interface import (
     Answer,
     MadeClip,
     Motion,
-    Operation,
     PartInfo,
     Parts,
     Progress,
+    ResultUse,
 )
 from service.motion.markers import marker_skeleton
 
@@ -374,16 +374,16 @@ EXPRESSION = Analysis(
     },
     run=run,
     operations={
-        "points": Operation("Places of frames on the map", ExpressionStride, ExpressionPoints, points),
-        "level": Operation("Candidates and links of a level", ExpressionLevelChoice, ExpressionLevel, level),
-        "neighbours": Operation(
+        "points": ResultUse("Places of frames on the map", ExpressionStride, ExpressionPoints, points),
+        "level": ResultUse("Candidates and links of a level", ExpressionLevelChoice, ExpressionLevel, level),
+        "neighbours": ResultUse(
             "Where one may go from a candidate", ExpressionCandidateChoice, ExpressionNeighbours, neighbours
         ),
-        "path": Operation("Make a path over key frames", ExpressionPathWish, ExpressionPath, path),
-        "refine": Operation(
+        "path": ResultUse("Make a path over key frames", ExpressionPathWish, ExpressionPath, path),
+        "refine": ResultUse(
             "Refine a path, or see what it may lead over", ExpressionRefinement, ExpressionPath, refine
         ),
-        "playback": Operation("Play a path as a motion of markers", ExpressionPlayback, ExpressionMotion, playback),
+        "playback": ResultUse("Play a path as a motion of markers", ExpressionPlayback, ExpressionMotion, playback),
     },
     prepare=from_stored,
     proceed=on_path,

@@ -58,13 +58,6 @@ def fuzzy_means(
     return Clustering(centres, np.array(objective))
 
 
-def memberships_of(points: Array, centres: Array, fuzziness: float = 2.0) -> Array:
-    """(n, c) memberships of points in clusters: d^(-2 / (m - 1)), normalised. A point at no distance from some centres
-    belongs to these in equal shares."""
-    norms = np.einsum("np,np->n", points, points)
-    return _memberships(points, norms, centres, fuzziness)
-
-
 def _memberships(points: Array, norms: Array, centres: Array, fuzziness: float) -> Array:
     lengths = np.einsum("cp,cp->c", centres, centres)
     squared = points @ (-2.0 * centres.T)

@@ -13,6 +13,7 @@ from service.analysis.expression_space.options import FEWEST_MARKERS, Options
 from service.analysis.expression_space.rigid_motion import align
 from service.analysis.interface import AnalysisError, Motion
 from service.motion.skeleton import Array, Convention
+from service.numerics.runs import find_starts
 
 MILLIMETRES = 1000.0
 FACE_MM = 70.0
@@ -338,7 +339,7 @@ def _spread(positions: Array) -> None:
 
 def _neutral(positions: Array, take: NDArray[np.int32]) -> int:
     """Of the takes' first frames, the one nearest to all others of them; takes begin neutral."""
-    firsts = np.flatnonzero(np.diff(take, prepend=-1))
+    firsts = find_starts(take)
     first, second = np.triu_indices(positions.shape[1], 1)
     states = np.linalg.norm(positions[firsts][:, first] - positions[firsts][:, second], axis=-1)
     apart = np.sqrt(np.nanmean((states[:, None] - states[None]) ** 2, axis=2)) if len(firsts) <= 100 else None

@@ -24,11 +24,11 @@ from service.analysis.interface import (
     AnalysisError,
     Answer,
     Motion,
-    Operation,
     Part,
     PartInfo,
     Parts,
     Progress,
+    ResultUse,
 )
 from service.analysis.reach_blending.fit import fit
 from service.analysis.reach_blending.model import Model, Source
@@ -173,8 +173,8 @@ REACH = Analysis(
     },
     run=run,
     operations={
-        "synthesize": Operation("Make a motion for attributes", ReachWish, ReachMotion, make),
-        "phases": Operation("The phases of a clip and the speed behind them", ReachClipChoice, ReachPhases, phases),
+        "synthesize": ResultUse("Make a motion for attributes", ReachWish, ReachMotion, make),
+        "phases": ResultUse("The phases of a clip and the speed behind them", ReachClipChoice, ReachPhases, phases),
     },
     prepare=prepare,
     check=_check,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from service.analysis.interface import AnalysisError
 from service.motion.rotations import slerp
 from service.motion.skeleton import Array
+from service.numerics.runs import find_true
 
 SMALLEST_NORM = 1e-6
 JUMP = 0.5
@@ -111,8 +112,7 @@ def fill_gaps(values: Array, missing: NDArray[np.bool_]) -> Array:
     """
     filled = values.copy()
     for joint in np.flatnonzero(missing.any(axis=0)):
-        edges = np.diff(np.concatenate([[0], missing[:, joint].astype(np.int8), [0]]))
-        for first, end in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
+        for first, end in find_true(missing[:, joint]):
             if first == 0 or end == len(values) or end - first > LONGEST_GAP:
                 raise AnalysisError(
                     "missing-samples",

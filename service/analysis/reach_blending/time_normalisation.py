@@ -49,18 +49,6 @@ def positions(knots: Knots, times: Array | tuple[float, float, float], time: Arr
     return np.choose(np.searchsorted([t1, t2], time, side="left"), pieces)
 
 
-def legacy_instants(knots: Knots, times: Array | tuple[float, float, float]) -> Array:
-    """When the printed map shows each sample, (end + 1,): twice two samples at one instant."""
-    c1, c2, last = knots
-    t1, t2, end = (float(value) for value in times)
-    sample = np.arange(last + 1)
-    first = np.interp(sample, [0, c1], [0.0, t1])
-    second = np.interp(sample, [c1 + 1, c2], [t1, t2])
-    third = np.interp(sample, [c2 + 1, last], [t2, end])
-    shown: Array = np.where(sample <= c1, first, np.where(sample <= c2, second, third))
-    return shown
-
-
 def read_rotations(rotations: Array, at: Array) -> Array:
     """Rotations (n, J, 4) of a track (F, J, 4) at fractional frames (n,), on the arcs between frames."""
     before, share = _between(len(rotations), at)

@@ -26,12 +26,6 @@ def nearest_in_hull(points: Array, x: Array) -> Array:
     return nearest
 
 
-def in_hull(points: Array, x: Array) -> bool:
-    """Whether x (d,) is in the convex hull of points (n, d)."""
-    size = float(np.ptp(points, axis=0).max(initial=0.0)) or 1.0
-    return bool(np.linalg.norm(nearest_in_hull(points, x) - x) <= TOUCHING * size)
-
-
 def most_influential(weights: Array, count: int = 10) -> NDArray[np.intp]:
     """The places of the weights (n,) that are largest in magnitude, largest first; of equals the first."""
     return np.argsort(-np.abs(weights), kind="stable")[:count]

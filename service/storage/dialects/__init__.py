@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 from service.storage.dialects.base import Dialect
-from service.storage.dialects.postgresql import PostgreSQL
-from service.storage.dialects.sqlite import SQLite
 
-DIALECTS: dict[str, type[Dialect]] = {"sqlite": SQLite, "postgresql": PostgreSQL}
+DIALECTS = {"sqlite": "sqlite:SQLite", "postgresql": "postgresql:PostgreSQL"}
+"""Module and class by SQLAlchemy's name; imported when it is used, for a driver takes as long as a short command."""
 
-__all__ = ["DIALECTS", "Dialect"]
+
+def find_dialect(name: str) -> type[Dialect]:
+    """The dialect of that name. KeyError where there is none."""
+    module, _, kind = DIALECTS[name].partition(":")
+    found: type[Dialect] = getattr(import_module(f"service.storage.dialects.{module}"), kind)
+    return found
+
+
+__all__ = ["DIALECTS", "Dialect", "find_dialect"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from service.motion.hub import HubReader
 from service.motion.lexemes import triple
 from service.motion.rotations import from_euler, multiply, rotate, slerp
 from service.motion.skeleton import Array, Convention, EndSite, numbers
+
+STYLES: tuple[Style, ...] = get_args(Style)
+BEAT_STYLES: tuple[Style, ...] = ("groove", "hit", "step", "accent")
 
 
 def motion_of(clip: ClipStream, document: str = "1", name: str = "clip", frame_time: float | None = None) -> Motion:

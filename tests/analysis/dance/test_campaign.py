@@ -13,8 +13,8 @@ from service.analysis.dance.metrics import nearest
 from service.analysis.dance.sources import channels_of
 from service.analysis.dance.tempo import tempo_of
 from service.analysis.interface import AnalysisError, silent
-from service.demo.dance_clips import BEAT_STYLES, STYLES, Style
-from tests.analysis.dance.motions import generated
+from service.demo.dance_clips import Style
+from tests.analysis.dance.motions import BEAT_STYLES, STYLES, generated
 
 
 @pytest.mark.fuzz

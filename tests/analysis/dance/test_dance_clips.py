@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from service.demo import dance_clips
-from service.demo.dance_clips import BEAT_STYLES, STYLES, Style, dance_clip
-from tests.analysis.dance.motions import motion_of
+from service.demo.dance_clips import Style, dance_clip
+from tests.analysis.dance.motions import BEAT_STYLES, STYLES, motion_of
 
 
 @pytest.mark.parametrize("style", STYLES)

@@ -13,8 +13,8 @@ from service.analysis.dance.analyses import BEATS, DANCE
 from service.analysis.dance.metrics import nearest
 from service.analysis.dance.motion_beats import minima
 from service.analysis.interface import Motion, Part, Parts, silent
-from service.demo.dance_clips import BEAT_STYLES, Style, Truth
-from tests.analysis.dance.motions import generated
+from service.demo.dance_clips import Style, Truth
+from tests.analysis.dance.motions import BEAT_STYLES, generated
 
 RATES, TEMPI = (30.0, 60.0, 120.0), (84.0, 112.0, 140.0)
 

@@ -10,7 +10,7 @@ import skfuzzy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.analysis.expression_space.fuzzy_means import fuzzy_means, memberships_of, top_memberships
+from service.analysis.expression_space.fuzzy_means import fuzzy_means, top_memberships
 from service.analysis.expression_space.levels import farthest_order, level_sizes, make_levels
 from service.analysis.expression_space.options import options_of
 from service.motion.skeleton import Array
@@ -20,6 +20,14 @@ from tests.analysis.expression.face_motions import space
 def points(seed: int = 0, count: int = 150, dimensions: int = 2) -> Array:
     rng = np.random.default_rng(seed)
     return rng.normal(size=(count, dimensions)) * 5 + rng.integers(0, 4, (count, 1)) * 20
+
+
+def memberships_of(x: np.ndarray, v: np.ndarray, fuzziness: float = 2.0) -> np.ndarray:
+    """(n, c): of each point in all clusters."""
+    which, share = top_memberships(x, v, fuzziness, most=len(v))
+    found = np.zeros((len(x), len(v)))
+    np.put_along_axis(found, which, share, axis=1)
+    return found
 
 
 def naive_memberships(x: Array, v: Array, m: float) -> Array:
@@ -79,7 +87,7 @@ def test_equal_points_and_as_many_centres_as_points_give_numbers() -> None:
 def test_top_memberships_are_the_greatest() -> None:
     x, v = points(5, 60), points(6, 9)
     which, share = top_memberships(x, v)
-    whole = memberships_of(x, v)
+    whole = naive_memberships(x, v, 2.0)
     assert np.array_equal(which, np.argsort(-whole, axis=1, kind="stable")[:, :3])
     assert np.allclose(share, np.sort(whole, axis=1)[:, ::-1][:, :3])
 

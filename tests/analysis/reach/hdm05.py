@@ -10,14 +10,16 @@ import numpy as np
 from service.analysis.interface import Motion
 from service.formats import FORMATS
 from service.formats.format import ReadOptions, SourceFile
-from service.mcml.joint_names import assign
 from service.motion.conventions import convert
 from service.motion.hub import HubReader
 from service.motion.skeleton import Convention
-from service.motion.units import inches_of_asf, reading_of
+from service.motion.units import UNITS, reading_of
+from tests.builders import assign
 
 TARGETS = {"depositFloorR": "0", "grabHighR": "1"}
 RATE = 120
+INCHES = UNITS["inch"] / 0.45
+"""Metres of a value."""
 
 
 def read_reaches(folder: Path) -> list[Motion]:
@@ -42,7 +44,7 @@ def read_reaches(folder: Path) -> list[Motion]:
                 frame_time=1 / RATE,
                 rotations=np.concatenate([block.rotations for block in blocks]),
                 translations=np.concatenate([block.translations for block in blocks]),
-                metres=inches_of_asf(0.45),
+                metres=INCHES,
                 up="Y",
                 properties={"target": (TARGETS[match[2]], ""), "subject": (match[1], "")},
             )

@@ -12,8 +12,8 @@ from service.analysis.interface import Motion
 from service.analysis.reach_blending.fit import Fitted, fit
 from service.analysis.reach_blending.options import options_of
 from service.demo.reach_clips import OLD, YOUNG, ReachClip, reach_clips
-from service.mcml.joint_names import assign
 from service.motion.hub import HubReader
+from tests.builders import assign
 
 FEW = ((4,) * 5, (4,) * 5)
 """Trials of a small set of people: 40 clips."""

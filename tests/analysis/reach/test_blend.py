@@ -22,7 +22,7 @@ from service.analysis.reach_blending.blend import (
     terms,
 )
 from service.analysis.reach_blending.model import cardinal_of
-from service.analysis.reach_blending.trust import in_hull, most_influential, nearest_in_hull
+from service.analysis.reach_blending.trust import TOUCHING, most_influential, nearest_in_hull
 
 seeds = st.integers(0, 10_000)
 
@@ -120,6 +120,11 @@ def test_the_best_width_and_ridge_are_chosen_and_singular_ones_skipped() -> None
             assert found == pytest.approx(error(refits), rel=1e-6)
     assert chosen.error == min(row[3] for row in chosen.tried)
     assert choose(x, [y], [error], [0.5, 2.0], [0.0], 1, alone) == [None]
+
+
+def in_hull(points: np.ndarray, x: np.ndarray) -> bool:
+    size = float(np.ptp(points, axis=0).max()) or 1.0
+    return bool(np.linalg.norm(nearest_in_hull(points, x) - x) <= TOUCHING * size)
 
 
 def feasible(points: np.ndarray, x: np.ndarray) -> bool:

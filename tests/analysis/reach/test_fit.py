@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from service.actions.store_clip import clip_file
+from service.actions.importing.store_clip import clip_file
 from service.analysis.interface import Motion
 from service.analysis.reach_blending.accuracy import Ruler
 from service.analysis.reach_blending.blend import fit_blend, linear_left_out, nearest_left_out

@@ -10,8 +10,8 @@ import pytest
 
 from service.demo import reach_clips as source
 from service.demo.reach_clips import BELT, reach_clips
-from service.mcml.joint_names import assign
 from tests.analysis.reach.reach_motions import generated
+from tests.builders import assign
 
 
 def test_the_set_has_the_papers_shape() -> None:

@@ -11,11 +11,7 @@ from service.analysis.interface import AnalysisError, Motion
 from service.analysis.reach_blending.fit import fit
 from service.analysis.reach_blending.options import options_of
 from service.analysis.reach_blending.synthesis import Wish, synthesize
-from service.motion.units import inches_of_asf
-from tests.analysis.reach.hdm05 import read_reaches
-
-INCHES = inches_of_asf(0.45)
-"""Metres of a value."""
+from tests.analysis.reach.hdm05 import INCHES, read_reaches
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from service.analysis.reach_blending.time_normalisation import (
     PAPER_KNOTS,
     instants,
-    legacy_instants,
     mean_knots,
     positions,
     read_rotations,
@@ -30,9 +29,20 @@ def test_playback_is_the_inverse_of_sampling(times: tuple[float, float, float]) 
     assert np.allclose(positions(PAPER_KNOTS, times, at), np.arange(50))
 
 
+def printed_instants(times: tuple[float, float, float]) -> np.ndarray:
+    """When the printed map shows each sample, (end + 1,): twice two samples at one instant."""
+    c1, c2, last = PAPER_KNOTS
+    t1, t2, end = times
+    sample = np.arange(last + 1)
+    first = np.interp(sample, [0, c1], [0.0, t1])
+    second = np.interp(sample, [c1 + 1, c2], [t1, t2])
+    third = np.interp(sample, [c2 + 1, last], [t2, end])
+    return np.where(sample <= c1, first, np.where(sample <= c2, second, third))
+
+
 @given(durations)
 def test_the_printed_map_freezes_two_frames(times: tuple[float, float, float]) -> None:
-    shown = legacy_instants(PAPER_KNOTS, times)
+    shown = printed_instants(times)
     assert list(np.flatnonzero(np.diff(shown) == 0)) == [5, 28]
     assert (np.diff(instants(PAPER_KNOTS, times)) > 0).all()
     # In playback the position leaps by a whole sample at t1 and t2, where the continuous map does not.
@@ -44,7 +54,7 @@ def test_the_printed_map_freezes_two_frames(times: tuple[float, float, float]) -
 
 def test_the_printed_map_shows_each_sample_when_it_says() -> None:
     times = (7.0, 33.0, 70.0)
-    at = np.delete(legacy_instants(PAPER_KNOTS, times), [6, 29])
+    at = np.delete(printed_instants(times), [6, 29])
     assert np.allclose(positions(PAPER_KNOTS, times, at, legacy=True), np.delete(np.arange(50), [6, 29]))
 
 

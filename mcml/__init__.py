@@ -1,0 +1,42 @@
+"""Motion capture in Python: repositories on this machine or on a server, and files without any.
+
+>>> import mcml
+>>> with mcml.open("library.db") as repo:
+...     walk = repo.import_("walk.bvh", label=["walk:1-20"]).documents[0]
+...     print(walk.name, len(walk), walk.frames("Root").shape)
+walk 240 (240, 6)
+
+`open` finds a repository, `read` a motion in files, `convert` makes a file of another format of them. What is wrong is
+an `Error`: what, where, and how to mend it.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mcml.frames import Frames
+    from mcml.motion import Motion, convert, read
+    from mcml.repository import Document, Imported, Query, Repository, Run, open  # noqa: A004  # the name that is wanted
+    from service.errors import McmlError as Error
+
+_HOMES = {
+    "mcml.frames": ("Frames",),
+    "mcml.motion": ("Motion", "convert", "read"),
+    "mcml.repository": ("Document", "Imported", "Query", "Repository", "Run", "open"),
+}
+
+__all__ = ["Document", "Error", "Frames", "Imported", "Motion", "Query", "Repository", "Run", "convert", "open", "read"]
+
+
+def __getattr__(name: str) -> Any:
+    """Names are imported when they are used: the command line needs few of them, and mathematics takes a while."""
+    if name == "Error":
+        from service.errors import McmlError
+
+        return McmlError
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(module), name)
+    raise AttributeError(f"module 'mcml' has no attribute {name!r}")

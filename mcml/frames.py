@@ -1,0 +1,45 @@
+"""Frames as an array that knows its columns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+
+class Frames(np.ndarray):
+    """Frames of frames: (frames, columns) of channels, or (frames, bones, 3 or 4) of positions or rotations.
+
+    columns: what the second axis is: BONE.CHANNEL, or bones. times: (frames,) seconds from the first frame, NaN where
+    the rate is unknown. ids: of the frames. What is made of it by NumPy is a plain array, without them.
+    """
+
+    columns: list[str]
+    times: np.ndarray
+    ids: list[str]
+
+    @classmethod
+    def of(cls, values: np.ndarray, columns: list[str], times: np.ndarray, ids: list[str]) -> Frames:
+        """The values with what they are."""
+        made = np.asarray(values).view(cls)
+        made.columns, made.times, made.ids = columns, times, ids
+        return made
+
+    def __array_finalize__(self, made_of: Any) -> None:
+        self.columns, self.times, self.ids = [], np.empty(0), []
+
+    def __array_wrap__(self, made: np.ndarray, context: Any = None, return_scalar: bool = False) -> Any:
+        return made[()] if return_scalar else np.asarray(made)
+
+    def __getitem__(self, key: Any) -> Any:
+        return np.asarray(self)[key]
+
+    def to_pandas(self) -> Any:
+        """A DataFrame with a column for each number and the times as index. Needs pandas."""
+        import pandas as pd
+
+        columns = self.columns
+        if self.ndim == 3:
+            columns = [f"{bone}.{part}" for bone in columns for part in "xyzw"[: self.shape[2]]]
+        index = pd.Index(self.times, name="seconds")
+        return pd.DataFrame(np.asarray(self).reshape(len(self), -1), index=index, columns=columns)

@@ -1,0 +1,114 @@
+"""Motions in files, without a repository."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mcml.files import Files, check_free, opened_files, paths_of, write_file
+from mcml.frames import Frames
+from service.actions.exporting.convert_files import Converted, convert_files, format_of
+from service.actions.reading.gather_files import gathered
+from service.actions.reading.import_options import ImportOptions
+from service.actions.reading.open_clip import open_clip
+from service.actions.reading.read_numbers import Space, read_numbers
+from service.errors import FormatError
+from service.mcml.elements import to_head
+from service.motion.clip import ClipStream
+from service.settings import Settings
+
+
+class Motion:
+    """A motion that was read from files, whole in memory.
+
+    name: of the file. format: such as "bvh". bones: MCML's names, in the order of the skeleton; source_names: those of
+    the file. parents: of each bone, -1 at the root. frame_time: seconds a frame, None where the files do not say.
+    notices: what was guessed or repaired.
+    """
+
+    def __init__(self, name: str, clip: ClipStream) -> None:
+        head = clip.head
+        self._clip = _kept(clip)
+        self.name = name
+        self.format = head.format
+        self.bones = list(head.skeleton.names)
+        self.source_names = [joint.source_name for joint in head.skeleton.joints]
+        self.parents = [joint.parent for joint in head.skeleton.joints]
+        self.frame_time = head.seconds_per_frame()
+        self.notices = [notice.what for notice in clip.notices]
+
+    def __repr__(self) -> str:
+        return f"<Motion {self.name!r}: {len(self)} frames of {len(self.bones)} bones>"
+
+    def __len__(self) -> int:
+        """How many frames it has."""
+        return self._clip.frames or 0
+
+    def frames(self, *bones: str, space: Space = "channels") -> Frames:
+        """Frames of all frames: the file's channels in its units, or global positions or rotations of bones.
+
+        bones: MCML's names; default all. Raises Error for a bone that is none.
+        """
+        found = read_numbers(self._clip, self.bones, list(bones) or None, space)
+        blocks = list(found.blocks())
+        values = np.concatenate([block for block, _ in blocks]) if blocks else np.empty((0, *found.shape))
+        ids = [str(one) for _, names in blocks for one in names]
+        seconds = np.nan if self.frame_time is None else self.frame_time
+        return Frames.of(values, found.columns, np.arange(len(values)) * seconds, ids)
+
+
+def read(files: Files, *, encoding: str | None = None, frame_time: str | None = None) -> Motion:
+    """The one motion in a file, or in several that belong together (ASF and AMC).
+
+    encoding: of their text, if it is not UTF-8. frame_time: seconds a frame, where they do not say.
+    Raises Error: what is wrong, in which line, and how to mend it.
+
+    >>> read("walk.bvh").frames("Root", space="positions").shape
+    (240, 1, 3)
+    """
+    options = ImportOptions(encoding=encoding, frame_time=frame_time)
+    settings = Settings()
+    with opened_files(files) as sources, gathered(sources, settings) as found:
+        for _, error in found.problems:
+            raise error
+        if len(found.clips) != 1:
+            raise FormatError(f"The files hold {len(found.clips)} motions, not one.", remedy="Read one at a time.")
+        opened = open_clip(found.clips[0], options, settings)
+        head = to_head(opened.document, frame_time or opened.stream.head.frame_time)
+        return Motion(Path(found.clips[0].name).stem, opened.stream.with_head(head))
+
+
+def convert(
+    files: Files, target: str | PathLike[str], *, to: str | None = None, force: bool = False, **options: Any
+) -> list[Path]:
+    """Write a motion in another format; the files that were written (ASF/AMC are two).
+
+    to: the format, where the name of the target does not say. force: replace files that are there.
+    options: frame_time, encoding, and names (of joints: mcml, bvh1, bvh2, asf or htr).
+    Raises Error: what cannot be read or written, or a file that is there.
+
+    >>> convert("walk.bvh", "walk.mcml")
+    [PosixPath('walk.mcml')]
+    """
+    result = Path(target)
+    with ExitStack() as stack:
+        sources = stack.enter_context(opened_files(files))
+        form = to or format_of(result.name)
+        done: Converted = stack.enter_context(convert_files(sources, form, Settings(), stem=result.stem, **options))
+        paths = []
+        for extension, content in done.files.items():
+            path = result if len(done.files) == 1 else result.with_suffix(extension)
+            check_free(path, force=force, sources=paths_of(files))
+            write_file(path, content, force=force)
+            paths.append(path)
+        return paths
+
+
+def _kept(clip: ClipStream) -> ClipStream:
+    """The same clip with its frames in memory."""
+    blocks = list(clip.blocks())
+    return ClipStream(clip.head, lambda: iter(blocks), sum(map(len, blocks)), clip.notices)

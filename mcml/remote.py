@@ -1,0 +1,154 @@
+"""Operations of a server, through its REST API."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote, unquote
+
+import httpx
+
+from mcml.client import Client, follow
+from service.errors import AccessError, McmlError, NotFoundError, Notice, Place, StoreError
+from service.operations.call import Content
+from service.operations.operation import Operation
+
+if TYPE_CHECKING:
+    from schemas.jobs import Job
+    from service.actions.importing.encode_clip import Progress
+    from service.analysis.interface import Progress as JobProgress
+
+NPY = b"\x93NUMPY"
+"""How the file begins that numpy.save writes."""
+
+TIMEOUT = 600.0
+"""Seconds that a server may be silent."""
+
+
+class Remote(Client):
+    """address: such as http://127.0.0.1:8000. token: where the server needs one. http: another way to the API."""
+
+    def __init__(self, address: str, token: str | None = None, http: httpx.Client | None = None) -> None:
+        headers = {"authorization": f"Bearer {token}"} if token else {}
+        base = address.rstrip("/") + "/api/v1"
+        self._http = http or httpx.Client(base_url=base, headers=headers, timeout=TIMEOUT)
+
+    def run(self, operation: Operation, given: dict[str, Any], progress: Progress | None) -> Any:
+        request = self._http.build_request(operation.method, **_parts(operation, given))
+        with ExitStack() as stack:
+            try:
+                answer = self._http.send(request, stream=True)
+                stack.callback(answer.close)
+                if answer.is_success and operation.media and not _is_json(answer, operation):
+                    return _content(answer, stack.pop_all())
+                answer.read()
+            except httpx.HTTPError as error:
+                raise _away(error) from error
+        if not answer.is_success:
+            raise error_of(answer)
+        if operation.model is None or answer.status_code == 204:
+            return None
+        return operation.model.model_validate_json(answer.content)
+
+    def finish(self, job: Job, progress: JobProgress) -> Job:
+        return follow(self, job, progress)
+
+    def close(self) -> None:
+        self._http.close()
+
+
+def _is_json(answer: httpx.Response, operation: Operation) -> bool:
+    return operation.model is not None and answer.headers.get("content-type", "").startswith("application/json")
+
+
+def _away(error: httpx.HTTPError) -> StoreError:
+    return StoreError(f"The server does not answer: {error}", remedy="Check its address.")
+
+
+def _parts(operation: Operation, given: dict[str, Any]) -> dict[str, Any]:
+    """A request as httpx takes it: address, query, headers, body."""
+    path = operation.path.replace(":path}", "}")
+    query: dict[str, Any] = {}
+    form: dict[str, Any] = {}
+    parts: dict[str, Any] = {"headers": {}}
+    for argument in operation.arguments:
+        if argument.name not in given:
+            continue
+        value = given[argument.name]
+        if argument.place == "file":
+            files = value if isinstance(value, list) else [value]
+            parts["files"] = [(argument.wire, (file.name, file.stream)) for file in files]
+            continue
+        if argument.body is not None:
+            parts["content"] = value
+            array = value.startswith(NPY)
+            parts["headers"]["content-type"] = list(argument.body.types)[-1 if array else 0]
+            continue
+        plain = argument.adapter.dump_python(value, mode="json", by_alias=True, exclude_unset=True)
+        if argument.place == "path":
+            # Names may hold what means something in an address, such as ? and /.
+            path = path.replace(f"{{{argument.wire}}}", quote(str(plain), safe=""))
+        elif argument.place == "body":
+            parts["json"] = plain
+        elif argument.place == "header":
+            parts["headers"][argument.wire] = plain
+        elif argument.place == "form":
+            form[argument.wire] = _text(plain)
+        else:
+            query[argument.wire] = plain
+    return parts | {"url": path, "params": query} | ({"data": form} if form else {})
+
+
+def _text(value: Any) -> Any:
+    """A value as a field of a form carries it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return [str(item) for item in value] if isinstance(value, list) else str(value)
+
+
+def _content(answer: httpx.Response, stack: ExitStack) -> Content:
+    headers = answer.headers
+    name = unquote(headers.get("content-disposition", "").rpartition("UTF-8''")[2])
+    prefix = "x-mcml-"
+    facts = {
+        key.removeprefix(prefix): text.encode("latin-1", "replace").decode("utf-8", "replace")
+        for key, text in headers.items()
+        if key.startswith(prefix)
+    }
+    notices = [Notice("warning", text) for text in facts.pop("notices", "").split(" | ") if text]
+
+    def blocks() -> Iterator[bytes]:
+        with stack:
+            try:
+                yield from answer.iter_bytes(1 << 20)
+            except httpx.HTTPError as error:
+                raise _away(error) from error
+
+    return Content(blocks(), headers.get("content-type", ""), name or None, facts=facts, notices=notices)
+
+
+def host_of(address: str) -> str:
+    """The name of the host in an address."""
+    return httpx.URL(address).host
+
+
+def error_of(answer: httpx.Response) -> McmlError:
+    """A problem that a server answered, as an error."""
+    try:
+        body = answer.json()
+    except ValueError:
+        body = {"detail": f"The server answered {answer.status_code}."}
+    if "problems" in body:
+        from schemas.documents import FileProblem
+        from service.actions.checking.describe_problem import UploadError
+
+        return UploadError([FileProblem(**item) for item in body["problems"]])
+    kinds = {401: AccessError, 403: AccessError, 404: NotFoundError}
+    where = body.get("where")
+    error = kinds.get(answer.status_code, McmlError)(
+        body.get("detail", "refused"), at=Place(**where) if where else None, remedy=body.get("remedy")
+    )
+    if "code" in body:
+        error.details |= {"code": body["code"]} | (body.get("details") or {})
+    return error

@@ -1,0 +1,287 @@
+"""A repository and its documents, as Python sees them: the same operations as the API's and the command line's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mcml.choosing import choose_documents, find_document
+from mcml.client import Client
+from mcml.files import write_file
+from mcml.folders import Told, import_paths
+from mcml.frames import Frames
+from schemas.documents import DocumentChange, DocumentDetail, DocumentSummary, FileProblem, Label, LabelRequest
+from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
+from service.actions.exporting.convert_files import format_of
+from service.actions.reading.read_numbers import Space
+from service.operations.call import Content
+
+_URLS = ("http://", "https://")
+
+
+def open(where: str | PathLike[str], token: str | None = None) -> Repository:
+    """A repository: the address of a server (http://…), a file of SQLite, or an SQLAlchemy URL of PostgreSQL.
+
+    token: where a server wants one. A file that is not there becomes an empty repository; ":memory:" is one that is
+    gone when it is closed. Whoever may open a file may do everything with it.
+    """
+    address = str(where)
+    if address.startswith(_URLS):
+        from mcml.remote import Remote
+
+        return Repository(Remote(address, token))
+    from mcml.local import open_store
+
+    return Repository(open_store(address))
+
+
+@dataclass(frozen=True)
+class Run:
+    """A maximal range of frames that an expression finds: positions from 1, both ends included."""
+
+    document: str
+    name: str
+    first: int
+    last: int
+
+    @property
+    def frames(self) -> int:
+        return self.last - self.first + 1
+
+
+@dataclass
+class Imported:
+    """What became of files. documents: those that are stored now. problems: of files that are not."""
+
+    documents: list[Document]
+    problems: list[FileProblem]
+
+
+class Repository:
+    """Documents, and questions about them. As a context manager it is closed at the end."""
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+
+    def __enter__(self) -> Repository:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._client.close()
+
+    def call(self, name: str, /, **given: Any) -> Any:
+        """Any operation by the name that the API's description has: a model of `schemas`, Content, or None."""
+        return self._client.call(name, **given)
+
+    def documents(self, text: str | None = None, **conditions: Any) -> list[Document]:
+        """Documents by name. text: part of the name.
+
+        conditions: project, motion_name, xpath (in which it finds something), format, property (["age:20..30"]),
+        skeleton, deleted.
+        """
+        return [Document(self, item) for item in choose_documents(self._client, q=text, **conditions)]
+
+    def document(self, text: str) -> Document:
+        """The one document of this id, beginning of an id, or name. Error where there is none, or several."""
+        return Document(self, find_document(self._client, text))
+
+    def projects(self) -> list[str]:
+        """Names of projects."""
+        return list(self._client.call("list_projects").items)
+
+    def xpath(
+        self,
+        expression: str,
+        *,
+        project: str | None = None,
+        documents: list[str] | None = None,
+        revision: int | None = None,
+        **variables: str,
+    ) -> Query:
+        """A question; it is asked when its answer is wanted: `runs()`, `nodes()`, `value()`, `count()`, `to_pandas()`.
+
+        documents: ids; default all. revision: of the one document, as it left it. variables: for $name in it.
+        """
+        asked = {"project": project, "document": documents or [], "revision": revision, "variables": variables}
+        return Query(self._client, expression, asked)
+
+    def import_(self, *paths: str | PathLike[str], progress: Told | None = None, **options: Any) -> Imported:
+        """Store files, folders with all that is in them, or zips. Files that are stored already are skipped.
+
+        progress: told (files done, of how many, name of the file). options: project, name, description, label
+        (["walk:1-20"]), property (["age=23 year"]), unit, up, frame_time, encoding, movements, on_duplicate ("new").
+        """
+        documents: list[Document] = []
+        problems: list[FileProblem] = []
+        for result in import_paths(self._client, [Path(path) for path in paths], options, progress):
+            problems += result.problems
+            documents += [self.document(item.id) for item in result.documents]
+        return Imported(documents, problems)
+
+
+class Query:
+    """A question; each answer asks anew."""
+
+    def __init__(self, client: Client, expression: str, asked: dict[str, Any]) -> None:
+        self._client = client
+        self._expression = expression
+        self._asked = asked
+
+    def __repr__(self) -> str:
+        return f"<Query {self._expression!r}>"
+
+    def runs(self) -> list[Run]:
+        """Maximal ranges of frames that it finds."""
+        found = (item for page in self._pages("runs") for item in page.items or () if isinstance(item, RunItem))
+        return [Run(item.document, item.name, item.first, item.last) for item in found]
+
+    def nodes(self) -> Iterator[NodeItem]:
+        """Nodes with their addresses, as they come."""
+        for page in self._pages("json"):
+            yield from (item for item in page.items or () if isinstance(item, NodeItem))
+
+    def value(self) -> Any:
+        """The number, text or truth that it is; for one that is asked of each document, those by the documents' ids."""
+        pages = list(self._pages("json"))
+        if pages[0].value is not None:
+            return pages[0].value
+        return {
+            item.document: item.value for page in pages for item in page.items or () if isinstance(item, ScalarItem)
+        }
+
+    def count(self) -> int:
+        """How many nodes it finds."""
+        asked = QueryRequest(q=f"count({self._expression})", **self._asked)
+        return int(self._client.call("post_query", request=asked).value)
+
+    def to_pandas(self) -> Any:
+        """A DataFrame of its nodes: document, revision, kind, address, value. Needs pandas."""
+        import pandas as pd
+
+        return pd.DataFrame([item.model_dump() for item in self.nodes()])
+
+    def _pages(self, form: str) -> Iterator[QueryAnswer]:
+        cursor: str | None = None
+        while True:
+            asked = QueryRequest(q=self._expression, cursor=cursor, limit=1000, **self._asked, **{"as": form})
+            page: QueryAnswer = self._client.call("post_query", request=asked)
+            yield page
+            cursor = page.next_cursor
+            if cursor is None:
+                return
+
+
+class Document:
+    """A document as it was when it was found; `refresh` looks again. Changes are revisions, which `undo` takes back."""
+
+    def __init__(self, repository: Repository, summary: DocumentSummary) -> None:
+        self._repository = repository
+        self._summary = summary
+
+    def __repr__(self) -> str:
+        return f"<Document {self.name!r} {self.id}: {len(self)} frames, revision {self.revision}>"
+
+    def __len__(self) -> int:
+        """How many frames it has."""
+        return self._summary.frames
+
+    id = property(lambda self: self._summary.id)
+    name = property(lambda self: self._summary.name)
+    project = property(lambda self: self._summary.project)
+    format = property(lambda self: self._summary.format)
+    frame_time = property(lambda self: self._summary.seconds_per_frame)
+    revision = property(lambda self: self._summary.revision)
+
+    def refresh(self) -> Document:
+        """The document as it is now."""
+        self._summary = find_document(self._repository._client, self.id)
+        return self
+
+    def detail(self) -> DocumentDetail:
+        """Its header, bones, properties, labels, files and receipt."""
+        detail: DocumentDetail = self._call("get_document")
+        return detail
+
+    def labels(self) -> list[Label]:
+        """Motion names of its frames."""
+        return list(self._repository._client.every("list_labels", id=self.id).items)
+
+    def frames(
+        self, *bones: str, space: Space = "channels", first: int = 1, last: int | None = None, step: int = 1
+    ) -> Frames:
+        """Frames of frames first to last as an array: channels in the source's units, or positions or rotations.
+
+        bones: MCML's names; default all. space: "channels" (frames, columns), "positions" (frames, bones, 3) or
+        "rotations" (frames, bones, 4; x y z w), global, by forward kinematics.
+        """
+        content = self._call(
+            "get_frames",
+            bone=list(bones) or None,
+            space=space,
+            first=first,
+            last=last,
+            step=step,
+            format="npz",
+        )
+        return _numbers(content)
+
+    def export(
+        self, path: str | PathLike[str], *, format: str | None = None, force: bool = False, **options: Any
+    ) -> Path:
+        """Write it as a file; the path. format: where the name does not say. force: replace a file that is there.
+
+        options: first, last, names (of joints: mcml, bvh1, bvh2, asf, htr), unit, up, revision, original.
+        """
+        target = Path(path)
+        content = self._call("export_document", format=format or format_of(target.name), **options)
+        write_file(target, content.blocks, force=force)
+        return target
+
+    def rename(self, name: str, message: str = "") -> Document:
+        """Give it another name."""
+        return self._change(DocumentChange(name=name, message=message))
+
+    def move(self, project: str, message: str = "") -> Document:
+        """Move it to a project, which is made if it is new."""
+        return self._change(DocumentChange(project=project, message=message))
+
+    def set(self, message: str = "", **facts: str) -> Document:
+        """State what its file does not say: unit, up, frame_time, description. Nothing is converted."""
+        return self._change(DocumentChange.model_validate(facts | {"message": message}))
+
+    def label(self, name: str, first: int = 1, last: int | None = None) -> Document:
+        """Name frames first to last."""
+        asked = LabelRequest(name=name, first=first, last=len(self) if last is None else last)
+        self._call("add_labels", labels=[asked], if_match="*")
+        return self.refresh()
+
+    def undo(self) -> Document:
+        """Take back its last revision."""
+        self._call("undo_revision", if_match=f'"{self.refresh().revision}"')
+        return self.refresh()
+
+    def delete(self) -> None:
+        """Hide it; the operation restore_document brings it back."""
+        self._call("delete_document", if_match="*")
+
+    def _change(self, change: DocumentChange) -> Document:
+        self._call("change_document", change=change, if_match="*")
+        return self.refresh()
+
+    def _call(self, name: str, **given: Any) -> Any:
+        return self._repository.call(name, id=self.id, **given)
+
+
+def _numbers(content: Content) -> Frames:
+    import io
+
+    found = np.load(io.BytesIO(b"".join(map(bytes, content.blocks))))
+    return Frames.of(found["values"], found["columns"].tolist(), found["times"], found["ids"].tolist())

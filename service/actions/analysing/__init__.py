@@ -1,0 +1,1 @@
+"""Analyses started, and what became of them used."""

@@ -1,0 +1,40 @@
+"""The beats of an uploaded piece of music, for a dance to it."""
+
+from __future__ import annotations
+
+import json
+
+from schemas.analyses.dance import Music
+from schemas.jobs import MusicBeats
+from service.analysis.dance.music import fit_tempo
+from service.analysis.interface import AnalysisError
+from service.errors import LimitError, UnsupportedError
+from service.formats.format import SourceFile
+from service.processes.programs import run_reader
+from service.settings import Settings
+
+_WORKER = "service.actions.analysing.music_worker"
+_KINDS = {"UnsupportedError": UnsupportedError, "LimitError": LimitError}
+
+
+def read_music(file: SourceFile, settings: Settings) -> MusicBeats:
+    """Beats, tempo and whether it is even. Nothing is kept: what is wanted of it goes into the dance's parameters.
+
+    Raises AnalysisError `music-undecodable`, `music-no-beats`; LimitError for more than 15 minutes; UnsupportedError
+    where the extra `audio` is not installed.
+    """
+    seconds, memory = 2 * settings.read_seconds, settings.read_memory_mib << 20
+    with run_reader(_WORKER, file.name, str(seconds), stream=file.stream, seconds=seconds, memory=memory) as answer:
+        found = json.load(answer)
+    if "beats" not in found:
+        if found["code"] in _KINDS:
+            raise _KINDS[found["code"]](found["what"], remedy=found["remedy"])
+        raise AnalysisError(found["code"], found["what"], remedy=found["remedy"])
+    tempo = fit_tempo(found["beats"])
+    return MusicBeats(
+        music=Music(beats=found["beats"]),
+        bpm=tempo.bpm,
+        even=tempo.even,
+        residual_seconds=tempo.residual,
+        bars=int(tempo.indices[-1]) // 4,
+    )

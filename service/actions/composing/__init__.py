@@ -1,0 +1,1 @@
+"""New documents of the frames of others, and on the skeletons of others."""

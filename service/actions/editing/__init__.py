@@ -1,0 +1,1 @@
+"""Changes of one document: its facts, elements and frames. Each is a revision."""

@@ -1,0 +1,1 @@
+"""Documents, and files alone, as files of any format."""

@@ -1,0 +1,92 @@
+"""Files of one format to files of another, without a store."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import PurePath
+
+from service.actions.exporting.export_motion import convert_clip, part_without_frames, targets
+from service.actions.reading.gather_files import gathered
+from service.actions.reading.import_options import ImportOptions
+from service.actions.reading.open_clip import open_clip
+from service.errors import FormatError, Notice, UnsupportedError
+from service.formats import FORMATS
+from service.formats.format import SourceFile
+from service.mcml.elements import from_head, refresh_counts, to_head
+from service.mcml.writer import write_document
+from service.motion.clip import ClipStream
+from service.settings import Settings
+
+
+@dataclass
+class Converted:
+    """files: extension -> content, in the order of the format's parts. notices: complete once all was read."""
+
+    files: dict[str, Iterator[bytes]]
+    notices: Callable[[], list[Notice]]
+
+
+@contextmanager
+def convert_files(
+    files: list[SourceFile],
+    target: str,
+    settings: Settings,
+    *,
+    frame_time: str | None = None,
+    encoding: str | None = None,
+    names: str | None = None,
+    stem: str = "motion",
+) -> Iterator[Converted]:
+    """The one clip among the files in another format. Raises what readers and writers raise."""
+    known = targets()
+    if target not in known or target == "csv":
+        raise UnsupportedError(
+            f"Unknown format {target!r}.", remedy=f"Use one of: {', '.join(sorted(set(known) - {'csv'}))}."
+        )
+    options = ImportOptions(encoding=encoding, frame_time=frame_time)
+    with gathered(files, settings) as found:
+        for _, error in found.problems:
+            raise error
+        if len(found.clips) != 1:
+            raise FormatError(
+                f"The files hold {len(found.clips)} motions, not one.", remedy="Convert one motion at a time."
+            )
+        opened = open_clip(found.clips[0], options, settings)
+        stream = opened.stream
+        head = to_head(opened.document, frame_time or stream.head.frame_time)
+        clip = ClipStream(head, stream.blocks, stream.frames, stream.notices)
+        name, part = known[target]
+        part = part_without_frames(name) if clip.frames == 0 and part is None else part
+        if name == "mcml":
+            yield Converted({".mcml": _mcml(clip)}, lambda: clip.notices)
+            return
+        result = convert_clip(clip, name, names)
+        parts = [item for item in FORMATS[name].parts if part is None or item.name == part]
+        content = {item.extensions[0]: FORMATS[name].write(result, item.name) for item in parts}
+        yield Converted(content, lambda: result.notices)
+
+
+def format_of(file_name: str) -> str:
+    """The format that a file of this name has. UnsupportedError where the name does not say."""
+    extension = PurePath(file_name).suffix.lower()
+    if extension in (".mcml", ".xml"):
+        return "mcml"
+    if extension == ".csv":
+        return "csv"
+    for name, format_ in FORMATS.items():
+        if any(extension in part.extensions for part in format_.parts):
+            return name
+    raise UnsupportedError(
+        f"{file_name!r} does not say which format to write.",
+        remedy=f"Say the format (--to, in Python to=): one of: {', '.join(sorted(targets()))}.",
+    )
+
+
+def _mcml(clip: ClipStream) -> Iterator[bytes]:
+    """MCML states the number of frames before them, so a stream that does not know it is read twice."""
+    frames = clip.frames if clip.frames is not None else sum(len(block) for block in clip.blocks())
+    document = refresh_counts(from_head(replace(clip.head)), frames)
+    names = clip.head.skeleton.names
+    yield from write_document(document, frames, clip.head.frame_time, clip.blocks(), names)

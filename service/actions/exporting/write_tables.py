@@ -1,0 +1,79 @@
+"""Numbers and rows as files of columns: NumPy's npy and npz, Arrow IPC, Parquet. Streams: a block at a time."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import chain
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.actions.exporting.export_motion import Tail, zipped
+from service.errors import UnsupportedError
+from service.motion.skeleton import Array
+
+Batches = Iterator[Mapping[str, Any]]
+"""Columns by name, so many rows of each at a time; all batches have the same names."""
+
+TYPES = {
+    "npy": "application/octet-stream",
+    "npz": "application/octet-stream",
+    "arrow": "application/vnd.apache.arrow.stream",
+    "parquet": "application/vnd.apache.parquet",
+}
+"""Media types by form."""
+
+
+def npy_header(shape: tuple[int, ...], dtype: str) -> bytes:
+    """How the file begins that numpy.save writes."""
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(header, {"descr": f"<{dtype}", "fortran_order": False, "shape": shape})
+    return header.getvalue()
+
+
+def npy_blocks(blocks: Iterator[Array], shape: tuple[int, ...], dtype: str) -> Iterator[bytes | memoryview]:
+    """An array of this shape as numpy.save writes it, from blocks of its rows."""
+    yield npy_header(shape, dtype)
+    for values in blocks:
+        yield np.ascontiguousarray(values, dtype=f"<{dtype}").reshape(-1).view(np.uint8).data
+
+
+def npz_blocks(arrays: Mapping[str, Callable[[], Iterator[bytes | memoryview]]]) -> Iterator[bytes]:
+    """Arrays as numpy.savez writes them, each is asked for in turn."""
+    return zipped((f"{name}.npy", content) for name, content in arrays.items())
+
+
+def npy_of(values: Sequence[str] | NDArray[Any]) -> Iterator[bytes]:
+    """A small array as numpy.save writes it; texts have the width of the longest."""
+    content = io.BytesIO()
+    np.save(content, np.asarray(values))
+    yield content.getvalue()
+
+
+def write_columns(form: str, batches: Batches) -> Iterator[bytes]:
+    """Batches as an Arrow stream or a Parquet file. form: "arrow" or "parquet".
+
+    UnsupportedError where pyarrow is not installed.
+    """
+    try:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+    except ImportError:
+        raise UnsupportedError(
+            f"{form} needs a library that is not installed.",
+            remedy="Install the extra: pip install 'mcml-repository[arrow]'.",
+        ) from None
+    tail = Tail()
+    first = pa.RecordBatch.from_pydict(dict(next(batches)))
+    sink = pa.PythonFile(tail, "w")
+    if form == "arrow":
+        writer: Any = pa.ipc.new_stream(sink, first.schema)
+    else:
+        writer = pq.ParquetWriter(sink, first.schema, compression="zstd")
+    with writer:
+        for batch in chain((first,), (pa.RecordBatch.from_pydict(dict(item), first.schema) for item in batches)):
+            writer.write_batch(batch)
+            yield from tail.taken()
+    yield from tail.taken()

@@ -1,0 +1,1 @@
+"""Files, and clips that were made, stored as documents."""

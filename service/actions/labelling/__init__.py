@@ -1,0 +1,1 @@
+"""Motion names of frames, and properties, of one document or many."""

@@ -1,0 +1,92 @@
+"""The clip in files: its head as elements, its frames as a stream, and what its skeleton shares with others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from service.actions.checking.check_names import check_head
+from service.actions.reading.describe_clip import receipt, skeleton_facts
+from service.actions.reading.edit_header import checked_axis, checked_property, checked_unit, with_facts
+from service.actions.reading.gather_files import Clip
+from service.actions.reading.import_options import ImportOptions
+from service.actions.reading.shared_skeleton import SharedSkeleton, shared_skeleton
+from service.formats import FORMATS
+from service.formats.format import Limits, ReadOptions
+from service.mcml.dtd import validate_by_shapes
+from service.mcml.elements import Element, mcml_element, to_head, write_header
+from service.mcml.reader import Limits as McmlLimits
+from service.mcml.reader import read_document
+from service.mcml.vocabulary import SKELETON
+from service.motion.clip import ClipHead, ClipStream, Shape
+from service.settings import Settings
+
+
+@dataclass
+class OpenClip:
+    """document: the `mcml` element without motion, to be read only. shared: None where the files are MCML."""
+
+    document: Element
+    stream: ClipStream
+    shared: SharedSkeleton | None = None
+
+    def check(self, shapes: Iterable[Shape]) -> None:
+        """DocumentError unless what was made of another format's files, with frames of these shapes, is valid.
+
+        A document is valid where each of its elements is: its skeleton was checked when it was made, and uploaded
+        MCML while it was read.
+        """
+        if self.shared is not None:
+            bare = mcml_element(self.document.children[0], [Element(SKELETON)])
+            others = [(shape, 1) for shape in shapes if shape != self.shared.shape]
+            validate_by_shapes(bare, others, self.shared.skeleton.names)
+
+    def receipt(self, head: ClipHead, frames: int) -> dict[str, Any]:
+        """The receipt, once all frames were read. head: as it is stored."""
+        facts = skeleton_facts(head.skeleton) if self.shared is None else self.shared.facts
+        report = None if self.shared is None else self.shared.report
+        return receipt(head, facts, frames, report, self.stream.notices)
+
+
+def open_clip(clip: Clip, options: ImportOptions, settings: Settings) -> OpenClip:
+    """The clip that the files hold. Raises what readers raise."""
+    if clip.format == "mcml":
+        read = read_document(clip.files["mcml"].stream, _mcml_limits(settings), options.encoding)
+        check_head(read.document, read.clip.head, settings.max_joints)
+        document = with_facts(
+            read.document,
+            description=options.description or None,
+            properties=options.properties or None,
+            unit=options.unit,
+            up=options.up,
+        )
+        return OpenClip(document, read.clip.with_head(to_head(document, read.clip.head.frame_time)))
+    reader = ReadOptions(encoding=options.encoding, translation=options.translation, limits=_limits(settings))
+    stream = FORMATS[clip.format].read(clip.files, reader)
+    shared = shared_skeleton(stream, options.aliases)
+    fields = {"filename": clip.name.rsplit("/", 1)[-1]} | stream.head.fields
+    if options.unit:
+        fields["calibration_unit"] = checked_unit(options.unit)
+    if options.up:
+        fields["global_axis_of_gravity"] = checked_axis(options.up)
+    head = replace(
+        stream.head,
+        skeleton=shared.skeleton,
+        fields=fields,
+        description=options.description.strip(),
+        properties=tuple(checked_property(*item) for item in options.properties),
+    )
+    return OpenClip(mcml_element(write_header(head), shared.elements), stream.with_head(head), shared)
+
+
+def _limits(settings: Settings) -> Limits:
+    return Limits(
+        joints=settings.max_joints,
+        frames=settings.max_frames,
+        values=settings.max_values,
+    )
+
+
+def _mcml_limits(settings: Settings) -> McmlLimits:
+    return McmlLimits(max_bytes=settings.max_upload_bytes, max_frames=settings.max_frames)

@@ -1,0 +1,82 @@
+"""Frames of a clip as numbers: chosen channels, or positions or rotations of joints in the world."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.errors import NotFoundError
+from service.motion.clip import ClipStream
+from service.motion.kinematics import Walker
+from service.motion.skeleton import CHANNELS, Array
+from service.motion.units import reading_of
+from service.storage.blocks import evenly
+
+Space = Literal["channels", "positions", "rotations"]
+_PARTS = {"positions": "xyz", "rotations": "xyzw"}
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """columns: what the numbers of a frame are: BONE.CHANNEL, or bones where each has a vector.
+
+    shape: of one frame, (columns,) or (bones, 3) or (bones, 4). blocks: (numbers (F, *shape), ids of the frames).
+    """
+
+    columns: list[str]
+    shape: tuple[int, ...]
+    blocks: Callable[[], Iterator[tuple[Array, NDArray[np.int64] | list[str]]]]
+
+    @property
+    def flat_columns(self) -> list[str]:
+        """A name for each number: BONE.x where each bone has a vector."""
+        if len(self.shape) == 1:
+            return self.columns
+        return [f"{bone}.{part}" for bone in self.columns for part in "xyzw"[: self.shape[1]]]
+
+
+def read_numbers(clip: ClipStream, names: Sequence[str], bones: list[str] | None, space: Space) -> Numbers:
+    """Numbers of a clip. names: of its joints. bones: which, in this order; default all. NotFoundError for others.
+
+    Channels are the source's own numbers and units, missing samples NaN; positions (x y z) and rotations (x y z w) are
+    global, by forward kinematics.
+    """
+    wanted = chosen_bones(names, bones)
+    skeleton = clip.head.skeleton
+    if space == "channels":
+        columns = [column for column in skeleton.columns() if column[0] in wanted]
+        labels = [f"{names[number]}.{CHANNELS[channel]}" for number, channel in columns]
+        shape: tuple[int, ...] = (len(columns),)
+    else:
+        order = list(wanted)
+        labels = list(wanted.values())
+        shape = (len(order), len(_PARTS[space]))
+
+    def blocks() -> Iterator[tuple[Array, NDArray[np.int64] | list[str]]]:
+        walker = None if space == "channels" else Walker(skeleton, reading_of(clip.head))
+        for block in clip.blocks():
+            if walker is None:
+                place = {column: index for index, column in enumerate(block.columns)}
+                chosen = np.array([place[column] for column in columns], np.int64)
+                values = block.values[:, evenly(chosen) if len(chosen) else chosen]
+            else:
+                positions, rotations = walker.poses(block)
+                values = (positions if space == "positions" else rotations)[:, order]
+            yield values, block.ids
+
+    return Numbers(labels, shape, blocks)
+
+
+def chosen_bones(names: Sequence[str], wanted: list[str] | None) -> dict[int, str]:
+    """Numbers of bones with their names. NotFoundError for a name that is none."""
+    if not wanted:
+        return dict(enumerate(names))
+    known = {name: number for number, name in enumerate(names)}
+    unknown = [name for name in wanted if name not in known]
+    if unknown:
+        raise NotFoundError(f"The document has no bone {unknown[0]!r}.", remedy=f"It has: {', '.join(names[:60])}.")
+    return {known[name]: name for name in wanted}

@@ -1,0 +1,195 @@
+"""OPERATIONS as routes of FastAPI: one loop, which gives each function the signature that FastAPI reads."""
+
+from __future__ import annotations
+
+import asyncio
+import inspect
+from collections.abc import Callable
+from typing import Annotated, Any, TypeVar
+
+from fastapi import APIRouter, Depends, Form, Header, Path, Query, Request, Response, UploadFile
+from fastapi import File as FilePart
+from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import UploadFile as FormFile
+
+from service.actions.analysing.start_analysis import find_analysis
+from service.api.streaming import answered, known_as, read_body
+from service.formats.format import SourceFile
+from service.operations.call import Call, Content, SameError
+from service.operations.operation import Argument, Body, Operation
+
+PREFIX = "/api/v1"
+
+LOOK_SECONDS = 0.25
+"""How often a running operation that waits for its client looks whether it is still there."""
+
+_MARKS: dict[str, Callable[..., Any]] = {"path": Path, "query": Query, "header": Header, "form": Form, "file": FilePart}
+Value = TypeVar("Value")
+
+
+def routes(operations: list[Operation]) -> APIRouter:
+    """A route for each operation that has an address."""
+    router = APIRouter()
+    for operation in operations:
+        if operation.address is not None:
+            _add_route(router, operation)
+    # Behind all analyses, so that it is reached by no other.
+    router.add_api_route("/analyses/{name}", _unknown_analysis, methods=["POST"], include_in_schema=False)
+    return router
+
+
+def _unknown_analysis(name: str) -> None:
+    """The list of analyses, for a name that is none."""
+    find_analysis(name)
+
+
+def _add_route(router: APIRouter, operation: Operation) -> None:
+    endpoint = _waiting(operation) if operation.waits else _plain(operation)
+    endpoint.__signature__ = _signature(operation)  # type: ignore[attr-defined]  # what inspect, and so FastAPI, reads
+    endpoint.__name__ = operation.name
+    plain: dict[str, Any] = {"response_class": Response} if operation.media and operation.model is None else {}
+    router.add_api_route(
+        operation.path,
+        endpoint,
+        methods=[operation.method],
+        operation_id=operation.name,
+        summary=operation.summary or None,
+        description=operation.description,
+        tags=[operation.module],
+        status_code=operation.status,
+        response_model=operation.model,
+        response_model_exclude_none=operation.terse,
+        responses=_responses(operation),
+        openapi_extra=_content(operation),
+        **plain,
+    )
+
+
+def _plain(operation: Operation) -> Callable[..., Any]:
+    def endpoint(call: Call, response: Response, **given: Any) -> Any:
+        return _respond(operation, call, response, given)
+
+    return endpoint
+
+
+def _waiting(operation: Operation) -> Callable[..., Any]:
+    """An endpoint that cancels the operation when its client leaves."""
+
+    async def endpoint(http: Request, call: Call, response: Response, **given: Any) -> Any:
+        return await while_connected(http, call.limits.cancel, lambda: _respond(operation, call, response, given))
+
+    return endpoint
+
+
+async def while_connected(http: Request, cancel: Callable[[], None], ask: Callable[[], Value]) -> Value:
+    """Runs something in a thread; cancels it when the client leaves."""
+    running = asyncio.ensure_future(run_in_threadpool(ask))
+    while not (await asyncio.wait({running}, timeout=LOOK_SECONDS))[0]:
+        if await http.is_disconnected():
+            cancel()
+    return await running
+
+
+def _respond(operation: Operation, call: Call, response: Response, given: dict[str, Any]) -> Any:
+    with call.held as held:
+        try:
+            answer = operation.run(call, {name: _value(value) for name, value in given.items()})
+        except SameError as same:
+            return Response(status_code=304, headers={"etag": same.tag})
+        headers = {}
+        if call.tag is not None:
+            headers["etag"] = f'"{call.tag}"'
+        if call.created is not None:
+            headers["location"] = f"{PREFIX}/{call.created}"
+        if isinstance(answer, Content):
+            return answered(answer, headers, held.pop_all())
+    if answer is None:
+        return Response(status_code=operation.status, headers=headers)
+    response.headers.update(headers)
+    if not call.made:
+        response.status_code = 200
+    return answer
+
+
+def _value(value: Any) -> Any:
+    """An argument as operations take it."""
+    if isinstance(value, FormFile):
+        return SourceFile(value.filename or "unnamed", value.file)
+    return [_value(item) for item in value] if isinstance(value, list) else value
+
+
+def _signature(operation: Operation) -> inspect.Signature:
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    own: dict[str, Any] = {"call": Annotated[Call, Depends(_call)], "response": Response}
+    if operation.waits:
+        own["http"] = Request
+    parameters = [inspect.Parameter(name, keyword, annotation=kind) for name, kind in own.items()]
+    for argument in operation.arguments:
+        default = argument.default
+        parameters.append(inspect.Parameter(argument.name, keyword, annotation=_annotation(argument), default=default))
+    return inspect.Signature(parameters)
+
+
+def _annotation(argument: Argument) -> Any:
+    """The type with the marker that tells FastAPI where the value comes from."""
+    if argument.place == "body":
+        return argument.kind
+    if argument.body is not None:
+        return Annotated[bytes, Depends(_reading(argument.body.most))]
+    field = argument.field
+    said: dict[str, Any] = {"description": field.description, "examples": field.examples}
+    if argument.wire != argument.name and argument.place != "header":
+        said["alias"] = argument.wire
+    kind = argument.bare
+    if argument.place == "file":
+        many = kind is not SourceFile
+        return Annotated[list[UploadFile] if many else UploadFile, FilePart(**said)]
+    return Annotated[argument.plain, *field.metadata, _MARKS[argument.place](**said)]
+
+
+def _reading(most: int) -> Callable[[Request], Any]:
+    async def content(request: Request) -> bytes:
+        return await read_body(request, most)
+
+    return content
+
+
+async def _call(request: Request) -> Call:
+    """What is async needs no thread."""
+    author = str(request.scope.get("mcml.author", "local"))
+    call = Call(
+        request.app.state.repository,
+        author,
+        client=f"{author}@{request.client.host if request.client else ''}",
+        media_type=request.headers.get("content-type", "").partition(";")[0].strip(),
+    )
+    call.known = lambda tag: known_as(request, f'"{tag}"')
+    return call
+
+
+def _responses(operation: Operation) -> dict[int | str, dict[str, Any]]:
+    said: dict[int | str, dict[str, Any]] = {}
+    if operation.media is not None:
+        types = {name: {} if shown is None else {"example": shown} for name, shown in operation.media.types.items()}
+        if "application/octet-stream" in types:
+            types["application/octet-stream"]["schema"] = {"type": "string", "format": "binary"}
+        said[operation.status] = {"description": operation.media.words, "content": types}
+    if operation.unmade:
+        said[200] = {"model": operation.model, "description": operation.unmade}
+    return said
+
+
+def _content(operation: Operation) -> dict[str, Any] | None:
+    """The body of a request, where it is read as it is."""
+    for argument in operation.arguments:
+        body = argument.body
+        if body is not None:
+            content = {name: {"schema": _schema(name, body), "example": shown} for name, shown in body.types.items()}
+            return {"requestBody": {"required": argument.required, "content": content}}
+    return None
+
+
+def _schema(media_type: str, body: Body) -> dict[str, Any]:
+    if media_type == "application/json" and body.model is not None:
+        return body.model.model_json_schema()
+    return {"type": "string"} | ({"format": "binary"} if media_type == "application/octet-stream" else {})

@@ -1,0 +1,130 @@
+"""`mcml import`: files and folders stored, with progress; by hand, since a folder is many calls."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.text import Text
+
+from mcml.choosing import id_of
+from mcml.folders import import_paths
+from schemas.documents import ImportedDocument
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json
+
+SECONDS_DRAWN = 0.1
+"""Between two drawings of the bar, each of which takes as long as to read a short clip."""
+
+
+def import_(
+    paths: Annotated[list[Path], typer.Argument(help="Files, folders or zips")],
+    project: Annotated[str, typer.Option(help="Project to store into; made if new")] = "default",
+    name: Annotated[str | None, typer.Option(help="Name of the document, for a single one")] = None,
+    description: Annotated[str | None, typer.Option(help="What it is")] = None,
+    label: Annotated[list[str] | None, typer.Option(help="Motion name: NAME or NAME:FIRST-LAST")] = None,
+    property: Annotated[list[str] | None, typer.Option(help="Property: age=23 or 'age=23 year'")] = None,
+    encoding: Annotated[str | None, typer.Option(help="Text encoding, if it is not UTF-8")] = None,
+    translation: Annotated[
+        str | None, typer.Option(help="auto, absolute or relative: whether translations stand for offsets or add")
+    ] = None,
+    unit: Annotated[str | None, typer.Option(help="Length unit of the files")] = None,
+    up: Annotated[str | None, typer.Option(help="Axis that points up")] = None,
+    frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the files do not say")] = None,
+    skeleton: Annotated[str | None, typer.Option(help="Stored document whose ASF an AMC alone shall use")] = None,
+    strict_names: Annotated[
+        bool, typer.Option("--strict-names", help="Refuse labels that are no anatomical movement")
+    ] = False,
+    movements: Annotated[
+        float | None,
+        typer.Option(min=0, max=1, help="Name anatomical movements found in the motion with this confidence or more"),
+    ] = None,
+    again: Annotated[bool, typer.Option("--again", help="Store files again that are stored already")] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Store files. Files that are stored already are skipped, so an interrupted import goes on where it stopped."""
+    client = opened(database, server)
+    options: dict[str, Any] = {
+        "project": project,
+        "name": name,
+        "description": description,
+        "label": label,
+        "property": property,
+        "encoding": encoding,
+        "translation": translation,
+        "unit": unit,
+        "up": up,
+        "frame_time": frame_time,
+        "skeleton": skeleton and id_of(client, skeleton),
+        "strict_names": strict_names,
+        "movements": movements,
+        "on_duplicate": "new" if again else "skip",
+    }
+    stored, failed, answers = 0, 0, []
+    with _Bar(disable=as_json or not sys.stderr.isatty()) as bar:
+        for answer in import_paths(client, paths, options, bar.tell):
+            answers.append(answer)
+            for document in answer.documents:
+                stored += not document.skipped
+                if not as_json:
+                    _print_imported(document)
+            for problem in answer.problems:
+                failed += 1
+                if not as_json:
+                    remedy = f"\n         {problem.problem.remedy}" if problem.problem.remedy else ""
+                    line = problem.problem.where.line if problem.problem.where else None
+                    place = f"{problem.file}:{line}" if line else problem.file
+                    console.print(Text.assemble(("failed", "red"), f"   {place}: {problem.problem.detail}{remedy}"))
+    if as_json:
+        documents = [item.model_dump() for answer in answers for item in answer.documents]
+        problems = [item.model_dump(exclude_none=True) for answer in answers for item in answer.problems]
+        print_json({"documents": documents, "problems": problems})
+    else:
+        console.print(f"{stored} stored, {failed} failed")
+    if failed:
+        raise typer.Exit(3 if stored else 1)
+
+
+def _print_imported(document: ImportedDocument) -> None:
+    if document.skipped:
+        console.print(f"skipped  {document.name}  {document.id} (stored already)")
+        return
+    facts = document.receipt
+    rate = f"{facts.frame_rate.frames_per_second:.6g} Hz" if facts.frame_rate.frames_per_second else "rate unknown"
+    mapped = "" if facts.naming is None else f", {len(facts.naming.mapped)} of {facts.joints} joints mapped"
+    unit = facts.unit.value or "unit unknown"
+    console.print(f"stored   {document.name}  {document.id}\n         {facts.frames:,} frames, {rate}, {unit}{mapped}")
+    if document.movements is not None:
+        console.print(f"         {document.movements} movements named")
+    for notice in facts.notices:
+        if notice.kind in ("repair", "warning"):
+            console.print(f"         {notice.kind}: {notice.what}", style="yellow")
+
+
+class _Bar:
+    """How many files are done. It is drawn by whoever tells it: beside a thread that drew it, no import could fork."""
+
+    def __init__(self, *, disable: bool) -> None:
+        what = TextColumn("{task.description}", markup=False)
+        columns = (what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        self._bar = Progress(*columns, console=console, transient=True, disable=disable, auto_refresh=False)
+        self._task = self._bar.add_task("importing", total=None)
+        self._drawn = 0.0
+
+    def __enter__(self) -> _Bar:
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def tell(self, done: int, of: int, name: str) -> None:
+        """Draw it, if it was not just now."""
+        if time.monotonic() - self._drawn > SECONDS_DRAWN:
+            self._bar.update(self._task, description=name[:40], completed=done, total=of, refresh=True)
+            self._drawn = time.monotonic()

@@ -1,0 +1,196 @@
+"""OPERATIONS: everything that a user can ask of the repository, readable from top to bottom.
+
+A row says the name, the address below /api/v1, what the operation does to the store, what right it needs, its words,
+the module beside this one with the function of that name, and the command with its positional arguments in capitals. A
+row without a command has none, or one made by hand (`service.cli`). Nothing is imported until an operation is used.
+"""
+
+from __future__ import annotations
+
+from service.errors import NotFoundError
+from service.operations.operation import Effect, Operation, Right
+
+READS, STREAMS, WRITES, STARTS = Effect.READS, Effect.STREAMS, Effect.WRITES, Effect.STARTS
+READ, EDIT, OWN, OPERATE = Right.READ, Right.EDIT, Right.OWN, Right.OPERATE
+
+PREVIEW = "What would be stored, where `preview` was asked"
+
+# fmt: off
+_ROWS = [
+    # documents
+    Operation("list_documents", "GET /documents", READS, READ,
+              "Documents, by name or newest first.", "documents", "ls [TEXT]"),
+    Operation("get_document", "GET /documents/{id}", READS, READ,
+              "Everything about a document but its frames.", "documents", "show ID"),
+    Operation("upload_documents", "POST /documents", WRITES, EDIT,
+              "Store files as documents.", "uploads", status=201),
+    Operation("inspect_files", "POST /inspect", READS, READ,
+              "What an upload of these files would find.", "uploads"),
+    Operation("change_document", "PATCH /documents/{id}", WRITES, EDIT,
+              "Change name, project, description, properties, unit, up axis or frame time.", "documents"),
+    Operation("delete_document", "DELETE /documents/{id}", WRITES, EDIT,
+              "Hide a document.", "documents", status=204),
+    Operation("restore_document", "POST /documents/{id}/restore", WRITES, EDIT,
+              "Bring a deleted document back, or make an earlier revision current, as a new revision.", "documents",
+              "restore ID [REVISION]"),
+    Operation("undo_revision", "POST /documents/{id}/undo", WRITES, EDIT,
+              "Take back what one revision did, as a new revision.", "documents", "undo ID [REVISION]"),
+    Operation("list_revisions", "GET /documents/{id}/revisions", READS, READ,
+              "The history of a document, newest first.", "documents", "history ID"),
+    Operation("compare_revisions", "GET /documents/{id}/difference", READS, READ,
+              "What differs between two revisions: elements, frames, labels, samples, angles between poses.",
+              "documents", "diff ID BEFORE [AFTER]", terse=True),
+    Operation("set_properties", "POST /properties", WRITES, EDIT,
+              "Set properties of many documents from a CSV table.", "documents", "properties TABLE"),
+
+    # files of documents
+    Operation("get_mcml", "GET /documents/{id}/mcml", STREAMS, READ,
+              "The document as MCML, valid against `mcml.dtd`.", "exports"),
+    Operation("export_document", "GET /documents/{id}/export", STREAMS, READ,
+              "The document in a motion-capture format.", "exports"),
+
+    # frames
+    Operation("get_frames", "GET /documents/{id}/frames", STREAMS, READ,
+              "Frames of a document as numbers in the source's units.", "frames"),
+    Operation("edit_frames", "POST /documents/{id}/frames", WRITES, EDIT,
+              "Delete, keep, move, insert, reverse, mirror, smooth, adjust or resample ranges of frames.", "frames"),
+    Operation("put_frames", "PUT /documents/{id}/frames", WRITES, EDIT,
+              "Set channels of consecutive frames to numbers: JSON, or a NumPy file.", "frames"),
+
+    # labels
+    Operation("list_labels", "GET /documents/{id}/labels", READS, READ,
+              "The motion names of a document and the frames that carry them, in order.", "labels", "labels list ID"),
+    Operation("suggest_labels", "GET /documents/{id}/labels/suggested", READS, READ,
+              "Anatomical movements found in the motion, as names for its frames.", "labels"),
+    Operation("add_labels", "POST /documents/{id}/labels", WRITES, EDIT,
+              "Name ranges of frames.", "labels", status=201),
+    Operation("change_label", "PATCH /documents/{id}/labels/{label}", WRITES, EDIT,
+              "Rename a label, move its ends, or split it.", "labels", "labels change ID LABEL"),
+    Operation("delete_label", "DELETE /documents/{id}/labels/{label}", WRITES, EDIT,
+              "Take a motion name off its frames.", "labels", "labels delete ID LABEL", status=204),
+    Operation("label_by_query", "POST /labels", WRITES, EDIT,
+              "Name all frames that an XPath expression selects, or take the name off them.", "labels",
+              "labels query NAME XPATH"),
+    Operation("export_labels", "GET /labels", READS, READ,
+              "The labels of documents as a CSV table: document, label, first, last.", "labels",
+              "labels export OUTPUT"),
+    Operation("import_labels", "PUT /labels", WRITES, EDIT,
+              "Add labels from a CSV table, as the export writes it.", "labels", "labels import TABLE"),
+
+    # elements
+    Operation("get_element", "GET /documents/{id}/elements", READS, READ,
+              "One element of a document as XML, or the value of one attribute as text.", "elements",
+              "element get ID XPATH"),
+    Operation("change_element", "PATCH /documents/{id}/elements", WRITES, EDIT,
+              "Change attributes or text of elements.", "elements"),
+    Operation("delete_element", "DELETE /documents/{id}/elements", WRITES, EDIT,
+              "Delete elements or attributes, unless `mcml.dtd` or the frames need them.", "elements",
+              "element delete ID XPATH"),
+    Operation("replace_element", "PUT /documents/{id}/elements", WRITES, EDIT,
+              "Put other elements in the place of one.", "elements", "element replace ID XPATH [FRAGMENT]"),
+    Operation("insert_elements", "POST /documents/{id}/elements", WRITES, EDIT,
+              "Put elements beside one, or into it.", "elements", "element insert ID XPATH [FRAGMENT]"),
+    Operation("edit_elements", "POST /documents/{id}/elements/batch", WRITES, EDIT,
+              "Change, delete, replace, insert and move elements as one revision: all, or none.", "elements",
+              "element batch ID EDITS"),
+
+    # questions
+    Operation("query", "GET /xpath", STREAMS, READ,
+              "Ask one document or all an XPath question, such as `//frame[motion_name='left-arm-abduction']`.",
+              "queries", terse=True, waits=True),
+    Operation("post_query", "POST /xpath", STREAMS, READ,
+              "Ask an XPath question that is long, or has variables.", "queries", terse=True, waits=True),
+    Operation("complete_query", "GET /xpath/complete", READS, READ,
+              "What may come next in an expression: elements, attributes, axes, functions, and names that occur.",
+              "queries"),
+
+    # new documents of others
+    Operation("compose", "POST /compose", WRITES, EDIT,
+              "Make a document of frames of others, one segment after the other, with transitions between them.",
+              "composing", status=201, terse=True, unmade=PREVIEW),
+    Operation("split_document", "POST /documents/{id}/split", WRITES, EDIT,
+              "Store parts of a document as documents: cut before frames, or around every range of a motion name.",
+              "composing", "split ID [AT]", status=201),
+    Operation("retarget", "POST /documents/{id}/retarget", WRITES, EDIT,
+              "Bring a motion onto the skeleton of another document, as a new document.", "composing", status=201,
+              terse=True, unmade=PREVIEW),
+    Operation("retarget_many", "POST /retarget", WRITES, EDIT,
+              "Bring the motions of all selected documents onto one skeleton, each as a new document.", "composing"),
+
+    # names of joints
+    Operation("list_mappings", "GET /mappings", READS, READ,
+              "Saved mappings of joints, by project and name.", "names", "mapping list", terse=True),
+    Operation("get_mapping", "GET /mappings/{name:path}", READS, READ,
+              "One saved mapping.", "names", "mapping show NAME"),
+    Operation("save_mapping", "PUT /mappings/{name:path}", WRITES, EDIT,
+              "Save a mapping under a name.", "names", status=201, unmade="A mapping that was there, changed"),
+    Operation("delete_mapping", "DELETE /mappings/{name:path}", WRITES, EDIT,
+              "Delete a saved mapping.", "names", "mapping delete NAME", status=204),
+    Operation("get_aliases", "GET /aliases", READS, READ,
+              "What a project calls joints, beside the names that are known.", "names", "mapping aliases"),
+    Operation("save_aliases", "PUT /aliases", WRITES, EDIT,
+              "Save all aliases of a project.", "names"),
+    Operation("delete_aliases", "DELETE /aliases", WRITES, EDIT,
+              "Take all aliases of a project away.", "names", status=204),
+    Operation("apply_names", "POST /documents/{id}/names", WRITES, EDIT,
+              "Give joints of a document the names that an import would give them now, as a revision.", "names"),
+
+    # analyses; each of the catalogue has operations of its own, made by `analyses.offered`
+    Operation("list_analyses", "GET /analyses", READS, READ,
+              "Every analysis with its parameters, the parts of its results, and what can be done with them.",
+              "analyses"),
+    Operation("get_analysis", "GET /analyses/{name}", READS, READ,
+              "An analysis with its parameters as JSON schema.", "analyses"),
+    Operation("read_music", "POST /music", READS, READ,
+              "The beats of music, to be corrected and danced to.", "analyses"),
+    Operation("list_jobs", "GET /jobs", READS, READ,
+              "Jobs, the newest first.", "jobs", "jobs list", terse=True),
+    Operation("get_job", "GET /jobs/{id}", READS, READ,
+              "How far a job is, and what came of it.", "jobs", "jobs show ID", terse=True),
+    Operation("cancel_job", "DELETE /jobs/{id}", WRITES, EDIT,
+              "End a job.", "jobs", "jobs cancel ID", status=202, terse=True),
+    Operation("list_results", "GET /results", READS, READ,
+              "Results, the newest first, without their parts.", "results", "analyse results", terse=True),
+    Operation("get_result", "GET /results/{id}", READS, READ,
+              "A result with its parts.", "results", terse=True),
+    Operation("delete_result", "DELETE /results/{id}", WRITES, EDIT,
+              "Delete a result and the results made from it.", "results", "analyse delete ID", status=204),
+    Operation("get_result_part", "GET /results/{id}/{part}", READS, READ,
+              "One part of a result.", "results", terse=True),
+    Operation("get_result_array", "GET /results/{id}/{part}/{array}", READS, READ,
+              "An array of a part, or some of its rows.", "results"),
+
+    # what there is
+    Operation("list_formats", "GET /formats", READS, READ,
+              "Formats that are read and written, and those that are known but not read, with the reason.",
+              "catalogues", "formats"),
+    Operation("list_joint_names", "GET /joint-names", READS, READ,
+              "The one table of joint names: MCML's own, and what other rigs call them.", "catalogues", "joints"),
+    Operation("list_motion_names", "GET /motion-names", READS, READ,
+              "Motion names in use with their frames, and the movements that each part of the body can perform.",
+              "catalogues", "motions"),
+    Operation("list_skeletons", "GET /skeletons", READS, READ,
+              "Skeletons in use.", "catalogues", "skeletons"),
+    Operation("list_projects", "GET /projects", READS, READ,
+              "Projects by name.", "catalogues", "projects"),
+]
+# fmt: on
+
+OPERATIONS: dict[str, Operation] = {operation.name: operation for operation in _ROWS}
+
+
+def find_operation(name: str) -> Operation:
+    """The operation of that name. NotFoundError where there is none."""
+    if name in OPERATIONS:
+        return OPERATIONS[name]
+    found = {operation.name: operation for operation in all_operations()}
+    if name not in found:
+        raise NotFoundError(f"There is no operation {name!r}.", remedy=f"There are: {', '.join(found)}.")
+    return found[name]
+
+
+def all_operations() -> list[Operation]:
+    """Those of OPERATIONS, and those that the catalogue of analyses makes."""
+    from service.operations.analyses import offered
+
+    return [*_ROWS, *offered()]

@@ -1,0 +1,131 @@
+"""One call of an operation: the repository it works on, who asks, and what is said of the answer beside itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from service.errors import Notice
+from service.settings import Settings
+from service.storage.database import Database, Transaction
+
+if TYPE_CHECKING:
+    from service.actions.analysing.use_result import Results
+    from service.actions.importing.encode_clip import Progress
+    from service.xpath.limits import Limits
+    from service.xpath.run import Queries
+
+
+class Repository:
+    """A store and what works on it for as long as the process runs. What a call does not need is never imported."""
+
+    def __init__(self, database: Database, settings: Settings) -> None:
+        self.database = database
+        self.settings = settings
+        self.wake: Callable[[], None] = lambda: None
+        """Tells whoever runs jobs that there is one."""
+        self.runner: str | None = None
+        """Who alone may run the jobs that are started; None: any server of the store."""
+
+    @cached_property
+    def queries(self) -> Queries:
+        from service.xpath.run import Queries
+
+        return Queries(self.database, self.settings)
+
+    @cached_property
+    def results(self) -> Results:
+        from service.actions.analysing.use_result import Results
+
+        return Results(self.database, self.settings)
+
+    def close(self) -> None:
+        """End the processes that evaluate queries; the store is its owner's."""
+        if "queries" in self.__dict__:
+            self.queries.close()
+
+
+@dataclass
+class Content:
+    """An answer that is no model: bytes as they are made.
+
+    name: of the file that it would be. size: bytes, where known. facts: what is told beside it, by name. notices: what
+    the user should know of it; more may come while it is read. shown: a browser may show it. live: each block is worth
+    being sent at once.
+    """
+
+    blocks: Iterator[bytes | memoryview]
+    media_type: str
+    name: str | None = None
+    size: int | None = None
+    facts: dict[str, str] = field(default_factory=dict)
+    notices: Sequence[Notice] = ()
+    shown: bool = False
+    live: bool = False
+
+
+class SameError(Exception):
+    """A signal: whoever asked has this representation already."""
+
+    def __init__(self, tag: str) -> None:
+        super().__init__(tag)
+        self.tag = tag
+
+
+@dataclass
+class Call:
+    """repository: what is worked on. author: who asks. client: those who share a turn in fair queues.
+
+    known: how whoever asks names this version of the answer, None where they do not have it.
+
+    media_type: of the body that was sent, where one says it. progress: is told how far work on files is.
+    tag: version of the answer (an entity tag without its quotes), set by the operation. created: address of what was
+    made, below /api/v1. made: whether anything was, for operations that can also only look.
+    """
+
+    repository: Repository
+    author: str = "local"
+    client: str = ""
+    known: Callable[[str], str | None] = lambda tag: None
+    media_type: str = ""
+    progress: Progress | None = None
+    tag: str | None = None
+    created: str | None = None
+    made: bool = True
+    held: ExitStack = field(default_factory=ExitStack)
+
+    @property
+    def database(self) -> Database:
+        return self.repository.database
+
+    @property
+    def settings(self) -> Settings:
+        return self.repository.settings
+
+    @property
+    def queries(self) -> Queries:
+        return self.repository.queries
+
+    @cached_property
+    def limits(self) -> Limits:
+        """Time and memory of a query of this call; who leaves cancels it."""
+        return self.queries.limits(self.client)
+
+    def makes(self, document: str | None) -> None:
+        """Say which document was made, or None where it was only said what would be."""
+        self.made = document is not None
+        self.created = None if document is None else f"documents/{document}"
+
+    def read(self) -> Transaction:
+        """A read transaction that lives until the answer is sent, for answers that are made while they are sent."""
+        return self.held.enter_context(self.database.read())
+
+    def tagged(self, tag: str) -> None:
+        """Say the version of the answer. SameError where whoever asks has it."""
+        self.tag = tag
+        said = self.known(tag)
+        if said is not None:
+            raise SameError(said)

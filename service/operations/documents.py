@@ -1,0 +1,212 @@
+"""Documents: stored, listed, read, changed, deleted, brought back; their revisions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from schemas.documents import (
+    ChangedDocument,
+    ChangedDocuments,
+    DocumentChange,
+    DocumentDetail,
+    DocumentPage,
+    Revision,
+    RevisionPage,
+)
+from schemas.examples import DOCUMENT, MOTION_NAME
+from schemas.revisions import Difference
+from service.actions.editing import change_document as changes
+from service.actions.reading.describe_document import detail, summary
+from service.operations.arguments import (
+    MOST,
+    AtRevision,
+    DocumentId,
+    IfMatch,
+    InProject,
+    Page,
+    at_revision,
+    checked_for_write,
+    tag,
+)
+from service.operations.call import Call
+from service.operations.operation import Body
+from service.storage.documents import StoredDocument
+from service.storage.filtering import DocumentFilter, parse_condition
+
+TABLE = "name,age (year),height (cm)\nwalk,23,172.4\n"
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Which documents a list holds."""
+
+    project: InProject = None
+    q: Annotated[str | None, Field(description="Part of the name", examples=["walk"])] = None
+    name: Annotated[str | None, Field(description="Exactly this name", examples=["walk"])] = None
+    id: Annotated[str | None, Field(description="Beginning of the id", examples=[DOCUMENT[:8]])] = None
+    motion_name: Annotated[
+        str | None, Field(description="Documents with a frame of this name", examples=[MOTION_NAME])
+    ] = None
+    format: Annotated[str | None, Field(description="Source format", examples=["bvh"])] = None
+    skeleton: Annotated[
+        int | None, Field(ge=0, le=MOST, description="Number of the skeleton, as lists give it", examples=[3])
+    ] = None
+    property: Annotated[
+        list[str] | None,
+        Field(description="age:20..30 or take:calm; may be repeated", examples=[["age:20..30", "take:calm"]]),
+    ] = None
+    deleted: Annotated[bool, Field(description="List deleted documents instead, which can be restored")] = False
+
+    def filter(self) -> DocumentFilter:
+        """The same as the store asks for it. QueryError for a condition that is none."""
+        return DocumentFilter(
+            project=self.project,
+            text=self.q,
+            name=self.name,
+            id=self.id,
+            motion_name=self.motion_name,
+            format=self.format,
+            skeleton=self.skeleton,
+            properties=tuple(parse_condition(text) for text in self.property or ()),
+            deleted=self.deleted,
+        )
+
+
+def list_documents(
+    call: Call,
+    wanted: Wanted,
+    page: Page,
+    sort: Annotated[Literal["name", "newest"], Field(description="In which order")] = "name",
+) -> DocumentPage:
+    after = page.after(str, int)
+    conditions = wanted.filter()
+    with call.database.read() as tx:
+        found = tx.documents.page(
+            conditions,
+            after=None if after is None else (after[0], after[1]),
+            limit=page.most(call) + 1,
+            newest_first=sort == "newest",
+        )
+        total = tx.documents.count(conditions)
+    shown, more = page.cut(call, found, lambda stored: (stored.name, stored.key))
+    return DocumentPage(items=[summary(stored) for stored in shown], next_cursor=more, total=total)
+
+
+def get_document(call: Call, id: DocumentId, revision: AtRevision = None) -> DocumentDetail:
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        call.tagged(tag(stored))
+        return detail(then, stored)
+
+
+def change_document(call: Call, id: DocumentId, change: DocumentChange, if_match: IfMatch = None) -> DocumentDetail:
+    """Makes a revision."""
+    with call.database.write(call.author) as tx:
+        stored = checked_for_write(tx, id, if_match)
+        facts = change.model_dump(exclude_unset=True, exclude={"message", "properties"})
+        if change.properties is not None:
+            facts["properties"] = [(item.name, item.value, item.unit) for item in change.properties]
+        changed = changes.change_document(tx, stored, message=change.message, **facts)
+        call.tag = tag(changed)
+        return detail(tx, changed)
+
+
+def delete_document(call: Call, id: DocumentId, if_match: IfMatch = None) -> None:
+    """Nothing is lost: `POST /documents/{id}/restore` brings it back."""
+
+    def delete() -> None:
+        with call.database.write(call.author) as tx:
+            changes.delete_document(tx, checked_for_write(tx, id, if_match))
+
+    call.database.reserve.spend(delete)
+
+
+def restore_document(
+    call: Call,
+    id: DocumentId,
+    revision: Annotated[
+        int | None,
+        Field(ge=1, le=MOST, description="Make the content of this revision current again", examples=[1]),
+    ] = None,
+    if_match: IfMatch = None,
+) -> DocumentDetail:
+    with call.database.write(call.author) as tx:
+        stored = checked_for_write(tx, id, if_match, deleted=True)
+        if revision is None:
+            changed = changes.restore_document(tx, stored)
+        else:
+            changed = changes.restore_revision(tx, stored, revision)
+        call.tag = tag(changed)
+        return detail(tx, changed)
+
+
+def undo_revision(
+    call: Call,
+    id: DocumentId,
+    revision: Annotated[
+        int | None, Field(ge=1, le=MOST, description="What to take back; default the last one", examples=[2])
+    ] = None,
+    if_match: IfMatch = None,
+) -> DocumentDetail:
+    """Later ones stay; 409 where they touched the same. An undo can be undone."""
+    with call.database.write(call.author) as tx:
+        stored = checked_for_write(tx, id, if_match)
+        changed = changes.undo_revision(tx, stored, stored.revision if revision is None else revision)
+        call.tag = tag(changed)
+        return detail(tx, changed)
+
+
+def list_revisions(call: Call, id: DocumentId, page: Page) -> RevisionPage:
+    before = page.after(int)
+    with call.database.read() as tx:
+        stored = tx.documents.get(id)
+        found = tx.documents.revisions(
+            stored.key, before=None if before is None else before[0], limit=page.most(call) + 1
+        )
+    items, more = page.cut(call, found, lambda item: (item.number,))
+    return RevisionPage(items=[Revision.model_validate(item, from_attributes=True) for item in items], next_cursor=more)
+
+
+def compare_revisions(
+    call: Call,
+    id: DocumentId,
+    before: Annotated[int, Field(ge=1, le=MOST, description="The earlier revision", examples=[1])],
+    after: Annotated[
+        int | None, Field(ge=1, le=MOST, description="The later revision; default the current one", examples=[3])
+    ] = None,
+) -> Difference:
+    # Imported here: other operations on documents need no mathematics.
+    from service.actions.reading import compare_revisions as comparing
+
+    with call.database.read() as tx:
+        then, one = at_revision(tx, id, before)
+        now, other = at_revision(tx, id, after)
+        return comparing.compare_revisions(then, one, now, other)
+
+
+def set_properties(
+    call: Call,
+    content: Annotated[
+        bytes, Body({"text/csv": TABLE}, most=16 << 20), Field(description="Table of properties, one line a document")
+    ],
+    project: InProject = None,
+) -> ChangedDocuments:
+    """One line a document, one column a property.
+
+    The first column is `document` (ids) or `name`; units stand in brackets in the headings: `age (year)`. Empty cells
+    and properties that the table does not name stay as they are. All of the table is written, or nothing.
+    """
+    from service.actions.labelling import set_properties as setting
+
+    with call.database.write(call.author) as tx:
+        changed = setting.set_properties(tx, content, project)
+    return changed_documents(changed)
+
+
+def changed_documents(documents: list[StoredDocument]) -> ChangedDocuments:
+    return ChangedDocuments(
+        items=[ChangedDocument(id=item.uuid, name=item.name, revision=item.revision) for item in documents]
+    )

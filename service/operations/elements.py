@@ -1,0 +1,178 @@
+"""Elements of a document, addressed by XPath: read, changed, deleted, replaced, inserted, moved."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from schemas.elements import ChangeEdit, DeleteEdit, ElementChange, ElementEdited, ElementEdits, MoveEdit, ReplaceEdit
+from schemas.elements import Edit as AnyEdit
+from schemas.examples import ADDRESS, FRAME_BONE, NODE
+from schemas.queries import QueryRequest
+from service.actions.checking.describe_problem import PreconditionError
+from service.actions.editing import edit_elements as editing
+from service.actions.editing.edit_element import Change, read_element
+from service.actions.editing.edit_elements import Deletion, ElementEdit, Insertion, Replacement
+from service.errors import DocumentError, LimitError, NotFoundError
+from service.mcml.fragment import MOST_BYTES, read_fragment
+from service.operations.arguments import AtRevision, DocumentId, IfMatch, at_revision, checked_for_write, tag
+from service.operations.call import Call, Content
+from service.operations.operation import Body, gives
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+
+MOST_ELEMENTS = 10_000
+_ADDRESS = re.compile(
+    r"/mcml/motion/frame\[[1-9]\d{0,8}\](?:/@id|/(?:frame_bone|motion_name)\[[1-9]\d{0,8}\](?:/@\w+)?)?"
+)
+"""What can select but one node, and says which: nobody needs to be asked. Whether it is there, the edit finds out."""
+
+One = Annotated[
+    str,
+    Field(min_length=1, max_length=10_000, description="Selects exactly one element or attribute", examples=[ADDRESS]),
+]
+Many = Annotated[bool, Field(description="The expression may select several elements; each is edited so")]
+Renumber = Annotated[bool, Field(description="Ids of frames that counted up by one do so again")]
+Fragment = Annotated[
+    bytes,
+    Body({"application/xml": FRAME_BONE}, most=MOST_BYTES),
+    Field(description="Elements as MCML, without a document around them"),
+]
+
+
+@dataclass(frozen=True)
+class Edit:
+    """For which revision an edit is made, and what it may do."""
+
+    merge: Annotated[
+        bool,
+        Field(description="If the revision is stale: edit all the same where nobody changed these elements"),
+    ] = False
+    gaps: Annotated[
+        Literal["allow", "refuse"], Field(description="Whether ids of frames may skip numbers after the edit")
+    ] = "allow"
+    if_match: IfMatch = None
+
+    @property
+    def base(self) -> int | None:
+        """The revision that edits are made for where they are to be merged, None for the current one."""
+        said = re.fullmatch(r'"(\d{1,9})(?:-[a-z-]+)?"', (self.if_match or "").strip())
+        return int(said[1]) if self.merge and said is not None else None
+
+    def check(self, tx: Transaction, uuid: str) -> tuple[StoredDocument, int | None]:
+        """The document, locked; and the older revision that the edits were made for, if they are to be merged."""
+        try:
+            return checked_for_write(tx, uuid, self.if_match), None
+        except PreconditionError as error:
+            if error.status != 412 or self.base is None:
+                raise
+            return checked_for_write(tx, uuid, "*"), self.base
+
+
+@gives("The element, or the text of the attribute", {"application/xml": FRAME_BONE, "text/plain": NODE["value"]})
+def get_element(call: Call, id: DocumentId, xpath: One, revision: AtRevision = None) -> Content:
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        address = _addresses(call, id, xpath, False, revision)[0]
+        content = read_element(then, stored, address)
+    call.tag = tag(stored, "element")
+    return Content(iter([content]), "text/plain; charset=utf-8" if "/@" in address else "application/xml")
+
+
+def change_element(
+    call: Call, id: DocumentId, xpath: One, change: ElementChange, edit: Edit, many: Many = False
+) -> ElementEdited:
+    """Only what is touched is written; the rest of the document stays."""
+    new = Change(change.attributes, change.text)
+    found = _addresses(call, id, xpath, many, edit.base)
+    return _edit(call, id, edit, [ElementEdit(address, new) for address in found], change.message)
+
+
+def delete_element(
+    call: Call, id: DocumentId, xpath: One, edit: Edit, many: Many = False, renumber: Renumber = False
+) -> ElementEdited:
+    found = _addresses(call, id, xpath, many, edit.base)
+    return _edit(call, id, edit, [ElementEdit(address, Deletion(renumber)) for address in found])
+
+
+def replace_element(call: Call, id: DocumentId, xpath: One, fragment: Fragment, edit: Edit) -> ElementEdited:
+    """The body is MCML without a document around it."""
+    new = Replacement(tuple(read_fragment(fragment)))
+    found = _addresses(call, id, xpath, False, edit.base)
+    return _edit(call, id, edit, [ElementEdit(address, new) for address in found])
+
+
+def insert_elements(
+    call: Call,
+    id: DocumentId,
+    xpath: One,
+    fragment: Fragment,
+    edit: Edit,
+    where: Annotated[
+        Literal["before", "after", "into"], Field(description="Beside the element, or into it, at its end")
+    ] = "into",
+    renumber: Renumber = True,
+) -> ElementEdited:
+    """The body is MCML without a document around it, such as some frames."""
+    new = Insertion(where, tuple(read_fragment(fragment)), renumber)
+    found = _addresses(call, id, xpath, False, edit.base)
+    return _edit(call, id, edit, [ElementEdit(address, new) for address in found])
+
+
+def edit_elements(call: Call, id: DocumentId, request: ElementEdits, edit: Edit) -> ElementEdited:
+    """Every expression means the document as it was before the first edit."""
+    edits = [made for item in request.edits for made in _made(call, id, edit, item, request)]
+    return _edit(call, id, edit, edits, request.message)
+
+
+def _edit(call: Call, uuid: str, edit: Edit, edits: Sequence[ElementEdit], message: str = "") -> ElementEdited:
+    """Make edits of elements by their canonical addresses."""
+    with call.database.write(call.author) as tx:
+        stored, base = edit.check(tx, uuid)
+        if base is not None:
+            then, was = at_revision(tx, uuid, base)
+            moved = editing.carried_over(then, was, tx, stored, [one.address for one in edits])
+            edits = [replace(one, address=address) for one, address in zip(edits, moved, strict=True)]
+        changed = editing.edit_elements(tx, stored, edits, message, gapless=edit.gaps == "refuse")
+    call.tag = tag(changed)
+    return ElementEdited(address=edits[0].address, elements=len(edits), revision=changed.revision)
+
+
+def _made(call: Call, uuid: str, edit: Edit, item: AnyEdit, request: ElementEdits) -> list[ElementEdit]:
+    found = _addresses(call, uuid, item.xpath, request.many and item.do != "move", edit.base)
+    if isinstance(item, ChangeEdit):
+        return [ElementEdit(address, Change(item.attributes, item.text)) for address in found]
+    if isinstance(item, DeleteEdit):
+        return [ElementEdit(address, Deletion(item.renumber)) for address in found]
+    if isinstance(item, MoveEdit):
+        with call.database.read() as tx:
+            then, stored = at_revision(tx, uuid, edit.base)
+            moved = tuple(read_fragment(read_element(then, stored, found[0])))
+        (to,) = _addresses(call, uuid, item.to, False, edit.base)
+        return [ElementEdit(to, Insertion(item.where, moved, request.renumber)), ElementEdit(found[0], Deletion())]
+    elements = tuple(read_fragment(item.fragment.encode()))
+    if isinstance(item, ReplaceEdit):
+        return [ElementEdit(address, Replacement(elements)) for address in found]
+    return [ElementEdit(address, Insertion(item.where, elements, request.renumber)) for address in found]
+
+
+def _addresses(call: Call, uuid: str, xpath: str, many: bool, revision: int | None = None) -> list[str]:
+    """The canonical addresses of what an expression selects: one node, or several."""
+    if _ADDRESS.fullmatch(xpath):
+        return [xpath]
+    limit = MOST_ELEMENTS + 1 if many else 2
+    request = QueryRequest(q=xpath, document=[uuid], revision=revision, limit=limit)
+    found = [address.removesuffix("/text()") for address in call.queries.addresses(request)]
+    if len(found) > MOST_ELEMENTS:
+        raise LimitError(f"The expression selects more than {MOST_ELEMENTS} nodes.", remedy="Edit them in parts.")
+    if not found:
+        raise NotFoundError("The expression selects nothing.", remedy="Try it with GET /xpath first.")
+    if len(found) > 1 and not many:
+        raise DocumentError(
+            "The expression selects more than one node.", remedy="Narrow it to one, such as [1], or say many=true."
+        )
+    return found

@@ -1,0 +1,260 @@
+"""Frames as numbers: read as pages or one array, set, and their ranges changed."""
+
+from __future__ import annotations
+
+import io
+import math
+import zlib
+from collections.abc import Iterator
+from itertools import chain
+from typing import Annotated, Any, Literal
+from urllib.parse import quote
+
+import numpy as np
+import orjson
+from pydantic import Field, ValidationError
+
+from schemas.documents import FramePage, FrameRow
+from schemas.frames import FrameEdits, FramesEdited, FrameValues
+from service.actions.editing import change_frames
+from service.actions.exporting.write_tables import TYPES, npy_blocks, npy_header, npy_of, npz_blocks, write_columns
+from service.actions.reading.read_clip import StoredClip, read_clip
+from service.actions.reading.read_numbers import Numbers, Space, chosen_bones, read_numbers
+from service.errors import DocumentError
+from service.motion.skeleton import CHANNELS, Array
+from service.operations.arguments import (
+    MOST,
+    AtRevision,
+    DocumentId,
+    First,
+    IfMatch,
+    Last,
+    Page,
+    at_revision,
+    checked_for_write,
+    encode_cursor,
+    tag,
+)
+from service.operations.call import Call, Content
+from service.operations.operation import Body, gives
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+
+MOST_IN_HEADER = 2048
+"""Bytes of names of columns that stand in a header."""
+ROWS = {"columns": ["left_up_leg.Rx"], "values": [[45.2], [45.9]]}
+NPY = "a NumPy file of (frames, columns), the columns named by `column`"
+
+
+@gives(
+    "A page of frames; or with another `format` a file of all of them",
+    {"application/octet-stream": None, TYPES["arrow"]: None, TYPES["parquet"]: None},
+)
+def get_frames(
+    call: Call,
+    id: DocumentId,
+    page: Page,
+    revision: AtRevision = None,
+    first: First = 1,
+    last: Last = None,
+    step: Annotated[int, Field(ge=1, le=MOST, description="Every step-th frame, from `first` on", examples=[4])] = 1,
+    bone: Annotated[
+        list[str] | None, Field(description="Bones by MCML name; default all", examples=[["Root", "left_up_leg"]])
+    ] = None,
+    space: Annotated[
+        Space,
+        Field(description="Source channels, or global joint positions (x y z) or rotations (x y z w) by kinematics"),
+    ] = "channels",
+    dtype: Annotated[Literal["f8", "f4"], Field(description="Numbers of the file")] = "f8",
+    format: Annotated[
+        Literal["json", "npy", "npz", "arrow", "parquet"],
+        Field(description="A page of JSON; or one array, arrays with their columns, a table"),
+    ] = "json",
+) -> FramePage | Content:
+    """`npz` holds `values`, `columns` (their names), `ids` and `times` (seconds from the first frame, NaN where the
+    rate is unknown). Values of channels are (frames, columns), missing samples NaN; positions (frames, bones, 3),
+    rotations (frames, bones, 4), bones in the order of `columns`. `npy` is `values` alone; a header names its columns
+    where they are few. `arrow` (an IPC stream) and `parquet` are tables of frame, id, time and a column for each
+    number; they need the extra `arrow`.
+    """
+    if format != "json":
+        then, stored = at_revision(call.read(), id, revision)
+        asked = zlib.crc32(repr(bone).encode())
+        call.tagged(tag(stored, f"{format}-{first}-{last}-{step}-{space}-{dtype}-{asked}"))
+        source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
+        return _file(source, read_numbers(source.clip, source.names, bone, space), first, step, dtype, format)
+    after = page.after(int)
+    start = first if after is None else int(after[0])
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        limit = stored.frames if last is None else last
+        end = min(limit, start + (page.most(call) - 1) * step)
+        source = read_clip(then, stored, first=start, last=end, step=step, labelled=False)
+        wanted = chosen_bones(source.names, bone)
+        items: list[FrameRow] = []
+        for block in source.clip.blocks():
+            for row, frame_id in zip(block.values.tolist(), block.ids, strict=True):
+                values: dict[str, dict[str, float]] = {}
+                for (number, channel), value in zip(block.columns, row, strict=True):
+                    if number in wanted and value == value:
+                        values.setdefault(source.names[number], {})[CHANNELS[channel]] = value
+                items.append(FrameRow(frame=start + len(items) * step, id=str(frame_id), values=values))
+    following = start + len(items) * step
+    return FramePage(items=items, next_cursor=encode_cursor(following) if following <= limit else None)
+
+
+def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: str, form: str) -> Content:
+    frames = source.clip.frames or 0
+    shape = (frames, *numbers.shape)
+    seconds = source.clip.head.seconds_per_frame()
+    seconds = math.nan if seconds is None else seconds
+    name = f"{source.stored.name}.{form}"
+    if form == "npy":
+        size = len(npy_header(shape, dtype)) + math.prod(shape) * np.dtype(dtype).itemsize
+        values = npy_blocks((block for block, _ in numbers.blocks()), shape, dtype)
+        return Content(values, TYPES[form], name, size=size, facts=_short(numbers.columns))
+    if form == "npz":
+        ids: list[str] = []
+
+        def values_then_ids() -> Iterator[Array]:
+            for block, names in numbers.blocks():
+                ids.extend(map(str, names))
+                yield block
+
+        arrays = {
+            "values": lambda: npy_blocks(values_then_ids(), shape, dtype),
+            "columns": lambda: npy_of(numbers.columns),
+            "ids": lambda: npy_of(ids),
+            "times": lambda: npy_of(np.arange(frames) * seconds),
+        }
+        return Content(npz_blocks(arrays), TYPES[form], name)
+
+    def batches() -> Iterator[dict[str, Any]]:
+        done = 0
+        for block, names in chain(numbers.blocks(), () if frames else ((np.empty((0, *numbers.shape)), []),)):
+            places = np.arange(done, done + len(block))
+            rows = block.reshape(len(block), -1).astype(dtype)
+            yield {
+                "frame": first + places * step,
+                "id": list(map(str, names)),
+                "time": places * seconds,
+                **{column: rows[:, index] for index, column in enumerate(numbers.flat_columns)},
+            }
+            done += len(block)
+
+    return Content(write_columns(form, batches()), TYPES[form], name)
+
+
+def _short(columns: list[str]) -> dict[str, str]:
+    """Names of columns beside an array, percent-encoded, where they are few: proxies refuse long headers."""
+    text = ",".join(quote(column, safe=" .:-_") for column in columns)
+    return {"columns": text} if len(text) <= MOST_IN_HEADER else {}
+
+
+def edit_frames(call: Call, id: DocumentId, edits: FrameEdits, if_match: IfMatch = None) -> FramesEdited:
+    """All of the list, or nothing, becomes one revision.
+
+    What stays is not written again. Positions in a later edit are those that the earlier ones left.
+    """
+    with call.database.write(call.author) as tx:
+        changed = change_frames.edit_frames(tx, checked_for_write(tx, id, if_match), edits)
+    return _edited(call, changed)
+
+
+def put_frames(
+    call: Call,
+    id: DocumentId,
+    content: Annotated[
+        bytes,
+        Body({"application/json": ROWS, "application/octet-stream": NPY}, most=256 << 20, model=FrameValues),
+        Field(description="JSON {columns, values}; or a NumPy file of (frames, columns), the columns named"),
+    ],
+    first: Annotated[int, Field(ge=1, le=MOST, description="Frame of the first row", examples=[100])] = 1,
+    last: Annotated[
+        int | None, Field(ge=1, le=MOST, description="Frame of the last row; so many rows are needed", examples=[142])
+    ] = None,
+    column: Annotated[
+        list[str] | None,
+        Field(description="BONE.CHANNEL of each column of an array", examples=[["left_up_leg.Rx"]]),
+    ] = None,
+    bone: Annotated[
+        list[str] | None, Field(description="Or bones, each with every `channel`", examples=[["left_up_leg"]])
+    ] = None,
+    channel: Annotated[list[str] | None, Field(description="Channels of every `bone`", examples=[["Rx"]])] = None,
+    if_match: IfMatch = None,
+) -> FramesEdited:
+    """Only what changes is written.
+
+    Columns are named by `column`, or by `bone` and `channel`, which may be repeated: all channels of the first bone,
+    then those of the next. JSON is `{columns, values}`, or a list of numbers or rows where the query names the columns.
+    """
+    stated = [*(column or []), *(f"{one}.{other}" for one in bone or [] for other in channel or [])]
+    plain = call.media_type in ("", "application/json") and not content.startswith(b"\x93NUMPY")
+    columns, values = _from_json(content, stated) if plain else (stated, _from_npy(content))
+    if last is not None and last < first:
+        raise DocumentError(
+            f"The last frame, {last}, comes before the first, {first}.", remedy="Both ends are included."
+        )
+    if last is not None and len(values) != last - first + 1:
+        raise DocumentError(
+            f"Frames {first} to {last} need {last - first + 1} rows, there are {len(values)}.",
+            remedy="Send a row for each frame, or leave `last` out.",
+        )
+    if values.shape[1] != len(columns):
+        raise DocumentError(
+            f"The array has {values.shape[1]} columns, {len(columns)} are named.", remedy="Name each: BONE.CHANNEL."
+        )
+    named = [(text.rpartition(".")[0], text.rpartition(".")[2]) for text in columns]
+    with call.database.write(call.author) as tx:
+        return _edited(call, _put(tx, checked_for_write(tx, id, if_match), first, named, values))
+
+
+def _put(
+    tx: Transaction, stored: StoredDocument, first: int, columns: list[tuple[str, str]], values: Array
+) -> StoredDocument:
+    if change_frames.write_values(tx, stored, first, columns, values):
+        names = ", ".join(".".join(column) for column in columns[:4])
+        tx.documents.add_revision(stored, "frames", f"set {names} of frames {first} to {first + len(values) - 1}")
+    return tx.documents.get(stored.uuid)
+
+
+def _edited(call: Call, changed: StoredDocument) -> FramesEdited:
+    call.tag = tag(changed)
+    return FramesEdited(revision=changed.revision, frames=changed.frames)
+
+
+def _from_json(content: bytes, stated: list[str]) -> tuple[list[str], Array]:
+    """Columns and values. stated: the columns, where the body has numbers alone."""
+    try:
+        sent = orjson.loads(content or b"{}")
+        if isinstance(sent, list):
+            rows = sent if sent and isinstance(sent[0], list) else [[number] for number in sent]
+            sent = {"columns": stated, "values": rows}
+        found = FrameValues.model_validate(sent)
+    except ValidationError as error:
+        fault = error.errors()[0]
+        raise _unread(f"{'.'.join(str(part) for part in fault['loc'])}: {fault['msg']}") from error
+    except ValueError as error:
+        raise _unread("the body is no JSON") from error
+    if len({len(row) for row in found.values}) > 1:
+        raise _unread("the rows have different lengths")
+    return found.columns, np.array(found.values, dtype=np.float64)
+
+
+def _unread(what: str) -> DocumentError:
+    return DocumentError(f"The numbers cannot be read: {what}.", remedy="Send {columns, values}.")
+
+
+def _from_npy(content: bytes) -> Array:
+    try:
+        values = np.load(io.BytesIO(content), allow_pickle=False)
+        numbers: Array = np.ascontiguousarray(values, dtype=np.float64)
+    except (ValueError, OSError, EOFError, TypeError) as error:
+        raise DocumentError(
+            "The array cannot be read.", remedy="Send what numpy.save writes, numbers of (frames, columns)."
+        ) from error
+    if numbers.ndim == 1:
+        numbers = numbers[:, None]
+    if numbers.ndim != 2 or not len(numbers):
+        raise DocumentError(f"The array has the shape {values.shape}.", remedy="Send (frames, columns).")
+    return numbers

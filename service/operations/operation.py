@@ -1,0 +1,279 @@
+"""What an operation is: one thing that a user can ask of the repository, said once.
+
+Its row in OPERATIONS has its name, address, command, effect, right and words; the function of that name has its
+arguments and its answer, as types. The HTTP route, its entry in OpenAPI, the command, the Python call and the tables of
+the documentation follow.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from enum import StrEnum
+from functools import cached_property
+from importlib import import_module
+from types import UnionType
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+
+from service.errors import RequestError
+from service.operations.call import Call
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+Mark = TypeVar("Mark")
+Place = Literal["path", "query", "header", "body", "form", "file", "content"]
+"""Where a request carries an argument. body: as JSON; content: as the bytes that the body is."""
+
+
+class Effect(StrEnum):
+    """What an operation does to the store."""
+
+    READS = "reads"
+    STREAMS = "streams"
+    WRITES = "writes"
+    STARTS = "starts a job"
+
+
+class Right(StrEnum):
+    """What one needs to be allowed to do: to see, to change, to remove for good, to keep the store running."""
+
+    READ = "read"
+    EDIT = "edit"
+    OWN = "own"
+    OPERATE = "operate"
+
+
+@dataclass(frozen=True)
+class Body:
+    """Marks an argument of type bytes that is the body of the request.
+
+    types: media types with an example of each. most: bytes. model: of the body where it is JSON.
+    """
+
+    types: Mapping[str, Any]
+    most: int
+    model: type[BaseModel] | None = None
+
+
+class Upload:
+    """Marks an argument that is a file or a list of files: parts of a form, whose fields all other arguments are."""
+
+
+@dataclass(frozen=True)
+class Media:
+    """Answers that are no JSON: what they are, and their media types with an example of each or None."""
+
+    words: str
+    types: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Argument:
+    """One argument of an operation.
+
+    name: in Python and on the command line. wire: what a request calls it. kind: its type with constraints, as
+    pydantic reads it. path: the names of the dataclasses and fields that lead to it in the call.
+    """
+
+    name: str
+    wire: str
+    place: Place
+    kind: Any
+    field: FieldInfo
+    default: Any
+    path: tuple[str, ...]
+
+    @property
+    def required(self) -> bool:
+        return self.default is inspect.Parameter.empty
+
+    def checked(self, value: Any) -> Any:
+        """The value as the type has it. RequestError where it does not fit."""
+        if self.place == "file":
+            return value
+        try:
+            return self.adapter.validate_python(value)
+        except ValidationError as error:
+            fault = error.errors()[0]
+            place = ".".join(str(part) for part in (self.name, *fault["loc"]))
+            raise RequestError(f"{place}: {fault['msg'].removeprefix('Value error, ')}") from None
+
+    @cached_property
+    def adapter(self) -> TypeAdapter[Any]:
+        return TypeAdapter(self.kind)
+
+    @property
+    def plain(self) -> Any:
+        """The type without what is annotated."""
+        return get_args(self.kind)[0] if get_origin(self.kind) is Annotated else self.kind
+
+    @property
+    def bare(self) -> Any:
+        """The type without what is annotated, and without None."""
+        kind = self.plain
+        others = [item for item in get_args(kind) if item is not type(None)]
+        return others[0] if get_origin(kind) in (Union, UnionType) and len(others) == 1 else kind
+
+    @property
+    def body(self) -> Body | None:
+        """How the body is sent that the argument is, None where it is none."""
+        return self.mark(Body)
+
+    def mark(self, kind: type[Mark]) -> Mark | None:
+        """The marker of this class among what annotates the type, or None."""
+        return next((item for item in get_args(self.kind)[1:] if isinstance(item, kind)), None)
+
+
+@dataclass(frozen=True)
+class Operation:
+    """A row of OPERATIONS.
+
+    name: of the function in `service.operations`, the operationId, the Python call.
+    address: method and path below /api/v1; None for what is done on the machine of the store alone.
+    command: how a terminal calls it, with positional arguments in capitals; None where none is made from this row.
+    status: of a success. unmade: what an answer 200 is, of operations that need not make anything.
+    terse: answers leave out what is null. waits: the operation ends when its client leaves.
+    summary: a title, where the words are too long for one. made: the function, where no module has it.
+    """
+
+    name: str
+    address: str | None
+    effect: Effect
+    right: Right
+    words: str
+    module: str = ""
+    command: str | None = None
+    status: int = 200
+    terse: bool = False
+    unmade: str = ""
+    waits: bool = False
+    summary: str = ""
+    made: Callable[..., Any] | None = None
+
+    @property
+    def method(self) -> str:
+        return (self.address or "").partition(" ")[0]
+
+    @property
+    def path(self) -> str:
+        return (self.address or "").partition(" ")[2]
+
+    @cached_property
+    def function(self) -> Callable[..., Any]:
+        """What does it: (call, arguments) to an answer. Imported when it is asked for."""
+        if self.made is not None:
+            return self.made
+        found: Callable[..., Any] = getattr(import_module(f"service.operations.{self.module}"), self.name)
+        return found
+
+    @cached_property
+    def description(self) -> str:
+        """The words, and what the function says beyond them."""
+        more = inspect.getdoc(self.function)
+        return f"{self.words}\n\n{more}" if more else self.words
+
+    @property
+    def media(self) -> Media | None:
+        """Answers that are no JSON, None where there are none."""
+        return getattr(self.function, "media", None)
+
+    @cached_property
+    def model(self) -> type[BaseModel] | None:
+        """The model of an answer in JSON, None where there is none."""
+        said = get_type_hints(self.function, include_extras=True)["return"]
+        kinds = get_args(said) if get_origin(said) in (Union, UnionType) else (said,)
+        return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
+
+    @cached_property
+    def arguments(self) -> tuple[Argument, ...]:
+        hints = get_type_hints(self.function, include_extras=True)
+        parameters = list(inspect.signature(self.function).parameters.values())[1:]
+        found = [one for item in parameters for one in _arguments(self, hints[item.name], item.name, item.default, ())]
+        if any(argument.place == "file" for argument in found):
+            found = [_in_form(argument) for argument in found]
+        return tuple(found)
+
+    def run(self, call: Call, given: Mapping[str, Any]) -> Any:
+        """The answer. given: checked values by the names of the arguments."""
+        return self.function(call, **_gathered(self.function, self.arguments, given))
+
+    def checked(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Values as the arguments' types have them. RequestError for an unknown name, or a value that does not fit."""
+        known = {argument.name: argument for argument in self.arguments}
+        for name in given:
+            if name not in known:
+                raise RequestError(f"{self.name} has no argument {name!r}.", remedy=f"It takes {', '.join(known)}.")
+        for name, argument in known.items():
+            if argument.required and name not in given:
+                raise RequestError(f"{name} is missing.", remedy=f"{self.name} needs it.")
+        return {name: known[name].checked(value) for name, value in given.items()}
+
+
+def gives(words: str, types: Mapping[str, Any]) -> Callable[[Function], Function]:
+    """Says that a function may answer content of these media types, each with an example (None: the words say all)."""
+
+    def said(function: Function) -> Function:
+        function.media = Media(words, types)  # type: ignore[attr-defined]  # functions take any attribute
+        return function
+
+    return said
+
+
+def _arguments(operation: Operation, kind: Any, name: str, default: Any, above: tuple[str, ...]) -> Iterator[Argument]:
+    """An argument, or those in a dataclass of arguments."""
+    if is_dataclass(kind):
+        hints = get_type_hints(kind, include_extras=True)
+        for field in fields(kind):
+            value = inspect.Parameter.empty if field.default is MISSING else field.default
+            yield from _arguments(operation, hints[field.name], field.name, value, (*above, name))
+        return
+    marks = get_args(kind)[1:] if get_origin(kind) is Annotated else ()
+    field_info = next((mark for mark in marks if isinstance(mark, FieldInfo)), FieldInfo())
+    wire = field_info.alias or name
+    bare = get_args(kind)[0] if marks else kind
+    place: Place = "query"
+    if name == "if_match":
+        wire, place = "if-match", "header"
+    elif f"{{{wire}}}" in operation.path or f"{{{wire}:path}}" in operation.path:
+        place = "path"
+    elif any(isinstance(mark, Body) for mark in marks):
+        place = "content"
+    elif any(mark is Upload or isinstance(mark, Upload) for mark in marks):
+        place = "file"
+    elif _is_model(bare):
+        place = "body"
+    yield Argument(name, wire, place, kind, field_info, default, (*above, name))
+
+
+def _is_model(kind: Any) -> bool:
+    kind = get_args(kind)[0] if get_origin(kind) is list else kind
+    return isinstance(kind, type) and issubclass(kind, BaseModel)
+
+
+def _in_form(argument: Argument) -> Argument:
+    if argument.place != "query":
+        return argument
+    return Argument(
+        argument.name, argument.wire, "form", argument.kind, argument.field, argument.default, argument.path
+    )
+
+
+def _gathered(
+    function: Callable[..., Any], arguments: tuple[Argument, ...], given: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Flat values as the function takes them: dataclasses of arguments put together again."""
+    hints = get_type_hints(function, include_extras=True)
+    tree: dict[str, Any] = {}
+    for argument in arguments:
+        place = tree
+        for step in argument.path[:-1]:
+            place = place.setdefault(step, {})
+        if argument.name in given:
+            place[argument.name] = given[argument.name]
+    return {
+        name: hints[name](**value) if is_dataclass(hints[name]) and isinstance(value, dict) else value
+        for name, value in tree.items()
+    }

@@ -1,0 +1,106 @@
+"""XPath: questions, and what may come next in one."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import orjson
+from pydantic import Field
+
+from schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
+from schemas.queries import CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
+from service.operations.arguments import MOST, InProject
+from service.operations.call import Call, Content
+from service.operations.operation import gives
+from service.xpath.writing import FIELDS, STREAMS, xml_item
+
+Form = Literal["json", "xml", "ndjson", "csv", "runs"]
+
+_SHOWN: dict[str, Any] = dict(zip(FIELDS, (DOCUMENT, 1, "attribute", "/mcml/@version", "1.0"), strict=True))
+_OTHERS = {
+    "application/xml": RESULTS,
+    "application/x-ndjson": orjson.dumps(_SHOWN).decode() + "\n",
+    "text/csv": ",".join(FIELDS) + "\r\n" + ",".join(map(str, _SHOWN.values())) + "\r\n",
+}
+_WORDS = "A page of nodes or runs, or all nodes as a stream"
+
+
+@gives(_WORDS, _OTHERS)
+def query(
+    call: Call,
+    q: Annotated[str, Field(min_length=1, max_length=10_000, description="An XPath expression", examples=[QUERY])],
+    document: Annotated[
+        list[str] | None, Field(description="Documents to ask; default all", examples=[[DOCUMENT]])
+    ] = None,
+    project: InProject = None,
+    revision: Annotated[
+        int | None,
+        Field(ge=1, le=MOST, description="Of the one document asked: as this revision left it", examples=[1]),
+    ] = None,
+    as_: Annotated[
+        Form,
+        Field(
+            alias="as",
+            description="Pages of nodes (json) or runs of frames (runs); or all nodes as a stream (xml, ndjson, csv)",
+        ),
+    ] = "json",
+    limit: Annotated[
+        int | None, Field(ge=1, description="Most items; a page has 100 if it is not said, a stream all", examples=[20])
+    ] = None,
+    cursor: Annotated[
+        str | None, Field(max_length=4096, description="`next_cursor` of the page before", examples=[CURSOR])
+    ] = None,
+    explain: Annotated[bool, Field(description="Say how the query ran")] = False,
+) -> QueryAnswer | Content:
+    """A node set comes in pages of nodes with canonical addresses, as runs (maximal ranges of frames), or whole as a
+    stream. A scalar comes as `value`, or one a document. Pages are stable: a cursor reads the state in which the first
+    page was read. A query ends when its time is up, or when its client leaves.
+    """
+    request = QueryRequest(
+        q=q,
+        document=document or [],
+        project=project,
+        revision=revision,
+        limit=limit,
+        cursor=cursor,
+        explain=explain,
+        **{"as": as_},
+    )
+    return post_query(call, request)
+
+
+@gives(_WORDS, _OTHERS)
+def post_query(call: Call, request: QueryRequest) -> QueryAnswer | Content:
+    """As GET, for long expressions and for such with variables."""
+    paged = request.cursor is not None or (request.as_ == "xml" and request.limit is not None)
+    if request.as_ in ("json", "runs") or paged:
+        return _page(call, request)
+    found = call.queries.stream(request, call.limits)
+    write, media_type = STREAMS[request.as_]
+    return Content(write(found), media_type, facts={"total-count": str(found.total)})
+
+
+def complete_query(
+    call: Call,
+    q: Annotated[str, Field(max_length=10_000, description="What is typed so far", examples=["//fr"])],
+    at: Annotated[
+        int | None, Field(ge=0, description="Characters before the cursor; default all", examples=[4])
+    ] = None,
+    document: Annotated[
+        list[str] | None, Field(description="Documents to take names from; default all", examples=[[DOCUMENT]])
+    ] = None,
+    project: InProject = None,
+) -> Completions:
+    first, found = call.queries.completions(q, len(q) if at is None else min(at, len(q)), document or [], project)
+    items = [CompletionItem(text=item.text, kind=item.kind, detail=item.detail) for item in found]
+    return Completions(first=first, items=items)
+
+
+def _page(call: Call, request: QueryRequest) -> QueryAnswer | Content:
+    answer = call.queries.answer(request, call.limits)
+    if request.as_ != "xml":
+        return answer
+    more = f' next_cursor="{answer.next_cursor}"' if answer.next_cursor else ""
+    items = [xml_item(item) for item in answer.items or [] if isinstance(item, NodeItem)]
+    text = "".join([f'<?xml version="1.0" encoding="UTF-8"?>\n<results{more}>\n', *items, "</results>\n"])
+    return Content(iter([text.encode()]), "application/xml")

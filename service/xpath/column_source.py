@@ -1,0 +1,179 @@
+"""Answers from columns: documents in batches, paths in slices of frames, so that memory grows with neither."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from service.mcml.vocabulary import FRAME, FRAME_BONE, MOTION_NAME
+from service.storage.columns import Listed
+from service.storage.database import Transaction
+from service.xpath.axes import SIBLINGS
+from service.xpath.caches import Caches
+from service.xpath.columns import Columns
+from service.xpath.forest import Forest
+from service.xpath.functions import as_booleans, kind_of
+from service.xpath.listing import Scope
+from service.xpath.nodesets import NodeSets, ordered
+from service.xpath.numbering import MAX_DOCUMENTS, Ints, documents_of, first_of_documents
+from service.xpath.pairs import TooWideError
+from service.xpath.projection import DOCUMENT, Projection, needs_head, projection
+from service.xpath.rules import after
+from service.xpath.starts import Frames, Start, start_of
+from service.xpath.texts import Strings
+from service.xpath.tree import Expression, Path, Step
+
+BATCH = 1_000_000
+"""Nodes of the documents that are looked at together, about."""
+HEAD_NODES, NODES_A_FRAME = 1000, 40
+SLICE_FRAMES = 4096
+"""Frames that the rest of a path is walked from together; whole chunks, so that no track is read twice."""
+LEAVING = frozenset({"following", "preceding"})
+IN_FRAMES = frozenset({FRAME, MOTION_NAME, FRAME_BONE})
+
+
+class ColumnSource:
+    """An expression over the documents of a scope, evaluated on columns.
+
+    check: called often; raises when the query must end. Every method may raise TooWideError or TooLongError where an
+    intermediate result is larger than is held at once.
+    """
+
+    def __init__(
+        self, tx: Transaction, tree: Expression, scope: Scope, caches: Caches, check: Callable[[], None]
+    ) -> None:
+        self.tx = tx
+        self.tree = tree
+        self.start = start_of(tree)
+        self.frames = Frames(tx, self.start, scope)
+        self._caches = caches
+        self._check = check
+
+    @property
+    def documents(self) -> Sequence[Listed]:
+        """Those that can hold nodes of the answer, in its order."""
+        return self.frames.documents
+
+    def forests(self) -> Iterator[Forest]:
+        """The documents in batches. The first are small: often the first page is all that is wanted."""
+        whole_heads = needs_head(self.tree)
+        head, frame = HEAD_NODES if whole_heads else 1, self._nodes_a_frame()
+        weights = [head + int(listed.frames * frame) for listed in self.documents]
+        start, allowed = 0, BATCH // 8
+        while start < len(self.documents):
+            stop, weight = start, 0
+            last = min(len(self.documents), start + MAX_DOCUMENTS)
+            while stop < last and (stop == start or weight + weights[stop] <= allowed):
+                weight += weights[stop]
+                stop += 1
+            yield Forest(self.tx, self.documents[start:stop], self._caches, whole_heads=whole_heads)
+            start, allowed = stop, min(BATCH, allowed * 4)
+
+    def _nodes_a_frame(self) -> float:
+        """About how many nodes of a frame are looked at."""
+        if self.start is not None and self.start.indexed:
+            # Few frames have one id, unless ids are repeated.
+            return 1 if self.start.groups else 0.25
+        return {Projection.HEAD: 0, Projection.FRAMES: 1, Projection.WHOLE: NODES_A_FRAME}[projection(self.tree)]
+
+    def chunks(self) -> Iterator[tuple[Forest, Ints]]:
+        """The nodes of the answer, in order, some at a time."""
+        for forest in self.forests():
+            columns = Columns(forest, self._check)
+            for nodes in self._walk(columns):
+                if len(nodes):
+                    yield forest, nodes
+
+    def count(self) -> int:
+        """How many nodes the documents have together."""
+        if self.start is not None and self.start.only_frames and not self._narrowed():
+            return self.frames.count()
+        if self.start is not None and not self.start.indexed and not self.start.predicates and _all_bones(self.start):
+            parts = (self.documents[at : at + MAX_DOCUMENTS] for at in range(0, len(self.documents), MAX_DOCUMENTS))
+            return sum(Forest(self.tx, part, self._caches, whole_heads=False).shapes.total() for part in parts)
+        return sum(len(nodes) for _, nodes in self.chunks())
+
+    def values(self) -> list[float | str | bool]:
+        """The value of each document."""
+        result: list[float | str | bool] = []
+        for forest in self.forests():
+            columns = Columns(forest, self._check)
+            found = columns.value(self.tree, columns.documents())
+            if isinstance(found, Strings):
+                result += found.list()
+            elif kind_of(found) == "boolean":
+                result += as_booleans(found).tolist()
+            else:
+                result += np.asarray(found, np.float64).tolist()
+        return result
+
+    def _narrowed(self) -> bool:
+        return self.start is not None and (self.start.position is not None or self.start.id is not None)
+
+    def _walk(self, columns: Columns) -> Iterator[Ints]:
+        tree = self.tree
+        if not (isinstance(tree, Path) and tree.absolute):
+            yield columns.nodes(tree, columns.documents()).flat()[0].nodes
+            return
+        if self.start is not None:
+            nodes = self.frames.of(columns.forest)
+            nodes = columns.filtered(documents_of(nodes), nodes, self.start.predicates)
+            rest = self.start.steps
+        else:
+            split = frames_at(tree.steps)
+            documents = first_of_documents(np.arange(len(columns.forest)))
+            one = NodeSets(np.zeros(len(documents), np.int64), documents, 1)
+            nodes, rest = columns.steps(one, tree.steps[:split]).nodes, tree.steps[split:]
+        inner = steps_in_frames(rest)
+        if inner == len(rest):
+            yield from self._within(columns, nodes, rest)
+            return
+        reached = np.concatenate([*self._within(columns, nodes, rest[:inner]), np.empty(0, np.int64)])
+        yield columns.steps(ordered(np.zeros(len(reached), np.int64), reached, 1), rest[inner:]).nodes
+
+    def _within(self, columns: Columns, nodes: Ints, steps: tuple[Step, ...]) -> Iterator[Ints]:
+        """Steps from frames that stay in them, some frames at a time."""
+        if not steps:
+            yield nodes
+        for at in range(0, len(nodes), SLICE_FRAMES) if steps else ():
+            yield from self._from_some(columns, nodes[at : at + SLICE_FRAMES], steps)
+
+    def _from_some(self, columns: Columns, nodes: Ints, steps: tuple[Step, ...]) -> Iterator[Ints]:
+        """The same from some frames; from too many, each half alone."""
+        try:
+            found = columns.steps(ordered(np.zeros(len(nodes), np.int64), nodes, 1), steps).nodes
+        except TooWideError:
+            if len(nodes) < 2:
+                raise
+            half = len(nodes) // 2
+            yield from self._from_some(columns, nodes[:half], steps)
+            yield from self._from_some(columns, nodes[half:], steps)
+            return
+        yield found
+
+
+def _all_bones(start: Start) -> bool:
+    """Whether the path goes on to all frame_bones, and ends there."""
+    return [(step.axis, step.name, step.predicates) for step in start.steps] == [("child", FRAME_BONE, ())]
+
+
+def frames_at(steps: Sequence[Step]) -> int:
+    """After how many steps a path has reached frames; all, if it never does."""
+    types = frozenset({DOCUMENT})
+    for number, step in enumerate(steps, start=1):
+        types = after(types, step)
+        if types == {FRAME}:
+            return number
+    return len(steps)
+
+
+def steps_in_frames(steps: Sequence[Step]) -> int:
+    """How many steps from a frame reach only it and what is in it: so far, frames can be looked at in slices."""
+    types = frozenset({FRAME})
+    for number, step in enumerate(steps):
+        leaves = step.axis in LEAVING or (step.axis in SIBLINGS and FRAME in types)
+        types = after(types, step)
+        if leaves or not {found.lstrip("@#") for found in types} <= IN_FRAMES:
+            return number
+    return len(steps)

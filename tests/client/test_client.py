@@ -1,0 +1,183 @@
+"""The Python package: the same answers from a store of this machine and from a server, and files without either."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import pkgutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mcml
+from mcml.client import Client
+from mcml.local import Local
+from mcml.remote import Remote
+from service.actions.importing.load_demo import demo_files
+from service.errors import ConflictError, NotFoundError, RequestError
+from service.settings import Settings
+from service.storage.database import Database
+from tests.builders import ASF, amc, bvh, served
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+
+
+@pytest.fixture(params=["local", "remote"])
+def client(request: pytest.FixtureRequest, database: Database) -> Iterator[Client]:
+    """Operations here, and through a server on the same store."""
+    settings = Settings(page_limit=3)
+    if request.param == "local":
+        with Local(database, settings) as local:
+            yield local
+    else:
+        with served(database, settings, base_url="http://127.0.0.1:8000/api/v1/") as http:
+            yield Remote("http://127.0.0.1:8000", http=http)  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def repo(client: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> mcml.Repository:
+    """Five clips of 4 to 8 frames, with motion names, in two projects."""
+    monkeypatch.chdir(tmp_path)
+    made = mcml.Repository(client)
+    for number in range(5):
+        path = Path(f"clip{number}.bvh")
+        path.write_bytes(bvh(4 + number, seed=number))
+        project = "even" if number % 2 == 0 else "odd"
+        made.import_(path, project=project, label=[f"walk:{1 + number % 2}-3"], property=[f"age={20 + number}"])
+    return made
+
+
+def test_documents_are_found(repo: mcml.Repository) -> None:
+    assert [item.name for item in repo.documents()] == [f"clip{number}" for number in range(5)]
+    assert [item.name for item in repo.documents(project="odd")] == ["clip1", "clip3"]
+    assert [item.name for item in repo.documents(property=["age:22..23"])] == ["clip2", "clip3"]
+    assert [item.name for item in repo.documents(xpath="//frame[7]")] == ["clip3", "clip4"]
+    assert [item.name for item in repo.documents(xpath="//frame[1]", project="odd")] == ["clip1", "clip3"]
+    clip = repo.document("clip3")
+    assert repo.document(clip.id).name == "clip3"
+    # All ids of one test begin alike, so a beginning that is too short means several.
+    with pytest.raises(ConflictError, match="more than one"):
+        repo.document(clip.id[:2])
+    with pytest.raises(NotFoundError, match="no document nobody"):
+        repo.document("nobody")
+    assert repo.projects() == ["even", "odd"]
+
+
+def test_questions(repo: mcml.Repository) -> None:
+    asked = repo.xpath("//frame[motion_name=$name]", name="walk")
+    assert [(run.first, run.last, run.frames) for run in asked.runs()] == [(1, 3, 3), (2, 3, 2)] * 2 + [(1, 3, 3)]
+    assert asked.count() == 13
+    assert len(list(asked.nodes())) == 13
+    assert repo.xpath("count(//frame)").value() == 30
+    table = repo.xpath("//bone/name").to_pandas()
+    assert set(table["value"]) == {"<name>Spine</name>", "<name>Head</name>"}
+    with pytest.raises(mcml.Error) as refused:
+        repo.xpath("//frame[").runs()
+    assert refused.value.remedy
+
+
+def test_frames_are_those_of_the_file(repo: mcml.Repository) -> None:
+    clip = repo.document("clip2")
+    read = mcml.read("clip2.bvh")
+    for space in ("channels", "positions", "rotations"):
+        stored, alone = clip.frames(space=space), read.frames(space=space)
+        np.testing.assert_array_equal(np.asarray(stored), np.asarray(alone))
+        assert stored.columns == alone.columns
+        np.testing.assert_array_equal(stored.times, alone.times)
+        assert stored.ids == alone.ids == [str(number + 1) for number in range(6)]
+    some = clip.frames("Spine", "Root", first=2, last=6, step=2, space="positions")
+    assert (some.shape, some.columns) == ((3, 2, 3), ["Spine", "Root"])
+    np.testing.assert_array_equal(some[:, 1], np.asarray(read.frames("Root", space="positions"))[1::2, 0])
+    frame = some.to_pandas()
+    assert list(frame.columns)[:3] == ["Spine.x", "Spine.y", "Spine.z"]
+    np.testing.assert_array_equal(frame.to_numpy(), np.asarray(some).reshape(3, -1))
+
+
+def test_what_numpy_makes_of_frames_is_plain(repo: mcml.Repository) -> None:
+    frames = repo.document("clip0").frames("Root")
+    assert type(frames[1:]) is type(frames + 1) is np.ndarray
+    assert float(frames.mean()) == float(np.asarray(frames).mean())
+
+
+def test_changes_are_revisions(repo: mcml.Repository) -> None:
+    clip = repo.document("clip0")
+    clip.rename("other").move("third", "because").set(unit="cm").label("jump", 2, 3)
+    assert (clip.name, clip.project, clip.revision) == ("other", "third", 5)
+    assert [(label.name, label.first, label.last) for label in clip.labels()] == [("walk", 1, 3), ("jump", 2, 3)]
+    clip.undo()
+    assert [label.name for label in clip.labels()] == ["walk"]
+    assert clip.detail().unit == "cm"
+    clip.delete()
+    assert "other" not in [item.name for item in repo.documents()]
+    repo.call("restore_document", id=clip.id, if_match="*")
+    assert clip.refresh().project == "third"
+
+
+def test_files_are_not_replaced(repo: mcml.Repository) -> None:
+    clip = repo.document("clip1")
+    with pytest.raises(mcml.Error, match="exists"):
+        clip.export("clip1.bvh")
+    assert clip.export("clip1.bvh", force=True).read_bytes() == bvh(5, seed=1)
+    assert clip.export("clip1.htr").stat().st_size > 100
+    with pytest.raises(mcml.Error, match="is read"):
+        mcml.convert("clip1.bvh", "clip1.bvh", force=True)
+    with pytest.raises(mcml.Error, match="does not say"):
+        clip.export("clip1.unknown")
+    assert not list(Path(".").glob("*.part"))
+
+
+def test_a_folder_is_stored_and_what_is_wrong_is_told(client: Client, tmp_path: Path) -> None:
+    (tmp_path / "leg.asf").write_bytes(ASF)
+    (tmp_path / "leg.amc").write_bytes(amc(4))
+    (tmp_path / "walk.bvh").write_bytes(bvh(3))
+    (tmp_path / "bad.bvh").write_bytes(bvh(3)[:-40])
+    told: list[tuple[int, int]] = []
+    repo = mcml.Repository(client)
+    done = repo.import_(tmp_path, project="all", progress=lambda count, of, name: told.append((count, of)))
+    assert sorted(item.name for item in done.documents) == ["leg", "walk"]
+    assert [item.file for item in done.problems] == ["bad.bvh"]
+    assert told[0] == (0, 4)
+    assert told[-1] == (4, 4)
+    with pytest.raises(mcml.Error, match="nothing here that can be read"):
+        repo.import_(Path(__file__).parent)
+
+
+def test_arguments_are_checked_before_anything_is_asked(client: Client) -> None:
+    with pytest.raises(RequestError, match="no argument 'projct'"):
+        client.call("list_documents", projct="x")
+    with pytest.raises(RequestError, match="limit"):
+        client.call("list_documents", limit=0)
+    with pytest.raises(RequestError, match="id is missing"):
+        client.call("get_document")
+    with pytest.raises(NotFoundError, match="no operation"):
+        client.call("list_document")
+
+
+def test_errors_say_the_same_here_and_from_a_server(client: Client) -> None:
+    with pytest.raises(mcml.Error) as refused:
+        client.call("get_document", id="01a1fd5b-63fa-7af5-9027-3f8ccdfe4736")
+    assert refused.value.what.startswith("There is no document 01a1fd5b")
+    assert refused.value.remedy is not None
+
+
+def _examples() -> list[str]:
+    return [f"mcml.{module.name}" for module in pkgutil.iter_modules(mcml.__path__)]
+
+
+@pytest.fixture
+def demo_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "walk.bvh").write_bytes(demo_files()["walk.bvh"])
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_examples_of_the_page_run(demo_folder: Path) -> None:
+    failed, tried = doctest.testfile(str(DOCS / "python.md"), module_relative=False)
+    assert (failed, tried > 25) == (0, True)
+
+
+@pytest.mark.parametrize("name", ["mcml", *_examples()])
+def test_examples_of_docstrings_run(demo_folder: Path, name: str) -> None:
+    assert doctest.testmod(importlib.import_module(name)).failed == 0

@@ -1,0 +1,20 @@
+"""Edits of one element, each a revision."""
+
+from __future__ import annotations
+
+from service.actions.editing.edit_element import Change
+from service.actions.editing.edit_elements import Deletion, ElementEdit, edit_elements
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+
+
+def change_element(
+    tx: Transaction, stored: StoredDocument, address: str, change: Change, message: str = ""
+) -> StoredDocument:
+    """Change attributes or text of the element at an address."""
+    return edit_elements(tx, stored, [ElementEdit(address, change)], message)
+
+
+def delete_element(tx: Transaction, stored: StoredDocument, address: str) -> StoredDocument:
+    """Delete the element or attribute at an address; frames behind it keep their ids."""
+    return edit_elements(tx, stored, [ElementEdit(address, Deletion())])
