@@ -6,6 +6,7 @@ import importlib.util
 import os
 import platform
 import shutil
+import socket
 import sqlite3
 import sys
 from pathlib import Path
@@ -38,6 +39,7 @@ def serve(
 
     settings = chosen_settings(database, port=port)
     settings = settings.model_copy(update={"host": host or settings.host})
+    _check_port(settings.host, settings.port)
     store = open_database(settings)
     if not is_loopback(settings.host):
         with store.read() as tx:
@@ -76,6 +78,21 @@ def serve(
         # The service reads such headers itself, of proxies that it trusts.
         proxy_headers=False,
     )
+
+
+def _check_port(host: str, port: int) -> None:
+    """McmlError where nothing can listen there."""
+    if not 0 <= port <= 65535:
+        raise McmlError(f"{port} is no port.", remedy="Ports are 0 to 65535.")
+    try:
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        with socket.create_server((host, port), family=family):
+            pass
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise McmlError(
+            f"Nothing can listen at {host}:{port}: {why}.", remedy="Choose another with --port, or end what uses it."
+        ) from None
 
 
 def demo(
