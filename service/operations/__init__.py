@@ -97,7 +97,7 @@ _ROWS = [
               "element batch ID EDITS"),
 
     # questions
-    Operation("query", "GET /xpath", STREAMS, READ,
+    Operation("get_query", "GET /xpath", STREAMS, READ,
               "Ask one document or all an XPath question, such as `//frame[motion_name='left-arm-abduction']`.",
               "queries", terse=True, waits=True),
     Operation("post_query", "POST /xpath", STREAMS, READ,

@@ -63,8 +63,8 @@ def test_a_script_uploads_asks_and_downloads(generated: Path, database: Database
         listed = module("api.documents.list_documents").sync(client=client, project="gait", motion_name="walk")
         assert [(item.id, item.frames) for item in listed.items] == [(uuid, 30)]
 
-        asked = module("api.queries.query").sync(
-            client=client, q="//frame[motion_name='walk']", as_=module("models").QueryAs.RUNS
+        asked = module("api.queries.get_query").sync(
+            client=client, q="//frame[motion_name='walk']", as_=module("models").GetQueryAs.RUNS
         )
         assert [(run.first, run.last) for run in asked.items] == [(1, 20)]
 
