@@ -173,6 +173,8 @@ _ROWS = [
               "catalogues", "motions"),
     Operation("list_skeletons", "GET /skeletons", READS, READ,
               "Skeletons in use.", "catalogues", "skeletons"),
+    Operation("get_rest_pose", "GET /documents/{id}/rest", READS, READ,
+              "The skeleton of a document in its rest pose.", "catalogues", "rest ID"),
     Operation("list_projects", "GET /projects", READS, READ,
               "Projects by name.", "catalogues", "projects"),
 ]
