@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from alembic import context
 
-from service.storage import tables, work_tables  # noqa: F401 - they add themselves to the metadata
+from service.storage import tables, visits, work_tables  # noqa: F401 - they add themselves to the metadata
 from service.storage.schema import metadata
 
 connection = context.config.attributes.get("connection")

@@ -109,7 +109,7 @@ class QueryRequest(BaseModel):
     )
     project: str | None = None
     revision: int | None = Field(None, ge=1, le=2**31 - 1, description="Of the one document asked: as this left it")
-    as_: Literal["json", "xml", "ndjson", "csv", "runs"] = Field("json", alias="as")
+    as_: Literal["json", "xml", "ndjson", "csv", "runs", "arrow", "parquet"] = Field("json", alias="as")
     limit: int | None = Field(None, ge=1, description="Most items; pages have 100, streams (xml, ndjson, csv) all")
     cursor: str | None = None
     explain: bool = False

@@ -6,10 +6,11 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
 from fastapi import Depends, FastAPI
+from fastapi.middleware.cors import CORSMiddleware
 from fastapi.middleware.gzip import GZipMiddleware
 
 from service.actions.keeping.purge_documents import finish_purges
-from service.api import description, events, health, page, problems
+from service.api import description, events, health, page, problems, sessions
 from service.api.doors import Doors
 from service.api.guard import Guard
 from service.api.parameters import known_parameters
@@ -21,6 +22,9 @@ from service.operations.call import Repository
 from service.resources import program_version
 from service.settings import Settings, data_folder
 from service.storage.database import Database
+
+EXPOSED = ["ETag", "Link", "Location", "Retry-After", "Content-Disposition", "X-Total-Count", "X-MCML-Columns"]
+"""Headers that pages of other origins may read."""
 
 DESCRIPTION = """
 Every motion-capture clip in one open XML language, stored element by element, searched with XPath.
@@ -68,13 +72,23 @@ def create_app(
     app.state.requests = {}
     problems.install(app)
     description.install(app)
-    for router in (routes(all_operations()), events.router):
+    for router in (routes(all_operations()), events.router, sessions.router):
         app.include_router(router, prefix=PREFIX, dependencies=[Depends(known_parameters)])
     # Pages and health checks are asked with what others append.
-    for router in (health.router, page.router):
+    for router in (health.router, page.router, sessions.pages):
         app.include_router(router)
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1)
     app.add_middleware(Guard, settings=settings, doors=Doors(settings, store, secret), counts=app.state.requests)
+    if settings.friends:
+        # Outside all others: a browser asks first whether it may ask, and sends no token then.
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=settings.friends,
+            allow_methods=["*"],
+            allow_headers=["*"],
+            expose_headers=EXPOSED,
+            max_age=600,
+        )
     return app
 
 

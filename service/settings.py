@@ -83,6 +83,9 @@ class Settings(BaseSettings):
     dask_scheduler: str | None = Field(
         None, description="Address of a team's Dask scheduler to run jobs on; needs PostgreSQL"
     )
+    cors_origins: str = Field(
+        "", description="Origins, separated by commas, whose pages may use this server, such as https://lab.example"
+    )
     page_limit: int = Field(1000, ge=1, description="Most items on one page of a list")
 
     @field_validator("trusted_proxies")
@@ -94,6 +97,11 @@ class Settings(BaseSettings):
     @property
     def proxies(self) -> list[ipaddress.IPv4Network | ipaddress.IPv6Network]:
         return _networks_in(self.trusted_proxies)
+
+    @property
+    def friends(self) -> list[str]:
+        """Origins whose pages may use this server."""
+        return [part.strip().rstrip("/") for part in self.cors_origins.split(",") if part.strip()]
 
     @property
     def knows_host(self) -> bool:

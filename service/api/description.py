@@ -9,8 +9,13 @@ from fastapi import FastAPI
 from pydantic.json_schema import models_json_schema
 
 from schemas.problem import Problem
+from service.api.doors import COOKIE
 
 REF = "#/components/schemas/{model}"
+SECURITY = {
+    "token": {"type": "http", "scheme": "bearer", "description": "As `mcml token add` made it"},
+    "session": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": "Of a browser: POST /api/v1/session"},
+}
 _PROBLEM = {"application/problem+json": {"schema": {"$ref": REF.format(model="Problem")}}}
 
 
@@ -31,12 +36,26 @@ def install(app: FastAPI) -> None:
                         _show(parameter, _first(parameter["schema"], schemas))
                 for media in _contents(operation):
                     _show(media, _first(media.get("schema", {}), schemas))
+            schema["servers"] = [{"url": "/", "description": "This server"}]
+            schema["components"]["securitySchemes"] = SECURITY
+            # A repository that one person alone uses, on the machine itself, needs neither.
+            schema["security"] = [{"token": []}, {"session": []}, {}]
+            for model in schemas.values():
+                _say_binary(model)
             for name in ("HTTPValidationError", "ValidationError"):
                 schemas.pop(name, None)
             app.openapi_schema = schema
         return app.openapi_schema
 
     app.openapi = described  # type: ignore[method-assign]
+
+
+def _say_binary(model: dict[str, Any]) -> None:
+    """Files in forms as generators of clients know them, too: pydantic says them in the newer words alone."""
+    for field in model.get("properties", {}).values():
+        for kind in (field, field.get("items", {})):
+            if kind.get("contentMediaType") == "application/octet-stream":
+                kind["format"] = "binary"
 
 
 def _name_problems(operation: dict[str, Any]) -> None:

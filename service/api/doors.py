@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hmac
 from collections.abc import Callable, Mapping, MutableMapping
+from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -33,6 +34,9 @@ FORWARDING = frozenset(
     }
 )
 """Headers that proxies add, besides X-Forwarded-…."""
+
+COOKIE = "mcml_session"
+"""That carries a browser's session."""
 
 LOGIN = "Send `Authorization: Bearer mcml_…`; `mcml token add NAME` on the server's machine makes one."
 
@@ -75,6 +79,7 @@ class Doors:
         """
         direct = _is_direct(scope, headers)
         kind, _, given = headers.get("authorization", "").partition(" ")
+        visit = _cookie(headers) if not kind else None
         given = given.strip() if kind.lower() == "bearer" else ""
         if direct and given.startswith(PREFIX):
             secret = self._secret()
@@ -82,6 +87,10 @@ class Doors:
                 return None
         with self._database.read() as tx:
             owner = tx.tokens.owner(given) if given else None
+            if visit is not None and owner is None:
+                owner = tx.sessions.author(visit)
+        if visit is not None and owner is not None and _is_foreign(scope, headers):
+            return plain(403, "A session writes from pages of this server alone.", "Send the same Origin, or a token.")
         if owner is None:
             otherwise = "This server needs a token, since its store has one." if direct else PASSED_ON
             return plain(401, self._closed or otherwise, LOGIN, {"www-authenticate": "Bearer"})
@@ -94,6 +103,22 @@ def _is_direct(scope: Mapping[str, Any], headers: Headers) -> bool:
     client = scope.get("client")
     passed_on = any(name in FORWARDING or name.startswith("x-forwarded") for name in headers)
     return client is not None and is_loopback(client[0]) and not passed_on
+
+
+def _cookie(headers: Headers) -> str | None:
+    """The secret of a browser's session."""
+    try:
+        found: SimpleCookie = SimpleCookie(headers.get("cookie", ""))
+    except CookieError:
+        return None
+    return found[COOKIE].value if COOKIE in found else None
+
+
+def _is_foreign(scope: Mapping[str, Any], headers: Headers) -> bool:
+    """Whether a write does not say that it comes from this server's own pages."""
+    if scope["method"] in ("GET", "HEAD", "OPTIONS"):
+        return False
+    return headers.get("origin", "").partition("://")[2] != headers.get("host")
 
 
 def foreign_name(headers: Headers) -> Any:

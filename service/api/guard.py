@@ -14,6 +14,7 @@ from service.api.doors import Doors, foreign_name
 from service.api.forwarded import as_the_client_sent_it
 from service.api.policy import DEFAULTS
 from service.api.problems import answer, plain
+from service.api.sessions import LOGIN_PATH, login_page
 from service.errors import McmlError
 from service.settings import Settings
 
@@ -21,9 +22,12 @@ Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 
+LOGIN_WORDS = "This repository opens with a token."
 SAFE_METHODS = {"GET", "HEAD", "OPTIONS"}
 COUNTED_METHODS = SAFE_METHODS | {"POST", "PUT", "PATCH", "DELETE"}
 OPEN_PATHS = {"/healthz", "/readyz"}
+ENTRIES = {LOGIN_PATH, "/api/v1/session"}
+"""Where one who has no session yet may ask for one."""
 
 
 class Guard:
@@ -35,6 +39,7 @@ class Guard:
         self.proxies = settings.proxies
         self.max_bytes = settings.max_upload_bytes
         self.counts = counts
+        self.friends = settings.friends
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -43,7 +48,11 @@ class Guard:
         scope = as_the_client_sent_it(scope, self.proxies)
         headers = Headers(scope=scope)
         refusal = self._refusal(scope, headers)
-        if refusal is None and scope["path"] not in OPEN_PATHS:
+        if headers.get("range"):
+            # Ranges are of the bytes as they are.
+            plain_only = [(name, value) for name, value in scope["headers"] if name != b"accept-encoding"]
+            scope = {**scope, "headers": plain_only}
+        if refusal is None and scope["path"] not in OPEN_PATHS and scope["path"] not in ENTRIES:
             if self.doors.stand_open(scope, headers):
                 refusal = foreign_name(headers)
             else:
@@ -67,7 +76,10 @@ class Guard:
 
     def _entry(self, scope: Scope, headers: Headers) -> Any:
         try:
-            return self.doors.refusal(scope, headers)
+            refusal = self.doors.refusal(scope, headers)
+            if refusal is not None and refusal.status_code == 401 and _is_page(scope, headers):
+                return login_page(LOGIN_WORDS, status=401, then=scope["path"])
+            return refusal
         except McmlError as error:
             return answer(error)
 
@@ -91,7 +103,8 @@ class Guard:
         if b"%00" in scope.get("query_string", b"") or "\0" in scope["path"]:
             return plain(400, "An address cannot hold the character U+0000.", "Leave %00 out.")
         origin = headers.get("origin")
-        if origin and scope["method"] not in SAFE_METHODS and origin.partition("://")[2] != headers.get("host"):
+        own = origin is None or origin.partition("://")[2] == headers.get("host") or origin in self.friends
+        if not own and scope["method"] not in SAFE_METHODS:
             return plain(
                 403, f"Pages of {origin} may not write here.", "Send the request from this server's own pages."
             )
@@ -99,6 +112,11 @@ class Guard:
         if length.isdigit() and (len(length) > 18 or int(length) > self.max_bytes):
             return plain(413, f"The request has {length} bytes, the limit is {self.max_bytes}.", "Send it in parts.")
         return None
+
+
+def _is_page(scope: Scope, headers: Headers) -> bool:
+    """Whether a person looks at this with a browser."""
+    return scope["method"] == "GET" and "text/html" in headers.get("accept", "")
 
 
 def _protect(message: MutableMapping[str, Any]) -> None:

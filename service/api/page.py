@@ -57,7 +57,7 @@ def front_page(request: Request) -> HTMLResponse:
     rows = "".join(_row(stored, list(names[stored.key])) for stored in found)
     more = "" if total <= _SHOWN else f"<p>The newest {_SHOWN} of {total:,} documents.</p>"
     example = counts[0][0] if counts else "walk"
-    return _page(
+    return page(
         "MCML Repository",
         f"""<h1>MCML Repository</h1>
 <p>Motion capture in one open XML language. <a href="/docs">API reference</a> · <a href="/mcml.dtd">mcml.dtd</a> ·
@@ -74,13 +74,15 @@ mcml import walk.bvh --label walk --server {base}</pre>
     )
 
 
-def _page(title: str, body: str) -> HTMLResponse:
+def page(title: str, body: str, *, status: int = 200, forms: bool = False) -> HTMLResponse:
+    """A page in the plain style. forms: it may send forms to this server."""
     return HTMLResponse(
         f"""<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>
 <meta name="viewport" content="width=device-width,initial-scale=1"><style>{_STYLE}</style></head><body><main>
 {body}
 </main></body></html>""",
-        headers=page_policy(styles=[_STYLE]),
+        status,
+        page_policy(styles=[_STYLE], forms=forms),
     )
 
 
@@ -125,7 +127,7 @@ def problems_page() -> HTMLResponse:
         f"<td>{html.escape(kind.__doc__ or '')}</td></tr>"
         for kind, status in STATUS_OF.items()
     )
-    return _page("Problems", f"<h1>Problems</h1><table>{rows}</table>")
+    return page("Problems", f"<h1>Problems</h1><table>{rows}</table>")
 
 
 @router.get("/mcml.dtd")

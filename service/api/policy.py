@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Sequence
 
 NOTHING = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+FORMS = NOTHING.replace("form-action 'none'", "form-action 'self'")
 
 DEFAULTS = (
     ("content-security-policy", NOTHING),
@@ -18,14 +19,16 @@ DEFAULTS = (
 """Headers of every answer that does not say otherwise."""
 
 
-def page_policy(styles: Sequence[str] = (), scripts: Sequence[str] = (), more: str = "") -> dict[str, str]:
+def page_policy(
+    styles: Sequence[str] = (), scripts: Sequence[str] = (), more: str = "", *, forms: bool = False
+) -> dict[str, str]:
     """The header of a page that may use these texts of its own, named by their hashes, and nothing else.
 
-    styles, scripts: what stands between the tags, exactly. more: further directives.
+    styles, scripts: what stands between the tags, exactly. more: further directives. forms: it sends some here.
     """
     own = [("style-src", styles), ("script-src", scripts)]
     listed = "; ".join(f"{name} {' '.join(map(_source, texts))}" for name, texts in own if texts)
-    return {"content-security-policy": "; ".join(part for part in (NOTHING, listed, more) if part)}
+    return {"content-security-policy": "; ".join(part for part in (FORMS if forms else NOTHING, listed, more) if part)}
 
 
 def _source(text: str) -> str:

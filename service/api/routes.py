@@ -13,6 +13,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import UploadFile as FormFile
 
 from service.actions.analysing.start_analysis import find_analysis
+from service.api.once import Key, creates, done_once
 from service.api.streaming import answered, known_as, read_body
 from service.formats.format import SourceFile
 from service.operations.call import Call, Content, SameError
@@ -66,8 +67,8 @@ def _add_route(router: APIRouter, operation: Operation) -> None:
 
 
 def _plain(operation: Operation) -> Callable[..., Any]:
-    def endpoint(call: Call, response: Response, **given: Any) -> Any:
-        return _respond(operation, call, response, given)
+    def endpoint(http: Request, call: Call, response: Response, **given: Any) -> Any:
+        return respond(operation, call, http, response, given)
 
     return endpoint
 
@@ -76,7 +77,7 @@ def _waiting(operation: Operation) -> Callable[..., Any]:
     """An endpoint that cancels the operation when its client leaves."""
 
     async def endpoint(http: Request, call: Call, response: Response, **given: Any) -> Any:
-        return await while_connected(http, call.limits.cancel, lambda: _respond(operation, call, response, given))
+        return await while_connected(http, call.limits.cancel, lambda: respond(operation, call, http, response, given))
 
     return endpoint
 
@@ -90,10 +91,19 @@ async def while_connected(http: Request, cancel: Callable[[], None], ask: Callab
     return await running
 
 
-def _respond(operation: Operation, call: Call, response: Response, given: dict[str, Any]) -> Any:
+def respond(operation: Operation, call: Call, http: Request, response: Response, given: dict[str, Any]) -> Any:
+    """What an operation answers, as HTTP says it."""
+    key = given.pop("idempotency_key", None)
+    values = {name: _value(value) for name, value in given.items()}
+    if key is not None:
+        return done_once(operation, call, key, values, lambda: _answer(operation, call, http, response, values))
+    return _answer(operation, call, http, response, values)
+
+
+def _answer(operation: Operation, call: Call, http: Request, response: Response, values: dict[str, Any]) -> Any:
     with call.held as held:
         try:
-            answer = operation.run(call, {name: _value(value) for name, value in given.items()})
+            answer = operation.run(call, values)
         except SameError as same:
             return Response(status_code=304, headers={"etag": same.tag})
         headers = {}
@@ -102,9 +112,12 @@ def _respond(operation: Operation, call: Call, response: Response, given: dict[s
         if call.created is not None:
             headers["location"] = f"{PREFIX}/{call.created}"
         if isinstance(answer, Content):
-            return answered(answer, headers, held.pop_all())
+            return answered(answer, headers, held.pop_all(), http)
     if answer is None:
         return Response(status_code=operation.status, headers=headers)
+    following = getattr(answer, "next_cursor", None)
+    if following is not None and operation.method == "GET":
+        headers["link"] = f'<{http.url.include_query_params(cursor=following)}>; rel="next"'
     response.headers.update(headers)
     if not call.made:
         response.status_code = 200
@@ -120,13 +133,13 @@ def _value(value: Any) -> Any:
 
 def _signature(operation: Operation) -> inspect.Signature:
     keyword = inspect.Parameter.KEYWORD_ONLY
-    own: dict[str, Any] = {"call": Annotated[Call, Depends(_call)], "response": Response}
-    if operation.waits:
-        own["http"] = Request
+    own: dict[str, Any] = {"call": Annotated[Call, Depends(_call)], "http": Request, "response": Response}
     parameters = [inspect.Parameter(name, keyword, annotation=kind) for name, kind in own.items()]
     for argument in operation.arguments:
         default = argument.default
         parameters.append(inspect.Parameter(argument.name, keyword, annotation=_annotation(argument), default=default))
+    if creates(operation):
+        parameters.append(inspect.Parameter("idempotency_key", keyword, annotation=Key, default=None))
     return inspect.Signature(parameters)
 
 

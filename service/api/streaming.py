@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from collections.abc import AsyncIterator, Generator, Iterator
 from contextlib import ExitStack
 from typing import TypeAlias
@@ -12,6 +13,7 @@ from fastapi import Request, Response
 from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
+from service.api.problems import plain
 from service.errors import LimitError
 from service.operations.call import Content
 
@@ -22,11 +24,12 @@ a small one. A shorter answer is sent whole."""
 
 Bytes: TypeAlias = bytes | memoryview
 
+_RANGE = re.compile(r"bytes=(\d{0,18})-(\d{0,18})")
 _HEADERS = {"total-count": "x-total-count"}
 """Names of facts that are not the repository's own."""
 
 
-def answered(content: Content, headers: dict[str, str], held: ExitStack) -> Response:
+def answered(content: Content, headers: dict[str, str], held: ExitStack, http: Request) -> Response:
     """Content as a response whose beginning is made here: a short one whole, of a long one enough for errors to show.
 
     held: what the content reads from; it is let go when the answer is sent.
@@ -34,7 +37,12 @@ def answered(content: Content, headers: dict[str, str], held: ExitStack) -> Resp
     headers |= {_HEADERS.get(name, f"x-mcml-{name}"): _latin(text) for name, text in content.facts.items()}
     if content.name is not None:
         headers["content-disposition"] = attachment(content.name, "inline" if content.shown else "attachment")
+    wanted = _range(content, headers, http)
+    if content.size is not None and "etag" in headers:
+        headers["accept-ranges"] = "bytes"
     with held as stack:
+        if wanted is not None:
+            return _part(content, headers, stack, wanted)
         if content.live:
             kept = stack.pop_all()
             return StreamingResponse(_holding(kept, content.blocks), media_type=content.media_type, headers=headers)
@@ -49,6 +57,40 @@ def answered(content: Content, headers: dict[str, str], held: ExitStack) -> Resp
             headers["content-length"] = str(content.size)
         kept = stack.pop_all()
     return StreamingResponse(ahead(_holding(kept, joined), first), media_type=content.media_type, headers=headers)
+
+
+def _range(content: Content, headers: dict[str, str], http: Request) -> range | None:
+    """The bytes that a client asks for, None for all (RFC 9110, 14). One range; others are answered whole."""
+    said = _RANGE.fullmatch(http.headers.get("range", ""))
+    tag = http.headers.get("if-range")
+    if said is None or content.size is None or "etag" not in headers or (tag is not None and tag != headers["etag"]):
+        return None
+    first, last = said[1], said[2]
+    if not first:
+        return range(max(0, content.size - int(last or 0)), content.size)
+    return range(int(first), min(int(last) + 1, content.size) if last else content.size)
+
+
+def _part(content: Content, headers: dict[str, str], stack: ExitStack, wanted: range) -> Response:
+    if not wanted:
+        headers["content-range"] = f"bytes */{content.size}"
+        return plain(416, "The file has no such bytes.", "Ask for a range within Content-Range.", headers)
+    headers["content-range"] = f"bytes {wanted.start}-{wanted.stop - 1}/{content.size}"
+    headers["content-length"] = str(len(wanted))
+    kept = stack.pop_all()
+    blocks = ahead(pieces(_within(_holding(kept, content.blocks), wanted)))
+    return StreamingResponse(blocks, 206, headers, media_type=content.media_type)
+
+
+def _within(blocks: Iterator[Bytes], wanted: range) -> Iterator[Bytes]:
+    at = 0
+    for block in blocks:
+        if at >= wanted.stop:
+            return
+        part = block[max(0, wanted.start - at) : max(0, wanted.stop - at)]
+        at += len(block)
+        if len(part):
+            yield part
 
 
 def _holding(kept: ExitStack, blocks: Iterator[Bytes]) -> Generator[Bytes]:

@@ -22,12 +22,12 @@ from pydantic.fields import FieldInfo
 from mcml.choosing import id_of
 from mcml.client import Client
 from service.cli.present import present
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, opened, write_blocks
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, opened, write_blocks, write_to_the_end
 from service.errors import McmlError
 from service.operations import OPERATIONS
 from service.operations.arguments import DocumentId
 from service.operations.call import Content
-from service.operations.operation import Argument, Operation
+from service.operations.operation import Argument, Effect, Operation
 
 _METAVARS = {"q": "TEXT"}
 """Words of commands for arguments that the API calls otherwise."""
@@ -64,6 +64,8 @@ def _command(operation: Operation) -> Callable[..., None]:
     slots = _slots(operation)
 
     def command(**values: Any) -> None:
+        if operation.effect not in (Effect.READS, Effect.STREAMS):
+            write_to_the_end()
         as_json = values.pop("as_json", False)
         client = opened(values.pop("database"), values.pop("server"))
         output = values.pop("output", None)

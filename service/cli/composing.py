@@ -11,7 +11,7 @@ import typer
 from schemas.compose import ComposeRequest
 from schemas.retarget import RetargetedOne, RetargetMany, RetargetRequest
 from service.cli.names import JointsOption, joint_pairs
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, write_to_the_end
 
 _RANGE = re.compile(
     r"(?P<document>[0-9a-fA-F-]{36})(?:@(?P<revision>\d{1,9}))?(?::(?P<first>\d{1,9})-(?P<last>\d{1,9}))?"
@@ -93,6 +93,7 @@ def retarget(
     as_json: JsonOption = False,
 ) -> None:
     """Bring a motion, or all that a selection finds, onto the skeleton of another document, as new documents."""
+    write_to_the_end()
     selection = {"project": all_of, "motion_name": motion_name, "xpath": xpath}
     selection = {key: value for key, value in selection.items() if value is not None}
     if len(ids) != (1 if selection else 2):

@@ -28,6 +28,7 @@ from service.cli.shared import (
     match_of,
     opened,
     print_json,
+    write_to_the_end,
 )
 
 
@@ -42,6 +43,7 @@ def delete(
     server: ServerOption = None,
 ) -> None:
     """Hide documents. Nothing is lost: `mcml restore ID` brings one back."""
+    write_to_the_end()
     client = opened(database, server)
     found = chosen(client, ids, project, motion_name, xpath)
     if not confirmed(found, yes, "deleted"):
@@ -64,6 +66,7 @@ def rename(
     as_json: JsonOption = False,
 ) -> None:
     """Give a document another name."""
+    write_to_the_end()
     client = opened(database, server)
     change = DocumentChange(name=name, message=message)
     _told(
@@ -84,6 +87,7 @@ def move(
     server: ServerOption = None,
 ) -> None:
     """Move documents to a project."""
+    write_to_the_end()
     client = opened(database, server)
     found = chosen(client, ids, project, motion_name, xpath)
     if not confirmed(found, yes, "moved"):
@@ -117,6 +121,7 @@ def set_(
     given = {key: value for key, value in stated.items() if value is not None}
     if not given:
         raise typer.BadParameter("say what: --frame-time, --unit, --up or --description")
+    write_to_the_end()
     client = opened(database, server)
     change = DocumentChange(**given, message=message)
 

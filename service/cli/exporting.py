@@ -10,7 +10,7 @@ import typer
 
 from mcml.files import write_file
 from service.cli.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, chosen, for_each
-from service.cli.shared import DatabaseOption, ForceOption, ServerOption, console, opened
+from service.cli.shared import DatabaseOption, ForceOption, ServerOption, console, opened, write_to_the_end
 
 
 def export(
@@ -34,6 +34,7 @@ def export(
     server: ServerOption = None,
 ) -> None:
     """Write documents as files of any format. Two of one name become two files, the second with the end of its id."""
+    write_to_the_end()
     client = opened(database, server)
     found = chosen(client, ids, project, motion_name, xpath)
     written: set[Path] = set()

@@ -14,7 +14,7 @@ from rich.text import Text
 from mcml.choosing import id_of
 from mcml.folders import import_paths
 from schemas.documents import ImportedDocument
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, write_to_the_end
 
 SECONDS_DRAWN = 0.1
 """Between two drawings of the bar, each of which takes as long as to read a short clip."""
@@ -48,6 +48,7 @@ def import_(
     as_json: JsonOption = False,
 ) -> None:
     """Store files. Files that are stored already are skipped, so an interrupted import goes on where it stopped."""
+    write_to_the_end()
     client = opened(database, server)
     options: dict[str, Any] = {
         "project": project,

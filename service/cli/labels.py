@@ -9,7 +9,7 @@ import typer
 from schemas.documents import LabelRequest
 from service.actions.reading.import_options import Label, parse_label
 from service.cli.present import present
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, write_to_the_end
 from service.operations import OPERATIONS
 
 StrictOption = Annotated[bool, typer.Option("--strict", help="Refuse names that are no anatomical movement")]
@@ -24,6 +24,7 @@ def label(
     as_json: JsonOption = False,
 ) -> None:
     """Name frames of a document."""
+    write_to_the_end()
     client = opened(database, server)
     frames = client.call("get_document", id=id).frames
     asked = [_range(parse_label(text), frames) for text in labels]
@@ -47,6 +48,7 @@ def suggest(
     as_json: JsonOption = False,
 ) -> None:
     """Find anatomical movements in a motion, as names for its frames."""
+    write_to_the_end()
     client = opened(database, server)
     found = client.call("suggest_labels", id=id, confidence=confidence, facing=facing and facing.upper())
     if accept and found.items:

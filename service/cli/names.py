@@ -9,7 +9,7 @@ import typer
 from schemas.names import Alias, SavedAliases
 from schemas.retarget import JointPair, RetargetRequest, SavedMapping
 from service.cli.present import present
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json
+from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, write_to_the_end
 from service.errors import NotFoundError
 from service.operations import OPERATIONS
 
@@ -29,6 +29,7 @@ def apply(
     """Give joints the names that an import would give them now, each document as a revision that undo takes back."""
     if ids and project is not None:
         raise typer.BadParameter("name documents, or a --project")
+    write_to_the_end()
     client = opened(database, server)
     wanted = ids or [item.id for item in client.every("list_documents", project=project).items]
     done = 0
@@ -58,6 +59,7 @@ def alias(
     given = [text.rpartition("=")[::2] for text in pairs or ()]
     if not all(one and other for one, other in given) or not (given or remove):
         raise typer.BadParameter("NAME=JOINT, such as Hüfte=Root, or --remove NAME")
+    write_to_the_end()
     client = opened(database, server)
     present_table = client.call("get_aliases", project=project)
     gone = {alias_key(name) for name in (*(one for one, _ in given), *(remove or ()))}
@@ -83,6 +85,7 @@ def save(
     as_json: JsonOption = False,
 ) -> None:
     """Save which joint is which: pairs of your own, over those that are suggested for two documents."""
+    write_to_the_end()
     client = opened(database, server)
     pairs: dict[str, str] = {}
     if suggest is not None:

@@ -6,6 +6,7 @@ import importlib.util
 import os
 import platform
 import shutil
+import socket
 import sqlite3
 import sys
 from pathlib import Path
@@ -38,6 +39,7 @@ def serve(
 
     settings = chosen_settings(database, port=port)
     settings = settings.model_copy(update={"host": host or settings.host})
+    _check_port(settings.host, settings.port)
     store = open_database(settings)
     if not is_loopback(settings.host):
         with store.read() as tx:
@@ -54,10 +56,16 @@ def serve(
     reason = why_closed(settings, store)
     with store.read() as tx:
         has_token = tx.tokens.exist()
+    link = None
+    if reason or has_token:
+        with store.write() as tx:
+            link = tx.sessions.link("local")
     store.close()
     name = f"[{settings.host}]" if ":" in settings.host else settings.host
     console.print(Text.assemble("MCML Repository on ", (f"http://{name}:{settings.port}/", "bold"), "  (Ctrl+C stops)"))
-    console.print(Text("Closed: requests need a token." if reason or has_token else OPEN, style="dim"))
+    console.print(Text("Closed: requests need a token." if link else OPEN, style="dim"))
+    if link:
+        console.print(f"This link opens it once in a browser:  http://{name}:{settings.port}/login?link={link}")
     os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
     os.environ["MCML_DATABASE"] = settings.database_url
     uvicorn.run(
@@ -70,6 +78,21 @@ def serve(
         # The service reads such headers itself, of proxies that it trusts.
         proxy_headers=False,
     )
+
+
+def _check_port(host: str, port: int) -> None:
+    """McmlError where nothing can listen there."""
+    if not 0 <= port <= 65535:
+        raise McmlError(f"{port} is no port.", remedy="Ports are 0 to 65535.")
+    try:
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        with socket.create_server((host, port), family=family):
+            pass
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise McmlError(
+            f"Nothing can listen at {host}:{port}: {why}.", remedy="Choose another with --port, or end what uses it."
+        ) from None
 
 
 def demo(

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TextIO
 
 import typer
 from pydantic import BaseModel, ValidationError
@@ -69,6 +71,33 @@ def opened(database: str | None, server: str | None) -> Client:
         # A server on this machine is sent the secret that it keeps for its owner.
         token = read_secret(data_folder())
     return Remote(server, token)
+
+
+def write_to_the_end() -> None:
+    """Let this command go on, though whoever reads what it prints leaves: it writes more than what it says of it."""
+    sys.stdout = _Unheard(sys.stdout)
+
+
+class _Unheard:
+    """Standard output, until its reader leaves; nothing afterwards."""
+
+    def __init__(self, out: TextIO) -> None:
+        self._out = out
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._out, name)
+
+    def write(self, text: str) -> int:
+        with suppress(BrokenPipeError):
+            self._out.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        try:
+            self._out.flush()
+        except BrokenPipeError:
+            # What is still buffered would fail again when Python ends.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._out.fileno())
 
 
 def match_of(revision: int | None) -> str:

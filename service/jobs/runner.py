@@ -16,7 +16,7 @@ from typing import Any
 from schemas.problem import Problem
 from service.actions.analysing.save_results import save_results
 from service.analysis.interface import Progress
-from service.errors import ConflictError, McmlError
+from service.errors import ConflictError, McmlError, UnavailableError
 from service.jobs.cluster import Cluster
 from service.jobs.worker import CancelledError, Outcome, Refused, on_dask, perform
 from service.settings import Settings
@@ -78,16 +78,24 @@ class Runner:
 
     def _take(self) -> None:
         while not self._stopping.is_set() and self._free.acquire(blocking=False):
-            with self._database.read() as tx:
-                waits = tx.jobs.any_claimable()
-            taken = []
-            if waits:
-                with self._database.write("jobs") as tx:
-                    taken = tx.jobs.claim(self._name, 1)
-            if not taken:
-                self._free.release()
+            job = None
+            try:
+                job = self._claimed()
+            finally:
+                # A store that is away for a while must not use the places up.
+                if job is None:
+                    self._free.release()
+            if job is None:
                 return
-            self._drivers.submit(self._drive, taken[0])
+            self._drivers.submit(self._drive, job)
+
+    def _claimed(self) -> StoredJob | None:
+        with self._database.read() as tx:
+            waits = tx.jobs.any_claimable()
+        if not waits:
+            return None
+        with self._database.write("jobs") as tx:
+            return next(iter(tx.jobs.claim(self._name, 1)), None)
 
     def _drive(self, job: StoredJob) -> None:
         try:
@@ -97,8 +105,9 @@ class Runner:
                 self._end(job, "cancelled")
             else:
                 self._run(job)
-        except ConflictError as error:
-            log.warning("%s", error)
+        except (ConflictError, UnavailableError) as error:
+            # A store that is away fails no job: it is begun anew when its lease is over.
+            log.warning("job %s: %s", job.uuid, error)
         except McmlError as error:
             log.warning("job %s failed: %s", job.uuid, error)
             self._fail(job, error.what, error.remedy)
@@ -139,8 +148,9 @@ class Runner:
             if news == last and time.monotonic() - told < LEASE_SECONDS / 4:
                 continue
             last, told = news, time.monotonic()
-            if not self._tell(job, *news) and cancelled_at is None:
-                cancelled_at = time.monotonic()
+            with suppress(UnavailableError):
+                if not self._tell(job, *news) and cancelled_at is None:
+                    cancelled_at = time.monotonic()
             if cancelled_at is not None and time.monotonic() - cancelled_at > KILL_SECONDS:
                 self._cluster.kill(future)
                 return False

@@ -48,6 +48,8 @@ _ROWS = [
               "The document as MCML, valid against `mcml.dtd`.", "exports"),
     Operation("export_document", "GET /documents/{id}/export", STREAMS, READ,
               "The document in a motion-capture format.", "exports"),
+    Operation("export_documents", "POST /exports", STREAMS, READ,
+              "The documents of a selection as one zip of files.", "exports"),
 
     # frames
     Operation("get_frames", "GET /documents/{id}/frames", STREAMS, READ,

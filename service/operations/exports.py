@@ -8,6 +8,7 @@ from typing import Annotated
 from pydantic import Field
 
 from schemas.examples import MCML
+from schemas.exports import ExportRequest
 from service.actions.exporting.export_motion import ExportOptions
 from service.actions.exporting.export_motion import export_document as exported
 from service.formats import FORMATS
@@ -60,6 +61,16 @@ def export_document(
     return _content(call, id, revision, ExportOptions(format, first, last, names, unit, up, original=original))
 
 
+@gives("A zip, made while it is sent; `refused.txt` in it says what could not be exported", {"application/zip": None})
+def export_documents(call: Call, request: ExportRequest) -> Content:
+    """Each document as it is now. Two of one name become two files, the second with the end of its id."""
+    from service.actions.composing import export_documents as exporting
+
+    options = ExportOptions(request.format, names=request.names, unit=request.unit, up=request.up)
+    content = exporting.export_documents(call.database, call.queries, request.selection, options)
+    return Content(content, "application/zip", f"{request.selection.project or 'documents'}.zip")
+
+
 def _content(call: Call, uuid: str, revision: int | None, options: ExportOptions) -> Content:
     then, stored = at_revision(call.read(), uuid, revision)
     if options.whole and not options.pretty:
@@ -67,4 +78,4 @@ def _content(call: Call, uuid: str, revision: int | None, options: ExportOptions
     export = exported(then, stored, options)
     # A conversion looks through the motion before its first block, and says then what the target cannot hold.
     content = chain((next(export.content, b""),), export.content)
-    return Content(content, export.media_type, export.file_name, notices=export.notices)
+    return Content(content, export.media_type, export.file_name, export.size, notices=export.notices)

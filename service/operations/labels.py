@@ -11,6 +11,7 @@ from schemas.examples import DOCUMENT, MOTION_NAME
 from schemas.labels import LabelChange, LabelQuery, SuggestedLabels
 from schemas.queries import QueryRequest
 from service.actions.editing import change_document as changes
+from service.actions.exporting.write_tables import TYPES, batches_of, write_columns
 from service.actions.labelling import edit_labels
 from service.actions.labelling import suggest_labels as suggesting
 from service.operations.arguments import (
@@ -109,15 +110,26 @@ def label_by_query(call: Call, request: LabelQuery) -> ChangedDocuments:
     return changed_documents(changed)
 
 
-@gives("The table", {"text/csv": TABLE})
-def export_labels(call: Call, project: InProject = None, document: Documents = None) -> Content:
+@gives("The table", {"text/csv": TABLE, TYPES["arrow"]: None, TYPES["parquet"]: None})
+def export_labels(
+    call: Call,
+    project: InProject = None,
+    document: Documents = None,
+    format: Annotated[
+        Literal["csv", "arrow", "parquet"], Field(description="Text, or columns (with the extra `arrow`)")
+    ] = "csv",
+) -> Content:
     with call.database.read() as tx:
         if document:
             found = [tx.documents.get(uuid) for uuid in document]
         else:
             found = tx.documents.page(DocumentFilter(project=project), after=None, limit=MOST)
-        text = edit_labels.label_table(tx, found)
-    return Content(iter([text.encode()]), "text/csv; charset=utf-8", "labels.csv")
+        rows = list(edit_labels.label_rows(tx, found))
+    if format == "csv":
+        return Content(iter([edit_labels.label_table(rows).encode()]), "text/csv; charset=utf-8", "labels.csv")
+    kinds = dict(zip(edit_labels.HEADINGS, ("string", "string", "int64", "int64"), strict=True))
+    table = write_columns(format, batches_of(iter(rows), list(kinds)), kinds)
+    return Content(table, TYPES[format], f"labels.{format}")
 
 
 def import_labels(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 import orjson
@@ -9,19 +11,25 @@ from pydantic import Field
 
 from schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
 from schemas.queries import CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
+from service.actions.exporting.write_tables import TYPES, Batches, batches_of, write_columns
 from service.operations.arguments import MOST, InProject
 from service.operations.call import Call, Content
 from service.operations.operation import gives
 from service.xpath.writing import FIELDS, STREAMS, xml_item
 
-Form = Literal["json", "xml", "ndjson", "csv", "runs"]
+_NUMBER = re.compile(r"-?(\d+(\.\d*)?|\.\d+)")
+
+Form = Literal["json", "xml", "ndjson", "csv", "runs", "arrow", "parquet"]
 
 _SHOWN: dict[str, Any] = dict(zip(FIELDS, (DOCUMENT, 1, "attribute", "/mcml/@version", "1.0"), strict=True))
 _OTHERS = {
     "application/xml": RESULTS,
     "application/x-ndjson": orjson.dumps(_SHOWN).decode() + "\n",
+    TYPES["arrow"]: None,
+    TYPES["parquet"]: None,
     "text/csv": ",".join(FIELDS) + "\r\n" + ",".join(map(str, _SHOWN.values())) + "\r\n",
 }
+_COLUMNS = dict(zip((*FIELDS, "number"), ("string", "int64", "string", "string", "string", "float64"), strict=True))
 _WORDS = "A page of nodes or runs, or all nodes as a stream"
 
 
@@ -41,7 +49,8 @@ def query(
         Form,
         Field(
             alias="as",
-            description="Pages of nodes (json) or runs of frames (runs); or all nodes as a stream (xml, ndjson, csv)",
+            description="Pages of nodes (json) or runs of frames (runs); or all nodes as a stream (xml, ndjson, csv; "
+            "arrow and parquet with the extra `arrow`)",
         ),
     ] = "json",
     limit: Annotated[
@@ -76,6 +85,9 @@ def post_query(call: Call, request: QueryRequest) -> QueryAnswer | Content:
     if request.as_ in ("json", "runs") or paged:
         return _page(call, request)
     found = call.queries.stream(request, call.limits)
+    if request.as_ in TYPES:
+        batches = _batches(STREAMS["ndjson"][0](found))
+        return Content(write_columns(request.as_, batches, _COLUMNS), TYPES[request.as_], f"answer.{request.as_}")
     write, media_type = STREAMS[request.as_]
     return Content(write(found), media_type, facts={"total-count": str(found.total)})
 
@@ -94,6 +106,24 @@ def complete_query(
     first, found = call.queries.completions(q, len(q) if at is None else min(at, len(q)), document or [], project)
     items = [CompletionItem(text=item.text, kind=item.kind, detail=item.detail) for item in found]
     return Completions(first=first, items=items)
+
+
+def _batches(blocks: Iterator[bytes]) -> Batches:
+    """Nodes as columns; `number` is the value where it is one, as XPath's number() reads it."""
+
+    def rows() -> Iterator[tuple[Any, ...]]:
+        rest = b""
+        for block in blocks:
+            *lines, rest = (rest + block).split(b"\n")
+            for line in lines:
+                node = orjson.loads(line)
+                yield *(node[name] for name in FIELDS), _number(node["value"])
+
+    return batches_of(rows(), list(_COLUMNS))
+
+
+def _number(text: str) -> float | None:
+    return float(text) if _NUMBER.fullmatch(text.strip()) else None
 
 
 def _page(call: Call, request: QueryRequest) -> QueryAnswer | Content:

@@ -56,6 +56,7 @@ from service.storage.seals import Checked, sealed
 from service.storage.spans import Spans
 from service.storage.tracks import Tracks
 from service.storage.uploads import Uploads
+from service.storage.visits import Requests, Sessions
 from service.storage.words import in_words
 
 _NEWEST_COMMIT = select(func.coalesce(func.max(tables.commit.c.number), 0))
@@ -240,6 +241,14 @@ class Transaction:
     @cached_property
     def tokens(self) -> Tokens:
         return Tokens(self)
+
+    @cached_property
+    def sessions(self) -> Sessions:
+        return Sessions(self)
+
+    @cached_property
+    def requests(self) -> Requests:
+        return Requests(self)
 
 
 class Database:

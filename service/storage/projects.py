@@ -93,6 +93,11 @@ class Tokens:
         return bool(self._tx.rows(_ANY))
 
     def remove(self, name: str) -> None:
+        from service.storage.visits import session
+
+        # Sessions that it was exchanged for end with it.
+        its = select(token.c.id).where(token.c.name == name).scalar_subquery()
+        self._tx.connection.execute(delete(session).where(session.c.token == its))
         if not self._tx.connection.execute(delete(token).where(token.c.name == name)).rowcount:
             raise NotFoundError(f"There is no token {name!r}.", remedy="See `mcml token list`.")
 

@@ -92,8 +92,9 @@ class Purging:
         return [(row.uuid, row.name) for row in self._tx.connection.execute(clips.distinct())], shared, own
 
     def begin(self, key: int) -> None:
-        """Let nobody see the document any more."""
+        """Let nobody see the document any more, servers that run among them: they list documents after each commit."""
         self._tx.documents.set_state(key, "purging")
+        _ = self._tx.commit
 
     def unfinished(self) -> list[tuple[int, str]]:
         """(key, uuid) of documents whose purge was interrupted."""
@@ -112,6 +113,7 @@ class Purging:
     def finish(self, key: int, uuid: str) -> None:
         """Remove all other rows, and what only this document needed: files, skeletons, results, ended jobs."""
         connection = self._tx.connection
+        self._tx.dialect.retire_keys(connection)
         _, _, own = self.made_from(uuid)
         for number in own:
             self._tx.results.remove(number)

@@ -4,20 +4,28 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from pydantic import BaseModel
 from typer.testing import CliRunner
 
+from schemas.queries import QueryRequest
+from service.actions.analysing.use_result import Results
 from service.actions.editing.change_document import add_labels, delete_document
 from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.actions.keeping.keep_store import backup
 from service.actions.keeping.purge_documents import finish_purges, purge_documents, purgeable
+from service.analysis.catalogue import ANALYSES
+from service.analysis.interface import Answer
 from service.cli import app
 from service.errors import NotFoundError
+from service.settings import Settings
 from service.storage.database import Database
 from service.storage.schema import metadata
 from service.storage.tables import document
+from service.xpath.run import Queries
 from tests.builders import MCML, bvh, store
 
 NAME = "somebody-private"
@@ -144,3 +152,67 @@ def test_the_command_shows_before_it_does(tmp_path: Path) -> None:
     with pytest.raises(NotFoundError):
         content(database, uuid)
     database.close()
+
+
+ASKED = (
+    "count(//frame)", "sum(//@Rx)", "//bone/name", "//frame_bone[@Rx > 3]/@Rx", "//source", "//frame[2]",
+    f"sum(//frame[motion_name='{NAME}']/frame_bone/@Rx)",
+)  # fmt: skip
+
+
+def answers(engine: Queries) -> list[tuple[object, object]]:
+    found = [engine.answer(QueryRequest(q=text, limit=1000)) for text in ASKED]
+    return [(answer.value, answer.items) for answer in found]
+
+
+def read_anew(database: Database) -> list[tuple[object, object]]:
+    """The same by a server that has just been started."""
+    engine = Queries(database, Settings())
+    try:
+        return answers(engine)
+    finally:
+        engine.close()
+
+
+def test_a_server_that_runs_keeps_nothing_of_it(database: Database) -> None:
+    """What it holds in memory is of documents that exist, also where later ones come in the place of those."""
+    running, elsewhere = Queries(database, Settings()), Database(database.url)
+    store(database, {"other.bvh": bvh(30)})
+    for seed in range(1, 4):
+        gone = store(database, {f"{NAME}.bvh": bvh(300, seed=seed, names=("Hips", f"joint-{seed}"))})[0]
+        with database.write() as tx:
+            add_labels(tx, tx.documents.get(gone), [(NAME, 1, 300)])
+        assert answers(running) == read_anew(database)
+        purge_documents(elsewhere, [gone])
+        assert answers(running) == read_anew(database)
+    running.close()
+    elsewhere.close()
+
+
+class Nothing(BaseModel):
+    """No parameters."""
+
+
+def test_a_model_of_it_is_used_no_more(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    said = SimpleNamespace(parameters=Nothing, run=lambda _, wish: Answer(wish))
+    analysis = SimpleNamespace(prepare=lambda _: True, operations={"say": said})
+    monkeypatch.setitem(ANALYSES, "reach", analysis)
+    uuid = store(database, {"a.bvh": bvh(3)})[0]
+    made, running = result(database, "model", [uuid]), Results(database, Settings())
+    assert running.use(made, "say", {}, author="kim").answer.value == Nothing()
+    elsewhere = Database(database.url)
+    purge_documents(elsewhere, [uuid])
+    elsewhere.close()
+    with pytest.raises(NotFoundError):
+        running.use(made, "say", {}, author="kim")
+
+
+def test_no_key_is_given_again(database: Database) -> None:
+    keys = []
+    for seed in range(3):
+        uuid = store(database, {"a.bvh": bvh(3, seed=seed, names=("Hips", f"joint-{seed}"))})[0]
+        with database.read() as tx:
+            stored = tx.documents.get(uuid)
+            keys.append((stored.key, stored.skeleton))
+        purge_documents(database, [uuid])
+    assert len({key for key, _ in keys}) == len({skeleton for _, skeleton in keys}) == 3

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.builders import bvh
-from tests.cli.test_cli import environment, mcml  # noqa: F401
+from tests.cli.test_cli import Mcml, environment, mcml  # noqa: F401
 
 
 @pytest.mark.parametrize(
@@ -100,3 +101,74 @@ def test_nobody_reads_the_output(mcml, tmp_path: Path, words: tuple[str, ...]) -
     )
     os.close(write_end)
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_an_import_goes_on_where_nobody_reads_what_it_says(mcml: Mcml, tmp_path: Path) -> None:  # noqa: F811
+    for number in range(6):
+        (tmp_path / f"take{number}.bvh").write_bytes(bvh(3, seed=number))
+    read_end, write_end = os.pipe()
+    os.close(read_end)
+    command = [sys.executable, "-m", "service.cli", "import", *(f"take{number}.bvh" for number in range(6))]
+    done = subprocess.run(command, stdout=write_end, stderr=subprocess.PIPE, cwd=tmp_path, env=environment(tmp_path))
+    os.close(write_end)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert json.loads(mcml("ls", "--json")[1])["total"] == 6
+
+
+def test_a_port_that_is_taken_or_none_is_one_sentence(mcml: Mcml) -> None:  # noqa: F811
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        code, _, errors = mcml("serve", "--port", str(port))
+    assert (code, errors.count("\n")) == (1, 2)
+    assert f"127.0.0.1:{port}" in errors
+    for wrong in ("99999", "-1"):
+        code, _, errors = mcml("serve", "--port", wrong)
+        assert (code, "port" in errors.lower(), "Traceback" in errors) == (1, True, False)
+
+
+def test_a_folder_without_anything_readable_is_no_success(mcml: Mcml, tmp_path: Path) -> None:  # noqa: F811
+    (tmp_path / "notes").mkdir()
+    (tmp_path / "notes" / "a.txt").write_text("no motion")
+    code, _, errors = mcml("import", "notes")
+    assert (code, "Files end in" in errors) == (1, True)
+
+
+def test_nothing_is_overwritten(mcml: Mcml, tmp_path: Path) -> None:  # noqa: F811
+    one = json.loads(mcml("import", "walk.bvh", "--json")[1])["documents"][0]["id"]
+    other = json.loads(mcml("import", "leg.asf", "leg.amc", "--name", "walk", "--json")[1])["documents"][0]["id"]
+    (tmp_path / "out").mkdir()
+    assert mcml("export", one, other, "--format", "csv", "-o", "out")[0] == 0
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(["walk.csv", f"walk-{other[-6:]}.csv"])
+    before = (tmp_path / "out" / "walk.csv").read_bytes()
+    code, _, errors = mcml("export", other, "--format", "csv", "-o", "out")
+    assert (code, "--force" in errors, (tmp_path / "out" / "walk.csv").read_bytes()) == (1, True, before)
+    assert mcml("export", other, "--format", "csv", "-o", "out", "--force")[0] == 0
+    assert (tmp_path / "out" / "walk.csv").read_bytes() != before
+    walk = (tmp_path / "walk.bvh").read_bytes()
+    assert mcml("convert", "walk.bvh", "walk.bvh", "--force")[0] == 1
+    assert (tmp_path / "walk.bvh").read_bytes() == walk
+    assert mcml("convert", "walk.bvh", "two.htr")[0] == 1
+    assert mcml("convert", "walk.bvh", "two.htr", "--force")[0] == 0
+
+
+def test_a_batch_goes_on_past_a_refusal(mcml: Mcml, tmp_path: Path) -> None:  # noqa: F811
+    mcml("import", "leg.asf", "leg.amc", "walk.bvh", "--project", "all")
+    assert mcml("set", "walk", "--unit", "cm")[0] == 0
+    code, _, errors = mcml("export", "--project", "all", "--unit", "mm", "--format", "bvh", "-o", "out")
+    assert (code, errors.count("mcml: leg "), (tmp_path / "out" / "walk.bvh").exists()) == (3, 1, True)
+
+
+def test_what_deletes_or_moves_shows_its_matches_first(mcml: Mcml) -> None:  # noqa: F811
+    mcml("import", "walk.bvh", "two.htr", "--project", "gait")
+    code, output, _ = mcml("delete", "--project", "gait")
+    assert (code, "walk" in output, "--yes" in output) == (0, True, True)
+    assert json.loads(mcml("ls", "--json")[1])["total"] == 2
+    assert mcml("move", "lab", "walk", "--yes")[0] == 0
+    assert [item["name"] for item in json.loads(mcml("ls", "--project", "lab", "--json")[1])["items"]] == ["walk"]
+    assert mcml("delete", "--xpath", "//frame", "--yes")[0] == 0
+    assert json.loads(mcml("ls", "--json")[1])["total"] == 0
+    gone = json.loads(mcml("ls", "--deleted", "--json")[1])["items"][0]
+    assert mcml("restore", gone["name"])[0] == 0
+    assert mcml("show", gone["name"])[0] == 0
+    assert mcml("delete", "nobody", "--yes")[0] == 1
+    assert mcml("delete")[0] == 2

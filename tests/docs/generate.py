@@ -11,19 +11,28 @@ from typer.main import get_command
 from service.app import create_app
 from service.cli import app as cli
 from service.mcml import joint_names, motion_names
+from service.operations import all_operations
 from service.settings import Settings
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
+BY_HAND = {"follow_job": "read", **dict.fromkeys(("healthz", "readyz", "open_session", "close_session"), "none")}
+BY_HAND["metrics"] = "read"
+"""Rights of endpoints that are no operation."""
+
 MARK = re.compile(r"(<!-- generated: (?P<name>[a-z-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def endpoints() -> str:
     schema = create_app(Settings(database="sqlite://")).openapi()
-    lines = ["| endpoint | operation | what it does |", "|---|---|---|"]
+    known = {operation.name: operation for operation in all_operations()}
+    lines = ["| endpoint | operation | to the store | right | what it does |", "|---|---|---|---|---|"]
     for path, methods in sorted(schema["paths"].items()):
         for method, operation in methods.items():
             what = operation.get("description", operation.get("summary", "")).split("\n")[0]
-            lines.append(f"| `{method.upper()} {path}` | `{operation['operationId']}` | {what} |")
+            name = operation["operationId"]
+            # What is made by hand is about jobs that one may see, health, and the session itself.
+            does, needs = (known[name].effect, known[name].right) if name in known else ("reads", BY_HAND[name])
+            lines.append(f"| `{method.upper()} {path}` | `{name}` | {does} | {needs} | {what} |")
     return "\n".join(lines) + "\n"
 
 

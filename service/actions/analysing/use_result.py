@@ -98,6 +98,13 @@ class Results:
             self._ready.pop(uuid, None)
 
     def _prepared(self, uuid: str) -> tuple[StoredResult, Any]:
+        with self._database.read() as tx:
+            try:
+                tx.results.get(uuid)
+            except NotFoundError:
+                # Another process may have deleted it, or purged what it was made of.
+                self.forget(uuid)
+                raise
         with self._lock:
             found = self._ready.get(uuid)
             if found is not None:

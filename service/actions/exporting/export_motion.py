@@ -51,12 +51,14 @@ class ExportOptions:
 
 @dataclass
 class Export:
-    """One file. notices: what the format could not hold, complete once `content` was read to the end."""
+    """One file. notices: what the format could not hold, complete once `content` was read to the end. size: bytes, of
+    an upload that was kept."""
 
     file_name: str
     media_type: str
     content: Iterator[bytes]
     notices: list[Notice] = field(default_factory=list)
+    size: int | None = None
 
 
 def targets() -> dict[str, tuple[str, str | None]]:
@@ -126,7 +128,8 @@ def _kept(tx: Transaction, stored: StoredDocument, part: str | None) -> Export |
         content = tx.uploads.read(stored.key, part) if chosen else None
         if content is None:
             return None
-        return Export(chosen[0].file_name, FORMATS[stored.format].media_type, content)
+        size = chosen[0].size
+        return Export(chosen[0].file_name, FORMATS[stored.format].media_type, content, size=size)
     if len(uploads) != len(FORMATS[stored.format].parts):
         return None
 

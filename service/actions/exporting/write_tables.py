@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import chain
+from itertools import chain, islice
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,9 @@ from service.motion.skeleton import Array
 
 Batches = Iterator[Mapping[str, Any]]
 """Columns by name, so many rows of each at a time; all batches have the same names."""
+
+ROWS = 5000
+"""Rows of one batch."""
 
 TYPES = {
     "npy": "application/octet-stream",
@@ -52,9 +55,16 @@ def npy_of(values: Sequence[str] | NDArray[Any]) -> Iterator[bytes]:
     yield content.getvalue()
 
 
-def write_columns(form: str, batches: Batches) -> Iterator[bytes]:
+def batches_of(rows: Iterator[tuple[Any, ...]], names: Sequence[str]) -> Batches:
+    """Rows as columns of these names, some thousands at a time."""
+    for some in iter(lambda: list(islice(rows, ROWS)), []):
+        yield dict(zip(names, map(list, zip(*some, strict=True)), strict=True))
+
+
+def write_columns(form: str, batches: Batches, types: Mapping[str, str] | None = None) -> Iterator[bytes]:
     """Batches as an Arrow stream or a Parquet file. form: "arrow" or "parquet".
 
+    types: of the columns, as Arrow names them ("string", "int64"), where there may be no batch to tell them.
     UnsupportedError where pyarrow is not installed.
     """
     try:
@@ -66,7 +76,9 @@ def write_columns(form: str, batches: Batches) -> Iterator[bytes]:
             remedy="Install the extra: pip install 'mcml-repository[arrow]'.",
         ) from None
     tail = Tail()
-    first = pa.RecordBatch.from_pydict(dict(next(batches)))
+    schema = None if types is None else pa.schema([(name, pa.type_for_alias(kind)) for name, kind in types.items()])
+    empty: dict[str, Any] = {} if types is None else {name: [] for name in types}
+    first = pa.RecordBatch.from_pydict(dict(next(batches, empty)), schema)
     sink = pa.PythonFile(tail, "w")
     if form == "arrow":
         writer: Any = pa.ipc.new_stream(sink, first.schema)

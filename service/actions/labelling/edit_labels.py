@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from schemas.queries import QueryRequest, RunItem
@@ -132,13 +132,19 @@ def _take_off(tx: Transaction, stored: StoredDocument, name: str, ranges: list[t
     return touched
 
 
-def label_table(tx: Transaction, documents: Iterable[StoredDocument]) -> str:
-    """The labels of documents as CSV: document, label, first, last; `write_label_table` reads it again."""
+def label_rows(tx: Transaction, documents: Iterable[StoredDocument]) -> Iterator[tuple[str, str, int, int]]:
+    """The labels of documents: document, label, first, last."""
+    for stored in documents:
+        for span in tx.spans.of(stored.key):
+            yield stored.uuid, span.name, span.first, span.last
+
+
+def label_table(rows: Iterable[tuple[str, str, int, int]]) -> str:
+    """Rows of labels as CSV; `write_label_table` reads it again."""
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(HEADINGS)
-    for stored in documents:
-        writer.writerows((stored.uuid, span.name, span.first, span.last) for span in tx.spans.of(stored.key))
+    writer.writerows(rows)
     return text.getvalue()
 
 

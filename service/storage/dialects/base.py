@@ -109,6 +109,11 @@ class Dialect(ABC):
         """Bytes of the whole store ("total") and of the kept uploads ("uploads")."""
 
     @abstractmethod
+    def retire_keys(self, connection: Connection) -> None:
+        """Let no document and no skeleton to come get the key of one that this transaction deletes: what processes keep
+        under a key never changes."""
+
+    @abstractmethod
     def erase_what_goes(self, connection: Connection) -> None:
         """Let rows that this transaction deletes leave nothing behind in the pages that they lay in."""
 

@@ -84,6 +84,9 @@ class PostgreSQL(Dialect):
         uploads = connection.execute(text("SELECT pg_total_relation_size('upload_block')")).scalar_one()
         return {"total": int(total), "uploads": int(uploads)}
 
+    def retire_keys(self, connection: Connection) -> None:
+        """Nothing to do: sequences do not go back."""
+
     def erase_what_goes(self, connection: Connection) -> None:
         """Nothing to do: rows that no transaction sees any more go with the next vacuum (`settle`)."""
 

@@ -22,6 +22,9 @@ INCREMENTAL = 2
 """The value of `auto_vacuum` under which pages can be given back some at a time."""
 PAGE_BYTES = 8192
 PAGES_AT_A_TIME = 1000
+RETIRING = ("document", "skeleton")
+"""Tables whose keys are never given again."""
+LAST = "last key of "
 PRIVATE = 0o600
 """The mode of a store's files: captures are of people."""
 
@@ -116,7 +119,15 @@ class SQLite(Dialect):
     def insert_one(self, connection: Connection, table: Table, row: dict[str, Any]) -> int:
         # The driver itself, as above.
         driver: Any = connection.connection.driver_connection
+        if table.name in RETIRING:
+            row = {"id": driver.execute(_next_key(table.name)).fetchone()[0], **row}
         return int(driver.execute(_insertion(table.name, tuple(row)), tuple(row.values())).lastrowid)
+
+    def retire_keys(self, connection: Connection) -> None:
+        for table in RETIRING:
+            # SQLite gives the number behind the highest that there is.
+            last = f"SELECT '{LAST}{table}', ({_next_key(table)}) - 1"
+            connection.exec_driver_sql(f"INSERT OR REPLACE INTO store (name, value) {last}")
 
     def size(self, connection: Connection) -> dict[str, int]:
         pages = connection.execute(text("SELECT page_count * page_size FROM pragma_page_count, pragma_page_size"))
@@ -205,6 +216,12 @@ def _make_private(path: str) -> None:
         for name in (path, f"{path}-wal", f"{path}-shm"):
             if os.path.exists(name) and os.stat(name).st_mode & 0o077:
                 os.chmod(name, PRIVATE)
+
+
+@cache
+def _next_key(table: str) -> str:
+    retired = f"SELECT CAST(value AS INTEGER) FROM store WHERE name = '{LAST}{table}'"
+    return f"SELECT MAX(COALESCE((SELECT MAX(id) FROM {table}), 0), COALESCE(({retired}), 0)) + 1"
 
 
 @cache

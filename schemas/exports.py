@@ -1,0 +1,22 @@
+"""Many documents asked for as one file."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from schemas.examples import PROJECT, shown
+from schemas.jobs import Selection
+
+
+class ExportRequest(BaseModel):
+    """Which documents, and as what."""
+
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra=shown({"selection": {"project": PROJECT}, "format": "bvh"})
+    )
+
+    selection: Selection = Field(description="Which documents")
+    format: str = Field("bvh", description="bvh, asf-amc, asf, amc, htr, c3d, trc, mcml or csv")
+    names: str | None = Field(None, description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's")
+    unit: str | None = Field(None, description="Scale lengths to this unit; the documents must state their own")
+    up: str | None = Field(None, description="Turn so that this axis points up")

@@ -1,0 +1,166 @@
+"""Who visits, and what they asked: sessions of browsers, one-time links, and requests that must be done only once.
+
+Rows of both end by themselves: they carry no checksum.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import secrets
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from typing import TYPE_CHECKING
+
+from sqlalchemy import (
+    Column,
+    ForeignKey,
+    Integer,
+    String,
+    Table,
+    Text,
+    UniqueConstraint,
+    and_,
+    delete,
+    insert,
+    select,
+    update,
+)
+from sqlalchemy.exc import IntegrityError
+from sqlalchemy.sql import ColumnElement
+
+from service.storage.identifiers import now
+from service.storage.schema import KEY, NAME, metadata
+from service.storage.tables import token
+
+if TYPE_CHECKING:
+    from service.storage.database import Transaction
+
+session = Table(
+    "session",
+    metadata,
+    Column("id", KEY, primary_key=True),
+    Column("sha256", String(64), nullable=False),
+    Column("kind", String(16), nullable=False),
+    Column("author", NAME, nullable=False),
+    Column("token", ForeignKey("token.id")),
+    Column("created", String(32), nullable=False),
+    Column("expires", String(32), nullable=False),
+    UniqueConstraint("sha256"),
+)
+"""`kind`: session, or link (which becomes a session, once). `token`: that it was exchanged for; it ends with it."""
+
+request = Table(
+    "request",
+    metadata,
+    Column("author", NAME, primary_key=True),
+    Column("key", String(255), primary_key=True),
+    Column("operation", String(64), nullable=False),
+    Column("digest", String(64), nullable=False),
+    Column("created", String(32), nullable=False),
+    Column("status", Integer),
+    Column("location", Text),
+    Column("answer", Text),
+)
+"""`digest`: of what was asked. `status`: null as long as it is worked on, or for ever, if the server died then."""
+
+SESSION_HOURS, LINK_MINUTES, KEY_HOURS = 12, 15, 24
+
+
+class Sessions:
+    """Sessions: 32 random bytes, of which only the SHA-256 is kept."""
+
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    def open(self, author: str, token_name: str | None = None) -> str:
+        """A new session of an author; its secret. token_name: of the token that it was exchanged for."""
+        key = None
+        if token_name is not None:
+            key = self._tx.connection.execute(select(token.c.id).where(token.c.name == token_name)).scalar_one()
+        return self._add("session", author, key, timedelta(hours=SESSION_HOURS))
+
+    def link(self, author: str) -> str:
+        """The secret of a link that opens one session, soon."""
+        return self._add("link", author, None, timedelta(minutes=LINK_MINUTES))
+
+    def follow(self, secret: str) -> str | None:
+        """The author of a link, which is used up by this; None where there is none."""
+        found = self._find("link", secret)
+        if found is None:
+            return None
+        self._tx.connection.execute(delete(session).where(session.c.sha256 == _digest(secret)))
+        return found
+
+    def author(self, secret: str) -> str | None:
+        """Whose session this is, None where there is none, or it has ended."""
+        return self._find("session", secret)
+
+    def close(self, secret: str) -> None:
+        """End a session."""
+        self._tx.connection.execute(delete(session).where(session.c.sha256 == _digest(secret)))
+
+    def _add(self, kind: str, author: str, key: int | None, lasts: timedelta) -> str:
+        self._tx.connection.execute(delete(session).where(session.c.expires < now()))
+        secret = secrets.token_urlsafe(32)
+        row = {"sha256": _digest(secret), "kind": kind, "author": author, "token": key}
+        self._tx.connection.execute(insert(session).values(**row, created=now(), expires=_moment(lasts)))
+        return secret
+
+    def _find(self, kind: str, secret: str) -> str | None:
+        wanted = select(session.c.author, token.c.expires.label("until")).outerjoin(token)
+        wanted = wanted.where(session.c.sha256 == _digest(secret), session.c.kind == kind, session.c.expires >= now())
+        row = self._tx.connection.execute(wanted).one_or_none()
+        if row is None or (row.until is not None and row.until < now()):
+            return None
+        return str(row.author)
+
+
+@dataclass(frozen=True)
+class Remembered:
+    """A request that was sent before. status: None where it is not known to have ended."""
+
+    operation: str
+    digest: str
+    status: int | None
+    location: str | None
+    answer: str | None
+
+
+class Requests:
+    """Requests with a key of their client's, each of which is done once."""
+
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    def begin(self, author: str, key: str, operation: str, digest: str) -> Remembered | None:
+        """Note a request; None, or what is known of one that had this key before."""
+        self._tx.connection.execute(delete(request).where(request.c.created < _moment(-timedelta(hours=KEY_HOURS))))
+        values = {"author": author, "key": key, "operation": operation, "digest": digest, "created": now()}
+        try:
+            with self._tx.connection.begin_nested():
+                self._tx.connection.execute(insert(request).values(**values))
+        except IntegrityError:
+            found = self._tx.connection.execute(select(request).where(_named(author, key))).one()
+            return Remembered(found.operation, found.digest, found.status, found.location, found.answer)
+        return None
+
+    def end(self, author: str, key: str, status: int, location: str | None, answer: str) -> None:
+        """Keep what was answered."""
+        values = {"status": status, "location": location, "answer": answer}
+        self._tx.connection.execute(update(request).where(_named(author, key)).values(**values))
+
+    def forget(self, author: str, key: str) -> None:
+        """The request failed: nothing was done, and it may be sent again."""
+        self._tx.connection.execute(delete(request).where(_named(author, key)))
+
+
+def _named(author: str, key: str) -> ColumnElement[bool]:
+    return and_(request.c.author == author, request.c.key == key)
+
+
+def _digest(secret: str) -> str:
+    return hashlib.sha256(secret.encode()).hexdigest()
+
+
+def _moment(later: timedelta) -> str:
+    return (datetime.now(UTC) + later).isoformat(timespec="milliseconds").replace("+00:00", "Z")
