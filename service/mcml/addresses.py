@@ -69,6 +69,8 @@ def number_steps(tags: Sequence[str], always: Collection[str] = ()) -> list[str]
     >>> number_steps(["name", "bone", "bone"])
     ['name', 'bone[1]', 'bone[2]']
     """
+    if len(tags) < 2 and not always:
+        return list(tags)
     total, seen = Counter(tags), Counter[str]()
     steps = []
     for tag in tags:

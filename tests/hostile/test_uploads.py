@@ -6,7 +6,6 @@ import io
 import random
 import zipfile
 
-import pytest
 from fastapi.testclient import TestClient
 
 from service.settings import Settings
@@ -64,11 +63,11 @@ def assert_refused(client: TestClient, name: str, content: bytes) -> dict[str, o
     return problem
 
 
-@pytest.mark.parametrize("name", list(REFUSED))
-def test_refused_with_a_reason(client: TestClient, name: str) -> None:
-    problem = assert_refused(client, name, REFUSED[name])
-    assert problem["where"]["file"] == name  # type: ignore[index]
-    assert "root:" not in str(problem)
+def test_refused_with_a_reason(client: TestClient) -> None:
+    for name, content in REFUSED.items():
+        problem = assert_refused(client, name, content)
+        assert problem["where"]["file"] == name  # type: ignore[index]
+        assert "root:" not in str(problem), name
 
 
 def test_random_bytes(client: TestClient) -> None:
