@@ -208,6 +208,8 @@ class _Asking:
         return scan
 
     def _column_source(self, tree: Expression) -> ColumnSource:
+        if self.query.only_saxon:
+            raise NotOnColumnsError
         found = ColumnSource(self.tx, tree, self.scope, self.engine.caches, self.limits.check)
         indexed = found.start is not None and found.start.indexed
         self._explained("index" if indexed else "columns", found)
