@@ -16,12 +16,12 @@ from service.actions.analysing.use_result import Results
 from service.actions.editing.change_document import add_labels, delete_document
 from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.actions.keeping.keep_room import prune_history
-from service.actions.keeping.keep_store import backup
+from service.actions.keeping.keep_store import backup, restore
 from service.actions.keeping.purge_documents import finish_purges, purge_documents, purgeable
 from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import Answer
 from service.cli import app
-from service.errors import NotFoundError, QueryError
+from service.errors import ConflictError, NotFoundError, QueryError
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.schema import metadata
@@ -211,6 +211,15 @@ def test_pages_of_what_is_gone_are_refused(database: Database, how: str) -> None
         with pytest.raises(QueryError, match="purged or pruned"):
             engine.answer(request.model_copy(update={"cursor": cursor}))
     engine.close()
+
+
+def test_a_store_that_held_documents_is_not_filled_again(database: Database, tmp_path: Path) -> None:
+    """What servers keep under the keys of those would be taken for what the backup holds."""
+    uuid = store(database, {"a.bvh": bvh(3)})[0]
+    backup(database, tmp_path / "copy.db")
+    purge_documents(database, [uuid])
+    with pytest.raises(ConflictError, match="or held some"):
+        restore(database, tmp_path / "copy.db")
 
 
 class Nothing(BaseModel):
