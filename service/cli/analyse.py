@@ -12,6 +12,7 @@ import typer
 from pydantic import BaseModel
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from mcml.choosing import id_of
 from mcml.files import write_file
 from schemas.jobs import Selection
 from service.actions.analysing.read_music import read_music
@@ -104,8 +105,9 @@ def _run(analysis: Analysis) -> Callable[..., None]:
         server: ServerOption = None,
         as_json: JsonOption = False,
     ) -> None:
+        client = opened(database, server)
         selection = Selection(
-            documents=document or [],
+            documents=[id_of(client, text) for text in document or ()],
             project=project,
             motion_name=motion_name,
             property=property or [],
@@ -116,10 +118,10 @@ def _run(analysis: Analysis) -> Callable[..., None]:
         hidden = as_json or not sys.stderr.isatty()
         with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
             task = bar.add_task("starting", total=1.0)
-            client = opened(database, server)
             if queue:
                 client.queue()
-            stated = {"name": name, "project": into, "extends": extends, "skeleton": skeleton}
+            body = skeleton and id_of(client, skeleton)
+            stated = {"name": name, "project": into, "extends": extends, "skeleton": body}
             request = {
                 "inputs": selection,
                 "parameters": assigned(parameters),

@@ -25,7 +25,7 @@ from service.cli.present import present
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, opened, write_blocks, write_to_the_end
 from service.errors import McmlError
 from service.operations import OPERATIONS
-from service.operations.arguments import DocumentId
+from service.operations.arguments import DocumentId, Documents
 from service.operations.call import Content
 from service.operations.operation import Argument, Effect, Operation
 
@@ -210,6 +210,8 @@ def _given(client: Client, operation: Operation, slots: list[_Slot], values: dic
             given[argument.name] = content if sent else orjson.loads(content)
         elif argument.name == "if_match":
             given["if_match"] = "*" if value is None else f'"{value}"'
+        elif argument.kind == Documents and value:
+            given[argument.name] = [id_of(client, text) for text in value]
         elif argument.kind == DocumentId:
             given[argument.name] = id_of(client, str(value), deleted=operation.name == "restore_document")
         elif value is not None and value != []:

@@ -8,6 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
+from mcml.choosing import id_of
+from mcml.client import Client
 from schemas.compose import ComposeRequest
 from schemas.retarget import RetargetedOne, RetargetMany, RetargetRequest
 from service.cli.names import JointsOption, joint_pairs
@@ -94,12 +96,13 @@ def retarget(
 ) -> None:
     """Bring a motion, or all that a selection finds, onto the skeleton of another document, as new documents."""
     write_to_the_end()
+    client = opened(database, server)
     selection = {"project": all_of, "motion_name": motion_name, "xpath": xpath}
     selection = {key: value for key, value in selection.items() if value is not None}
     if len(ids) != (1 if selection else 2):
         raise typer.BadParameter("name the motion and the skeleton; with --all-of, --motion-name, --xpath the skeleton")
     asked: dict[str, Any] = {
-        "skeleton": ids[-1],
+        "skeleton": id_of(client, ids[-1]),
         "mapping": mapping if mapping is not None else joint_pairs(joints) or None,
         "clean_feet": clean_feet,
         "project": project,
@@ -108,10 +111,10 @@ def retarget(
     asked = {key: value for key, value in asked.items() if value is not None}
     if selection:
         many = RetargetMany.model_validate(asked | {"selection": selection})
-        _retarget_many(many, database, server, as_json)
+        _retarget_many(client, many, as_json)
         return
     request = RetargetRequest.model_validate(asked | ({} if name is None else {"name": name}))
-    made = opened(database, server).call("retarget", id=ids[0], request=request)
+    made = client.call("retarget", id=id_of(client, ids[0]), request=request)
     if as_json:
         print_json(made)
         return
@@ -127,9 +130,9 @@ def retarget(
         console.print(f"  {notice}", style="yellow")
 
 
-def _retarget_many(request: RetargetMany, database: str | None, server: str | None, as_json: bool) -> None:
+def _retarget_many(client: Client, request: RetargetMany, as_json: bool) -> None:
     made = failed = 0
-    answer = opened(database, server).call("retarget_many", request=request)
+    answer = client.call("retarget_many", request=request)
     for line in lines_of(answer.blocks):
         item = RetargetedOne.model_validate_json(line)
         made += item.made is not None

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
+from mcml.choosing import id_of
 from schemas.elements import ElementChange, ElementEdits
 from service.cli.present import present
 from service.cli.shared import DatabaseOption, JsonOption, MessageOption, RevisionOption, ServerOption, match_of, opened
@@ -41,9 +42,10 @@ def set_(
         raise typer.BadParameter("write NAME=VALUE, or --text TEXT")
     body: dict[str, Any] = {"attributes": {name: value or None for name, _, value in pairs}, "message": message}
     body |= {} if text is None else {"text": text}
-    done = opened(database, server).call(
+    client = opened(database, server)
+    done = client.call(
         "change_element",
-        id=id,
+        id=id_of(client, id),
         xpath=xpath,
         change=ElementChange(**body),
         many=many,
@@ -68,5 +70,6 @@ def move(
     """Take an element from its place and put it beside another, or into it."""
     edit = {"do": "move", "xpath": xpath, "to": to, "where": where}
     request = ElementEdits.model_validate({"edits": [edit], "renumber": renumber, "message": message})
-    done = opened(database, server).call("edit_elements", id=id, request=request, if_match=match_of(revision))
+    client = opened(database, server)
+    done = client.call("edit_elements", id=id_of(client, id), request=request, if_match=match_of(revision))
     present(OPERATIONS["edit_elements"], done, as_json)

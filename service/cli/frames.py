@@ -7,6 +7,7 @@ from typing import Annotated, Any, get_args
 
 import typer
 
+from mcml.choosing import id_of
 from schemas.frames import FrameEdit, FrameEdits
 from service.cli.present import present
 from service.cli.shared import DatabaseOption, JsonOption, MessageOption, RevisionOption, ServerOption, match_of, opened
@@ -72,6 +73,9 @@ def frames(
     unused = sorted(set(edit) - set(kind.model_fields))
     if unused:
         raise typer.BadParameter(f"{do} has no use for {', '.join(unused)}")
+    client = opened(database, server)
+    if source is not None:
+        edit["document"] = id_of(client, source)
     request = FrameEdits.model_validate({"edits": [{"do": do} | edit], "renumber": renumber, "message": message})
-    done = opened(database, server).call("edit_frames", id=id, edits=request, if_match=match_of(revision))
+    done = client.call("edit_frames", id=id_of(client, id), edits=request, if_match=match_of(revision))
     present(OPERATIONS["edit_frames"], done, as_json)

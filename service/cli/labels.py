@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from mcml.choosing import id_of
 from schemas.documents import LabelRequest
 from service.actions.reading.import_options import Label, parse_label
 from service.cli.present import present
@@ -26,7 +27,8 @@ def label(
     """Name frames of a document."""
     write_to_the_end()
     client = opened(database, server)
-    frames = client.call("get_document", id=id).frames
+    found = client.call("get_document", id=id_of(client, id))
+    id, frames = found.id, found.frames
     asked = [_range(parse_label(text), frames) for text in labels]
     added = client.call("add_labels", id=id, labels=asked, strict=strict, if_match="*")
     if as_json:
@@ -50,6 +52,7 @@ def suggest(
     """Find anatomical movements in a motion, as names for its frames."""
     write_to_the_end()
     client = opened(database, server)
+    id = id_of(client, id)
     found = client.call("suggest_labels", id=id, confidence=confidence, facing=facing and facing.upper())
     if accept and found.items:
         asked = [LabelRequest(name=item.name, first=item.first, last=item.last) for item in found.items]

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from mcml.choosing import choose_documents, id_of
 from schemas.names import Alias, SavedAliases
 from schemas.retarget import JointPair, RetargetRequest, SavedMapping
 from service.cli.present import present
@@ -31,7 +32,7 @@ def apply(
         raise typer.BadParameter("name documents, or a --project")
     write_to_the_end()
     client = opened(database, server)
-    wanted = ids or [item.id for item in client.every("list_documents", project=project).items]
+    wanted = [item.id for item in choose_documents(client, ids, project=project)]
     done = 0
     for id in wanted:
         made = client.call("apply_names", id=id, dry_run=dry_run, if_match="*")
@@ -89,8 +90,9 @@ def save(
     client = opened(database, server)
     pairs: dict[str, str] = {}
     if suggest is not None:
-        asked = RetargetRequest(skeleton=suggest[1], preview=True)
-        pairs = {match.target: match.source for match in client.call("retarget", id=suggest[0], request=asked).matches}
+        one, other = (id_of(client, text) for text in suggest)
+        asked = RetargetRequest(skeleton=other, preview=True)
+        pairs = {match.target: match.source for match in client.call("retarget", id=one, request=asked).matches}
     pairs |= {pair.target: pair.source for pair in joint_pairs(joints)}
     if not pairs:
         raise typer.BadParameter("give --joint SOURCE=TARGET, or --suggest ID SKELETON")

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from mcml.choosing import id_of
 from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
 from service.cli.shared import (
     DatabaseOption,
@@ -55,7 +56,7 @@ def xpath(
     form = "json" if as_ == "count" or type_of(parse(text, variables).tree) != "nodes" else as_
     asked: dict[str, Any] = {
         "q": text,
-        "document": document or [],
+        "document": [id_of(client, text) for text in document or ()],
         "project": project,
         "revision": revision,
         "explain": explain,

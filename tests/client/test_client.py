@@ -145,8 +145,8 @@ def test_a_folder_is_stored_and_what_is_wrong_is_told(client: Client, tmp_path: 
 
 
 def test_arguments_are_checked_before_anything_is_asked(client: Client) -> None:
-    with pytest.raises(RequestError, match="no argument 'projct'"):
-        client.call("list_documents", projct="x")
+    with pytest.raises(RequestError, match="no argument 'projectt'"):
+        client.call("list_documents", projectt="x")
     with pytest.raises(RequestError, match="limit"):
         client.call("list_documents", limit=0)
     with pytest.raises(RequestError, match="id is missing"):
