@@ -97,6 +97,20 @@ class SkeletonInfo(BaseModel):
     documents: int
 
 
+class RestPose(BaseModel):
+    """A skeleton in its rest pose. parents: of each joint, -1 at the root. positions: x, y, z in the source's units."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {"joints": ["Root", "waist"], "parents": [-1, 0], "positions": [[0.0, 92.1, 0.0], [0.0, 102.4, -1.2]]}
+        )
+    )
+
+    joints: list[str]
+    parents: list[int]
+    positions: list[list[float]]
+
+
 class SkeletonPage(BaseModel):
     model_config = ConfigDict(
         json_schema_extra=shown(

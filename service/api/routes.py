@@ -21,6 +21,8 @@ from service.operations.operation import Argument, Body, Operation
 
 PREFIX = "/api/v1"
 
+BYTES = "application/octet-stream"
+
 LOOK_SECONDS = 0.25
 """How often a running operation that waits for its client looks whether it is still there."""
 
@@ -184,8 +186,8 @@ def _responses(operation: Operation) -> dict[int | str, dict[str, Any]]:
     said: dict[int | str, dict[str, Any]] = {}
     if operation.media is not None:
         types = {name: {} if shown is None else {"example": shown} for name, shown in operation.media.types.items()}
-        if "application/octet-stream" in types:
-            types["application/octet-stream"]["schema"] = {"type": "string", "format": "binary"}
+        if BYTES in types:
+            types[BYTES]["schema"] = {"type": "string", "format": "binary"}
         said[operation.status] = {"description": operation.media.words, "content": types}
     if operation.unmade:
         said[200] = {"model": operation.model, "description": operation.unmade}
@@ -197,7 +199,9 @@ def _content(operation: Operation) -> dict[str, Any] | None:
     for argument in operation.arguments:
         body = argument.body
         if body is not None:
-            content = {name: {"schema": _schema(name, body), "example": shown} for name, shown in body.types.items()}
+            # Generators of clients know few types of text; this one is read just the same.
+            types = {BYTES: "the same, as bytes", **body.types}
+            content = {name: {"schema": _schema(name, body), "example": shown} for name, shown in types.items()}
             return {"requestBody": {"required": argument.required, "content": content}}
     return None
 
@@ -205,4 +209,4 @@ def _content(operation: Operation) -> dict[str, Any] | None:
 def _schema(media_type: str, body: Body) -> dict[str, Any]:
     if media_type == "application/json" and body.model is not None:
         return body.model.model_json_schema()
-    return {"type": "string"} | ({"format": "binary"} if media_type == "application/octet-stream" else {})
+    return {"type": "string"} | ({"format": "binary"} if media_type == BYTES else {})

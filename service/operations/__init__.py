@@ -97,7 +97,7 @@ _ROWS = [
               "element batch ID EDITS"),
 
     # questions
-    Operation("query", "GET /xpath", STREAMS, READ,
+    Operation("get_query", "GET /xpath", STREAMS, READ,
               "Ask one document or all an XPath question, such as `//frame[motion_name='left-arm-abduction']`.",
               "queries", terse=True, waits=True),
     Operation("post_query", "POST /xpath", STREAMS, READ,
@@ -173,6 +173,8 @@ _ROWS = [
               "catalogues", "motions"),
     Operation("list_skeletons", "GET /skeletons", READS, READ,
               "Skeletons in use.", "catalogues", "skeletons"),
+    Operation("get_rest_pose", "GET /documents/{id}/rest", READS, READ,
+              "The skeleton of a document in its rest pose.", "catalogues", "rest ID"),
     Operation("list_projects", "GET /projects", READS, READ,
               "Projects by name.", "catalogues", "projects"),
 ]

@@ -12,13 +12,17 @@ from schemas.catalogues import (
     MotionNameInUse,
     MotionNameList,
     ProjectList,
+    RestPose,
     SkeletonInfo,
     SkeletonPage,
     UnsupportedFormat,
 )
 from service.formats import FORMATS, UNSUPPORTED
 from service.mcml import joint_names, motion_names
-from service.operations.arguments import InProject, Page
+from service.mcml.elements import to_head
+from service.motion.kinematics import rest_positions
+from service.motion.units import reading_of
+from service.operations.arguments import AtRevision, DocumentId, InProject, Page, at_revision, tag
 from service.operations.call import Call
 
 
@@ -79,6 +83,20 @@ def list_skeletons(call: Call, page: Page, project: InProject = None) -> Skeleto
     return SkeletonPage(
         items=[SkeletonInfo(id=row.id, hash=row.hash, joints=row.joints, documents=row.documents) for row in shown],
         next_cursor=more,
+    )
+
+
+def get_rest_pose(call: Call, id: DocumentId, revision: AtRevision = None) -> RestPose:
+    """What stands where before anything moves, for those who draw a skeleton."""
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        call.tagged(tag(stored, "rest"))
+        head = to_head(then.heads.document(stored), stored.frame_time)
+    positions = rest_positions(head.skeleton, reading_of(head))[: len(head.skeleton.joints)]
+    return RestPose(
+        joints=list(head.skeleton.names),
+        parents=[joint.parent for joint in head.skeleton.joints],
+        positions=positions.round(6).tolist(),
     )
 
 

@@ -34,7 +34,7 @@ _WORDS = "A page of nodes or runs, or all nodes as a stream"
 
 
 @gives(_WORDS, _OTHERS)
-def query(
+def get_query(
     call: Call,
     q: Annotated[str, Field(min_length=1, max_length=10_000, description="An XPath expression", examples=[QUERY])],
     document: Annotated[

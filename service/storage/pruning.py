@@ -5,15 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from sqlalchemy import and_, delete, func, select
+from sqlalchemy import and_, delete, func, insert, select
 
 from service.storage.restoring import REVISIONED
 from service.storage.schema import CURRENT
 from service.storage.seals import SEALS
-from service.storage.tables import commit, content, document, document_upload, revision, track, upload_block
+from service.storage.tables import commit, content, document, document_upload, revision, store, track, upload_block
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction
+
+WHOLE_SINCE = "whole since commit"
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,17 @@ class Old:
 class Pruning:
     def __init__(self, tx: Transaction) -> None:
         self._tx = tx
+
+    def whole_since(self) -> int:
+        """The first commit whose state is whole: earlier ones lack what was pruned or purged."""
+        query = select(store.c.value).where(store.c.name == WHOLE_SINCE)
+        return int(self._tx.connection.execute(query).scalar() or 0)
+
+    def let_go(self, before: int) -> None:
+        """Note that states before a commit are not whole any more."""
+        if before > self.whole_since():
+            self._tx.connection.execute(delete(store).where(store.c.name == WHOLE_SINCE))
+            self._tx.connection.execute(insert(store).values(name=WHOLE_SINCE, value=str(before)))
 
     def commit_before(self, time: str) -> int:
         """The last commit before a time, 0 for none."""
@@ -79,6 +92,7 @@ class Pruning:
     def forget(self, old: Old) -> None:
         """Remove what a document had before."""
         connection = self._tx.connection
+        self.let_go(old.at)
         for table in REVISIONED:
             connection.execute(delete(table).where(table.c.document == old.key, table.c.to_commit <= old.at))
         connection.execute(delete(revision).where(revision.c.document == old.key, revision.c.number < old.keep))

@@ -94,7 +94,7 @@ class Purging:
     def begin(self, key: int) -> None:
         """Let nobody see the document any more, servers that run among them: they list documents after each commit."""
         self._tx.documents.set_state(key, "purging")
-        _ = self._tx.commit
+        self._tx.pruning.let_go(self._tx.commit)
 
     def unfinished(self) -> list[tuple[int, str]]:
         """(key, uuid) of documents whose purge was interrupted."""

@@ -36,7 +36,8 @@ store = Table(
     Column("name", String(32), primary_key=True),
     Column("value", Text, nullable=False),
 )
-"""What a program must agree with to read the rest (`service.storage.layout`), and keys that are not given again."""
+"""What a program must agree with to read the rest (`service.storage.layout`); keys that are not given again; since
+when its history is whole."""
 
 project = Table(
     "project",

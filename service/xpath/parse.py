@@ -64,6 +64,15 @@ class Query:
         """Whether it needs XPath 2.0."""
         return isinstance(self.tree, Written) or _uses_xpath2(self.tree)
 
+    @property
+    def only_saxon(self) -> bool:
+        """Whether Saxon alone can answer it: in XPath 2.0 what stands in an element follows its attributes and
+        namespaces, which libxml2, and with it our columns, has otherwise."""
+        if not self.needs_xpath2:
+            return False
+        axes = {step.axis for part in walk(self.tree) if isinstance(part, Path) for step in part.steps}
+        return "following" in axes and not axes.isdisjoint({"attribute", "namespace"})
+
 
 def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) -> Query:
     """Parses an XPath expression. variables: the values of `$name`.

@@ -79,6 +79,11 @@ class Queries:
         if request.as_ != "json" and kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         with self.database.read(self._commit(request) if cursor is None else cursor.commit) as tx:
+            if cursor is not None and cursor.commit < tx.pruning.whole_since():
+                raise QueryError(
+                    "Some of what the first page was read from was purged or pruned.",
+                    remedy="Begin again without a cursor.",
+                )
             scope = Scope(tx, self.caches.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=request.explain)
             page = _Page(self.caches, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
@@ -208,6 +213,8 @@ class _Asking:
         return scan
 
     def _column_source(self, tree: Expression) -> ColumnSource:
+        if self.query.only_saxon:
+            raise NotOnColumnsError
         found = ColumnSource(self.tx, tree, self.scope, self.engine.caches, self.limits.check)
         indexed = found.start is not None and found.start.indexed
         self._explained("index" if indexed else "columns", found)

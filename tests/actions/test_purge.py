@@ -15,12 +15,13 @@ from schemas.queries import QueryRequest
 from service.actions.analysing.use_result import Results
 from service.actions.editing.change_document import add_labels, delete_document
 from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.actions.keeping.keep_store import backup
+from service.actions.keeping.keep_room import prune_history
+from service.actions.keeping.keep_store import backup, restore
 from service.actions.keeping.purge_documents import finish_purges, purge_documents, purgeable
 from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import Answer
 from service.cli import app
-from service.errors import NotFoundError
+from service.errors import ConflictError, NotFoundError, QueryError
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.schema import metadata
@@ -187,6 +188,38 @@ def test_a_server_that_runs_keeps_nothing_of_it(database: Database) -> None:
         assert answers(running) == read_anew(database)
     running.close()
     elsewhere.close()
+
+
+@pytest.mark.parametrize("how", ["purge", "prune"])
+def test_pages_of_what_is_gone_are_refused(database: Database, how: str) -> None:
+    """The next one would leave out as many items as went, and say nothing."""
+    engine = Queries(database, Settings())
+    ids = [store(database, {f"{name}.bvh": bvh(30)})[0] for name in "ab"]
+    request = QueryRequest(q="//frame/@id", limit=20)
+    early = engine.answer(request).next_cursor
+    with database.write() as tx:
+        add_labels(tx, tx.documents.get(ids[0]), [("walk", 1, 5)])
+    late = engine.answer(request).next_cursor
+    if how == "purge":
+        purge_documents(database, ids[:1])
+        late, cursors = engine.answer(request).next_cursor, [early, late]
+    else:
+        assert prune_history(database, 0, do=True).documents == 1
+        cursors = [early]
+    assert len(engine.answer(request.model_copy(update={"cursor": late})).items or []) in (10, 20)
+    for cursor in cursors:
+        with pytest.raises(QueryError, match="purged or pruned"):
+            engine.answer(request.model_copy(update={"cursor": cursor}))
+    engine.close()
+
+
+def test_a_store_that_held_documents_is_not_filled_again(database: Database, tmp_path: Path) -> None:
+    """What servers keep under the keys of those would be taken for what the backup holds."""
+    uuid = store(database, {"a.bvh": bvh(3)})[0]
+    backup(database, tmp_path / "copy.db")
+    purge_documents(database, [uuid])
+    with pytest.raises(ConflictError, match="or held some"):
+        restore(database, tmp_path / "copy.db")
 
 
 class Nothing(BaseModel):

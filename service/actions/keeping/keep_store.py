@@ -42,8 +42,8 @@ def restore(database: Database, source: Path) -> int:
     if not source.is_file():
         raise StoreError(f"{source} is not a file.", remedy="Name a file that `mcml db backup` wrote.")
     with database.read() as tx:
-        if tx.connection.execute(select(func.count()).select_from(document)).scalar_one():
-            raise ConflictError("The store holds documents already.", remedy="Restore into a new store.")
+        if tx.newest_commit():
+            raise ConflictError("The store holds documents, or held some.", remedy="Restore into a new store.")
     copy = Database(f"sqlite:///{source}")
     try:
         copy.require_schema()
