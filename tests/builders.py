@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from fastapi.testclient import TestClient
 
 from service.actions.importing import import_workers
 from service.actions.importing.import_motion import import_files
 from service.actions.reading.import_options import ImportOptions
-from service.app import create_app
 from service.formats.format import SourceFile
 from service.local_secret import PREFIX
 from service.mcml import joint_names
@@ -20,6 +19,9 @@ from service.motion.skeleton import Skeleton
 from service.settings import Settings
 from service.storage.database import Database
 from tests.c3d_writer import c3d_bytes
+
+if TYPE_CHECKING:
+    from fastapi.testclient import TestClient
 
 
 def bvh(frames: int = 3, seed: int = 0, names: Sequence[str] = ("Hips", "Spine", "Head"), decimals: int = 4) -> bytes:
@@ -258,6 +260,11 @@ def served(
     database: Database, settings: Settings | None = None, *, base_url: str = "http://127.0.0.1:8000"
 ) -> TestClient:
     """The service on a store, asked in process by the owner of the store."""
+    # Here, as programs that kill tests start import this module, and the web application takes longer than their work.
+    from fastapi.testclient import TestClient
+
+    from service.app import create_app
+
     return TestClient(
         create_app(settings or Settings(), database, lambda: SECRET),
         base_url=base_url,

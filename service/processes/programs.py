@@ -34,7 +34,8 @@ def start_program(
 ) -> subprocess.Popen[bytes]:
     """A process that runs `main` of a module, of this very installation."""
     text = f"import sys; sys.path.insert(0, {str(_HOME)!r}); from {module} import main; main()"
-    command = [sys.executable, "-E", "-s", "-P", "-c", text, *arguments]
+    # Packages may be those of a user, or of PYTHONPATH: where they are for this process, they are for that one.
+    command = [sys.executable, "-P", "-c", text, *arguments]
     return subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr)
 
 

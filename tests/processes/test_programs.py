@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import signal
 import subprocess
+from pathlib import Path
 
 import psutil
 import pytest
@@ -27,6 +28,13 @@ def hanging(behaviour: str = "hang") -> subprocess.Popen[bytes]:
 
 def test_what_a_program_writes_is_its_answer() -> None:
     assert read("echo", "name", "5") == b"given name 5"
+
+
+def test_packages_are_those_of_who_starts_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "of_a_user.py").write_text("def main():\n    print('here')\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    with run_reader("of_a_user", stream=io.BytesIO(b""), seconds=60, memory=1 << 30) as answer:
+        assert answer.read() == b"here\n"
 
 
 def test_what_takes_too_long_is_killed() -> None:
