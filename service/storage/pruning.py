@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import and_, delete, func, insert, select
 
+from service.errors import NotFoundError
 from service.storage.restoring import REVISIONED
 from service.storage.schema import CURRENT
 from service.storage.seals import SEALS
@@ -38,6 +39,14 @@ class Pruning:
         """The first commit whose state is whole: earlier ones lack what was pruned or purged."""
         query = select(store.c.value).where(store.c.name == WHOLE_SINCE)
         return int(self._tx.connection.execute(query).scalar() or 0)
+
+    def require_whole_since(self, commit: int) -> None:
+        """NotFoundError where something was pruned or purged since it was so: what is read further would lack it."""
+        if self.whole_since() != commit:
+            raise NotFoundError(
+                "Some of what was read before was purged or pruned since.",
+                remedy="Ask again, without a cursor.",
+            )
 
     def let_go(self, before: int) -> None:
         """Note that states before a commit are not whole any more."""

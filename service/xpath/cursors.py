@@ -16,14 +16,20 @@ from service.storage.database import LATEST
 
 @dataclass(frozen=True, slots=True)
 class Cursor:
-    """commit: the state that is read. offset: items on the pages before. check: of the question it belongs to."""
+    """commit: the state that is read. whole_since: which states were whole then. offset: items on the pages before.
+    check: of the question it belongs to."""
 
     commit: int
+    whole_since: int
     offset: int
     check: int
 
     def __str__(self) -> str:
-        return base64.urlsafe_b64encode(orjson.dumps([self.commit, self.offset, self.check])).decode().rstrip("=")
+        return (
+            base64.urlsafe_b64encode(orjson.dumps([self.commit, self.whole_since, self.offset, self.check]))
+            .decode()
+            .rstrip("=")
+        )
 
 
 def question(request: QueryRequest) -> int:
@@ -37,9 +43,9 @@ def read_cursor(request: QueryRequest) -> Cursor | None:
         return None
     try:
         text = request.cursor + "=" * (-len(request.cursor) % 4)
-        commit, offset, check = (int(part) for part in orjson.loads(base64.urlsafe_b64decode(text)))
+        commit, since, offset, check = (int(part) for part in orjson.loads(base64.urlsafe_b64decode(text)))
     except (binascii.Error, ValueError, TypeError, OverflowError):
-        commit, offset, check = -1, -1, -1
+        commit, since, offset, check = -1, -1, -1, -1
     if check != question(request) or not (0 <= commit < LATEST and 0 <= offset < LATEST):
         raise QueryError("This cursor belongs to another question.", remedy="Begin again without a cursor.")
-    return Cursor(commit, offset, check)
+    return Cursor(commit, since, offset, check)

@@ -79,11 +79,8 @@ class Queries:
         if request.as_ != "json" and kind not in ("nodes", "sequence"):
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         with self.database.read(self._commit(request) if cursor is None else cursor.commit) as tx:
-            if cursor is not None and cursor.commit < tx.pruning.whole_since():
-                raise QueryError(
-                    "Some of what the first page was read from was purged or pruned.",
-                    remedy="Begin again without a cursor.",
-                )
+            if cursor is not None:
+                tx.pruning.require_whole_since(cursor.whole_since)
             scope = Scope(tx, self.caches.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, wants_explain=request.explain)
             page = _Page(self.caches, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
@@ -113,7 +110,8 @@ class Queries:
                 parts = collect(asking.nodes(), request.limit)
             except (TooWideError, TooLongError, NotOnColumnsError):
                 return Shown(asking.on_xml(request.limit))
-        return Answer(self.database, self.caches, commit, parts)
+            since = tx.pruning.whole_since()
+        return Answer(self.database, self.caches, commit, since, parts)
 
     def addresses(self, request: QueryRequest) -> list[str]:
         """The canonical addresses of all nodes of an answer (or the first `limit`). Raises as `answer` does, and
@@ -348,7 +346,7 @@ class _Page:
             return None
         commit = min(tx.newest_commit(), tx.at)
         following = self.offset + (self.limit if shown is None else shown)
-        return str(Cursor(commit, following, question(self.request)))
+        return str(Cursor(commit, tx.pruning.whole_since(), following, question(self.request)))
 
 
 def _kind(tree: Expression) -> Kind:

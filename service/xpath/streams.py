@@ -43,13 +43,16 @@ class BatchNodes:
 
 
 class Answer:
-    """The nodes of an answer. total: how many."""
+    """The nodes of an answer. total: how many. whole_since: which states were whole when they were found."""
 
-    def __init__(self, database: Database, caches: Caches, commit: int, parts: list[BatchNodes]) -> None:
+    def __init__(
+        self, database: Database, caches: Caches, commit: int, whole_since: int, parts: list[BatchNodes]
+    ) -> None:
         self.total = sum(len(part.nodes) for part in parts)
         self._database = database
         self._caches = caches
         self._commit = commit
+        self._whole_since = whole_since
         self._parts = parts
 
     def read(self) -> AbstractContextManager[Transaction]:
@@ -66,6 +69,7 @@ class Answer:
                     documents = [part.documents[place] for place in places.tolist()]
                     nodes = (renumbered.reshape(-1).astype(np.int64) << DOCUMENT_SHIFT) | (some & _INSIDE)
                 with self.read() as tx:
+                    tx.pruning.require_whole_since(self._whole_since)
                     forest = Forest(tx, documents, self._caches, whole_heads=part.whole_heads)
                     made = show(forest, nodes)
                 # Not within the transaction: whoever reads slowly would hold it.

@@ -21,7 +21,7 @@ from service.actions.keeping.purge_documents import finish_purges, purge_documen
 from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import Answer
 from service.cli import app
-from service.errors import ConflictError, NotFoundError, QueryError
+from service.errors import ConflictError, NotFoundError
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.schema import metadata
@@ -196,20 +196,27 @@ def test_pages_of_what_is_gone_are_refused(database: Database, how: str) -> None
     engine = Queries(database, Settings())
     ids = [store(database, {f"{name}.bvh": bvh(30)})[0] for name in "ab"]
     request = QueryRequest(q="//frame/@id", limit=20)
-    early = engine.answer(request).next_cursor
+    pages = [engine.answer(request).next_cursor]
     with database.write() as tx:
         add_labels(tx, tx.documents.get(ids[0]), [("walk", 1, 5)])
-    late = engine.answer(request).next_cursor
+    pages.append(engine.answer(request).next_cursor)
+    shown = engine.stream(request.model_copy(update={"limit": None})).shown(lambda forest, nodes: len(nodes))  # type: ignore[union-attr]
     if how == "purge":
-        purge_documents(database, ids[:1])
-        late, cursors = engine.answer(request).next_cursor, [early, late]
+        purge_documents(database, ids[1:])
     else:
         assert prune_history(database, 0, do=True).documents == 1
-        cursors = [early]
-    assert len(engine.answer(request.model_copy(update={"cursor": late})).items or []) in (10, 20)
-    for cursor in cursors:
-        with pytest.raises(QueryError, match="purged or pruned"):
+    for cursor in pages:
+        with pytest.raises(NotFoundError, match="purged or pruned"):
             engine.answer(request.model_copy(update={"cursor": cursor}))
+    with pytest.raises(NotFoundError, match="purged or pruned"):
+        next(shown)
+    if how == "purge":
+        # What is asked from now on has all its pages, of earlier revisions too.
+        request = request.model_copy(update={"document": ids[:1], "revision": 1})
+    cursor = engine.answer(request).next_cursor
+    assert len(engine.answer(request.model_copy(update={"cursor": cursor})).items or []) == (
+        10 if how == "purge" else 20
+    )
     engine.close()
 
 

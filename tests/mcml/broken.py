@@ -71,7 +71,7 @@ def mutate(random: Random, document: bytes) -> bytes:
     kind = random.choice(["remove", "rename", "double", "swap", "text", "tail", "drop", "add", "comment"])
     if kind == "remove" and parent is not None:
         parent.remove(node)
-    elif kind == "rename":
+    elif kind == "rename" and node.tag not in OTHER_RULES:
         node.tag = random.choice(TAGS)
     elif kind == "double" and parent is not None:
         parent.insert(parent.index(node), copy.deepcopy(node))
