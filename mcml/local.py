@@ -33,8 +33,6 @@ class Local(Client):
             answer = operation.run(call, given)
             if isinstance(answer, Content):
                 answer.blocks = _holding(held.pop_all(), answer.blocks)
-            elif call.tag is not None:
-                self.tag = call.tag
         return answer
 
     def queue(self) -> None:

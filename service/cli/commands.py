@@ -22,7 +22,15 @@ from pydantic.fields import FieldInfo
 from mcml.choosing import id_of
 from mcml.client import Client
 from service.cli.present import present
-from service.cli.shared import DatabaseOption, JsonOption, ServerOption, opened, write_blocks, write_to_the_end
+from service.cli.shared import (
+    DatabaseOption,
+    ForceOption,
+    JsonOption,
+    ServerOption,
+    opened,
+    write_blocks,
+    write_to_the_end,
+)
 from service.errors import McmlError
 from service.operations import OPERATIONS
 from service.operations.arguments import DocumentId, Documents
@@ -68,7 +76,7 @@ def _command(operation: Operation) -> Callable[..., None]:
             write_to_the_end()
         as_json = values.pop("as_json", False)
         client = opened(values.pop("database"), values.pop("server"))
-        output = values.pop("output", None)
+        output, force = values.pop("output", None), values.pop("force", False)
         given = _given(client, operation, slots, values)
         try:
             answer = _asked(client, operation, given)
@@ -76,7 +84,7 @@ def _command(operation: Operation) -> Callable[..., None]:
             file = next((value for value in values.values() if isinstance(value, Path)), None)
             raise error if file is None else error.in_file(file.name) from error
         if isinstance(answer, Content):
-            write_blocks(answer.blocks if output else _ended(answer), output)
+            write_blocks(answer.blocks if output else _ended(answer), output, force=force)
         else:
             present(operation, answer, as_json)
 
@@ -119,6 +127,7 @@ def _slots(operation: Operation) -> list[_Slot]:
     if "output" in words:
         place = Annotated[Path, typer.Argument(help="File to write")]
         found.append(_Slot("output", None, None, place, inspect.Parameter.empty))
+        found.append(_Slot("force", None, None, ForceOption, False))
     # Arguments come in the order of the words, options behind them.
     order = list(words)
     return sorted(found, key=lambda slot: order.index(slot.name) if slot.name in order else len(order))

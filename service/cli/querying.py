@@ -12,6 +12,7 @@ from mcml.choosing import id_of
 from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
 from service.cli.shared import (
     DatabaseOption,
+    ForceOption,
     JsonOption,
     ServerOption,
     console,
@@ -40,6 +41,7 @@ def xpath(
         list[str] | None, typer.Option("--var", help="name=value, for $name in the expression; may be repeated")
     ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Write xml, ndjson or csv to this file")] = None,
+    force: ForceOption = False,
     explain: Annotated[bool, typer.Option(help="Say how the query ran")] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
@@ -64,7 +66,7 @@ def xpath(
     }
     if form in STREAMS:
         found = client.call("post_query", request=QueryRequest(**asked, limit=limit, **{"as": form}))
-        write_blocks(found.blocks, output)
+        write_blocks(found.blocks, output, force=force)
         return
     limit = limit or 1000
     request = QueryRequest(**asked, limit=limit, **{"as": form})
