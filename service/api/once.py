@@ -56,7 +56,10 @@ def done_once(operation: Operation, call: Call, key: str, given: dict[str, Any],
     location = None if call.created is None else f"/api/v1/{call.created}"
     with database.write(author) as tx:
         tx.requests.end(author, key, status, location, text)
-    return _response(status, location, text)
+    answered = _response(status, location, text)
+    if call.tag is not None:
+        answered.headers["etag"] = f'"{call.tag}"'
+    return answered
 
 
 def _again(operation: Operation, digest: str, before: Remembered) -> Response:

@@ -12,6 +12,8 @@ from fastapi.responses import FileResponse, HTMLResponse
 from service.actions.checking.describe_problem import STATUS_OF, slug
 from service.api.policy import page_policy
 from service.errors import NotFoundError
+from service.mcml.elements import to_head
+from service.motion.skeleton import Convention
 from service.resources import dtd_path
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
@@ -21,6 +23,8 @@ router = APIRouter(include_in_schema=False)
 _SWAGGER = Path(fastapi_offline.__file__).parent / "static"
 _ASSETS = ("swagger-ui-bundle.js", "swagger-ui.css", "favicon.png")
 _SHOWN = 200
+_EXPORTS = {False: ("bvh", "asf-amc", "htr"), True: ("c3d", "trc")}
+"""Formats that can hold a document, by whether it has markers in the place of a body."""
 
 _REFERENCE = 'SwaggerUIBundle({url:"/openapi.json",dom_id:"#swagger-ui",deepLinking:true,validatorUrl:null})'
 
@@ -52,9 +56,15 @@ def front_page(request: Request) -> HTMLResponse:
         found = tx.documents.page(DocumentFilter(), after=None, limit=_SHOWN, newest_first=True)
         total = tx.documents.count(DocumentFilter())
         names = {stored.key: {span.name: None for span in tx.spans.of(stored.key)} for stored in found}
+        # Documents share skeletons: one of each is looked at.
+        of_skeleton = {stored.skeleton: stored for stored in found}
+        markers = {
+            key: to_head(tx.heads.document(one)).skeleton.joints[0].convention is Convention.MARKER
+            for key, one in of_skeleton.items()
+        }
         counts = tx.spans.counts()
     base = html.escape(str(request.base_url).rstrip("/"))
-    rows = "".join(_row(stored, list(names[stored.key])) for stored in found)
+    rows = "".join(_row(stored, list(names[stored.key]), markers[stored.skeleton]) for stored in found)
     more = "" if total <= _SHOWN else f"<p>The newest {_SHOWN} of {total:,} documents.</p>"
     example = counts[0][0] if counts else "walk"
     return page(
@@ -86,10 +96,10 @@ def page(title: str, body: str, *, status: int = 200, forms: bool = False) -> HT
     )
 
 
-def _row(stored: StoredDocument, names: list[str]) -> str:
+def _row(stored: StoredDocument, names: list[str], markers: bool) -> str:
     address = f"/api/v1/documents/{stored.uuid}"
     exports = " ".join(
-        f'<a href="{address}/export?format={name}" title="as {name}">{name}</a>' for name in ("bvh", "asf-amc", "htr")
+        f'<a href="{address}/export?format={name}" title="as {name}">{name}</a>' for name in _EXPORTS[markers]
     )
     labels = ", ".join(html.escape(name) for name in names[:8]) + (" …" if len(names) > 8 else "")
     return (

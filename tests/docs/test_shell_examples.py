@@ -51,11 +51,12 @@ def served_library(page: Path, request: pytest.FixtureRequest, sqlite_template: 
     """What a page is about: the demo library for those with analyses, else a walk and a reach in the project gait."""
     path = tmp_path / "store.db"
     demo = page.name in ("README.md", "analyses.md")
+    alone = demo or page.name == "stories.md" or "tasks" in page.parts
     shutil.copy(request.getfixturevalue("library") if demo else sqlite_template, path)
     database = Database(f"sqlite:///{path}")
     files = demo_files()
     walk, reach = {"walk.bvh": files.pop("walk.bvh")}, files
-    if "tasks" not in page.parts and not demo:
+    if not alone:
         labels = (Label("walk"), Label("left-leg-flexion", 20, 60))
         store(database, walk, project="gait", name="walk", labels=labels, unit="cm")
         store(database, reach, project="gait", name="reach", frame_time="0.0166667", unit="cm")
