@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 from importlib import import_module
@@ -20,7 +20,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from service.errors import RequestError
-from service.operations.call import Call
+from service.operations.call import Call, Content
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Mark = TypeVar("Mark")
@@ -75,7 +75,7 @@ class Argument:
     """One argument of an operation.
 
     name: in Python and on the command line. wire: what a request calls it. kind: its type with constraints, as
-    pydantic reads it. path: the names of the dataclasses and fields that lead to it in the call.
+    pydantic reads it. group: the parameter of the function that it is a field of, None where it is one itself.
     """
 
     name: str
@@ -84,7 +84,7 @@ class Argument:
     kind: Any
     field: FieldInfo
     default: Any
-    path: tuple[str, ...]
+    group: str | None
 
     @property
     def required(self) -> bool:
@@ -188,17 +188,34 @@ class Operation:
         return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
 
     @cached_property
+    def groups(self) -> dict[str, type]:
+        """Parameters of the function that are dataclasses of arguments."""
+        hints = get_type_hints(self.function, include_extras=True)
+        return {
+            name: kind
+            for name, kind in hints.items()
+            if isinstance(kind, type) and is_dataclass(kind) and kind not in (Call, Content)
+        }
+
+    @cached_property
     def arguments(self) -> tuple[Argument, ...]:
         hints = get_type_hints(self.function, include_extras=True)
         parameters = list(inspect.signature(self.function).parameters.values())[1:]
-        found = [one for item in parameters for one in _arguments(self, hints[item.name], item.name, item.default, ())]
+        found = [one for item in parameters for one in _arguments(self, hints[item.name], item.name, item.default)]
         if any(argument.place == "file" for argument in found):
             found = [_in_form(argument) for argument in found]
         return tuple(found)
 
     def run(self, call: Call, given: Mapping[str, Any]) -> Any:
         """The answer. given: checked values by the names of the arguments."""
-        return self.function(call, **_gathered(self.function, self.arguments, given))
+        values: dict[str, Any] = {}
+        parts: dict[str, dict[str, Any]] = {name: {} for name in self.groups}
+        for argument in self.arguments:
+            if argument.name in given:
+                place = values if argument.group is None else parts[argument.group]
+                place[argument.name] = given[argument.name]
+        grouped = {name: self.groups[name](**stated) for name, stated in parts.items()}
+        return self.function(call, **values, **grouped)
 
     def checked(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Values as the arguments' types have them. RequestError for an unknown name, or a value that does not fit."""
@@ -222,13 +239,15 @@ def gives(words: str, types: Mapping[str, Any]) -> Callable[[Function], Function
     return said
 
 
-def _arguments(operation: Operation, kind: Any, name: str, default: Any, above: tuple[str, ...]) -> Iterator[Argument]:
+def _arguments(
+    operation: Operation, kind: Any, name: str, default: Any, group: str | None = None
+) -> Iterator[Argument]:
     """An argument, or those in a dataclass of arguments."""
     if is_dataclass(kind):
         hints = get_type_hints(kind, include_extras=True)
         for field in fields(kind):
             value = inspect.Parameter.empty if field.default is MISSING else field.default
-            yield from _arguments(operation, hints[field.name], field.name, value, (*above, name))
+            yield from _arguments(operation, hints[field.name], field.name, value, name)
         return
     marks = get_args(kind)[1:] if get_origin(kind) is Annotated else ()
     field_info = next((mark for mark in marks if isinstance(mark, FieldInfo)), FieldInfo())
@@ -245,7 +264,7 @@ def _arguments(operation: Operation, kind: Any, name: str, default: Any, above: 
         place = "file"
     elif _is_model(bare):
         place = "body"
-    yield Argument(name, wire, place, kind, field_info, default, (*above, name))
+    yield Argument(name, wire, place, kind, field_info, default, group)
 
 
 def _is_model(kind: Any) -> bool:
@@ -256,24 +275,4 @@ def _is_model(kind: Any) -> bool:
 def _in_form(argument: Argument) -> Argument:
     if argument.place != "query":
         return argument
-    return Argument(
-        argument.name, argument.wire, "form", argument.kind, argument.field, argument.default, argument.path
-    )
-
-
-def _gathered(
-    function: Callable[..., Any], arguments: tuple[Argument, ...], given: Mapping[str, Any]
-) -> dict[str, Any]:
-    """Flat values as the function takes them: dataclasses of arguments put together again."""
-    hints = get_type_hints(function, include_extras=True)
-    tree: dict[str, Any] = {}
-    for argument in arguments:
-        place = tree
-        for step in argument.path[:-1]:
-            place = place.setdefault(step, {})
-        if argument.name in given:
-            place[argument.name] = given[argument.name]
-    return {
-        name: hints[name](**value) if is_dataclass(hints[name]) and isinstance(value, dict) else value
-        for name, value in tree.items()
-    }
+    return replace(argument, place="form")
