@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any, TypeAlias
 
 # Before NumPy is imported. Tests run on all cores already: where several processes let BLAS take all of them too, its
 # threads wait for each other, and a decomposition of a second takes ten.
@@ -19,6 +21,8 @@ from service.settings import Settings
 from service.storage.database import Database
 from tests import postgres
 from tests.builders import served
+
+StoreOf: TypeAlias = Callable[[str, Callable[[TestClient], Any]], tuple[TestClient, Any]]
 
 settings.register_profile(
     "default", deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), print_blob=True
@@ -87,15 +91,38 @@ def kind(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
+@pytest.fixture(scope="module")
+def store_of(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[StoreOf]:
+    """(kind, how it is filled) to the service on a store that the tests of a module share, which only read it."""
+    with ExitStack() as stack:
+        made: dict[str, tuple[TestClient, Any]] = {}
+
+        def of(kind: str, fill: Callable[[TestClient], Any]) -> tuple[TestClient, Any]:
+            if kind not in made:
+                database = Database(stack.enter_context(_new_store(kind, tmp_path_factory.mktemp("store"), request)))
+                stack.callback(database.close)
+                client = stack.enter_context(served(database))
+                made[kind] = client, fill(client)
+            return made[kind]
+
+        yield of
+
+
+@contextmanager
+def _new_store(kind: str, folder: Path, request: pytest.FixtureRequest) -> Iterator[str]:
+    """The address of a new, empty store."""
+    if kind == "sqlite":
+        shutil.copy(request.getfixturevalue("sqlite_template"), folder / "store.db")
+        yield f"sqlite:///{folder / 'store.db'}"
+        return
+    with postgres.new_database(request.getfixturevalue("postgres_template"), "template_store") as url:
+        yield url
+
+
 @pytest.fixture
 def database_url(kind: str, request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
     """The address of a new, empty store."""
-    if kind == "sqlite":
-        template = request.getfixturevalue("sqlite_template")
-        shutil.copy(template, tmp_path / "store.db")
-        yield f"sqlite:///{tmp_path / 'store.db'}"
-        return
-    with postgres.new_database(request.getfixturevalue("postgres_template"), "template_store") as url:
+    with _new_store(kind, tmp_path, request) as url:
         yield url
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from typing import Any
+from typing import Any, TypeAlias
 
 import pytest
 from fastapi.testclient import TestClient
@@ -13,6 +13,7 @@ from lxml import etree
 from service.settings import Settings
 from service.storage.database import Database
 from tests.builders import ASF, HTR, MCML, amc, bvh, served, upload
+from tests.conftest import StoreOf
 
 API = "/api/v1"
 PARSER = etree.XMLParser(remove_blank_text=True)
@@ -26,9 +27,16 @@ FILES = {
 }
 
 
+Trees: TypeAlias = list[tuple[str, etree._ElementTree]]
+
+
 @pytest.fixture
-def library(client: TestClient) -> tuple[TestClient, list[tuple[str, etree._ElementTree]]]:
-    """A small library of every format with labels, and each document as a tree, by name."""
+def library(kind: str, store_of: StoreOf) -> tuple[TestClient, Trees]:
+    """A small library of every format with labels, and each document as a tree, by name. For tests that only read."""
+    return store_of(kind, filled)
+
+
+def filled(client: TestClient) -> Trees:
     upload(client, FILES)
     for number, label in enumerate(("walk", "left-arm-abduction")):
         for item in client.get(f"{API}/documents").json()["items"]:
@@ -40,7 +48,7 @@ def library(client: TestClient) -> tuple[TestClient, list[tuple[str, etree._Elem
     for item in client.get(f"{API}/documents").json()["items"]:
         content = client.get(f"{API}/documents/{item['id']}/mcml").content
         trees.append((item["id"], etree.parse(io.BytesIO(content), PARSER)))
-    return client, trees
+    return trees
 
 
 def all_items(client: TestClient, limit: int, **parameters: object) -> list[dict[str, object]]:
@@ -81,7 +89,7 @@ EXPRESSIONS = [
 
 
 @pytest.mark.parametrize("expression", EXPRESSIONS)
-def test_nodes_are_libxml2s(library: tuple[TestClient, list[tuple[str, etree._ElementTree]]], expression: str) -> None:
+def test_nodes_are_libxml2s(library: tuple[TestClient, Trees], expression: str) -> None:
     client, trees = library
     wanted = []
     for uuid, tree in trees:
@@ -101,7 +109,7 @@ def test_nodes_are_libxml2s(library: tuple[TestClient, list[tuple[str, etree._El
     assert found == wanted
 
 
-def test_runs_are_maximal_ranges(library: tuple[TestClient, list[tuple[str, etree._ElementTree]]]) -> None:
+def test_runs_are_maximal_ranges(library: tuple[TestClient, Trees]) -> None:
     client, trees = library
     for expression in (
         "//frame[motion_name='left-arm-abduction']",
@@ -126,7 +134,7 @@ def test_runs_are_maximal_ranges(library: tuple[TestClient, list[tuple[str, etre
         assert [[run["document"], run["first"], run["last"]] for run in runs] == wanted
 
 
-def test_scalars(library: tuple[TestClient, list[tuple[str, etree._ElementTree]]]) -> None:
+def test_scalars(library: tuple[TestClient, Trees]) -> None:
     client, trees = library
 
     def ask(expression: str, **more: object) -> dict[str, object]:
@@ -150,7 +158,7 @@ def test_scalars(library: tuple[TestClient, list[tuple[str, etree._ElementTree]]
     assert ask("concat('a', 'b')") == {"type": "string", "value": "ab", "complete": True, "warnings": []}
 
 
-def test_nth_counts_over_all_documents(library: tuple[TestClient, list[tuple[str, etree._ElementTree]]]) -> None:
+def test_nth_counts_over_all_documents(library: tuple[TestClient, Trees]) -> None:
     client, _trees = library
     for inner in ("//frame[motion_name='walk']", "//bone/name", "//frame[motion_name='walk']/frame_bone[@name='Root']"):
         everything = all_items(client, 400, q=inner)
@@ -160,10 +168,8 @@ def test_nth_counts_over_all_documents(library: tuple[TestClient, list[tuple[str
         assert all_items(client, 5, q=f"({inner})[{len(everything) + 1}]") == []
 
 
-def test_pages_stay_as_they_were_while_others_write(
-    library: tuple[TestClient, list[tuple[str, etree._ElementTree]]],
-) -> None:
-    client, _trees = library
+def test_pages_stay_as_they_were_while_others_write(client: TestClient) -> None:
+    filled(client)
     expression = {"q": "//frame[motion_name='left-arm-abduction']", "limit": 2}
     before = all_items(client, 1000, q=expression["q"])
     first = client.get(f"{API}/xpath", params=expression).json()

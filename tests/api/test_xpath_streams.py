@@ -20,6 +20,7 @@ from service.xpath.limits import Limits
 from service.xpath.run import Queries
 from service.xpath.writing import STREAMS
 from tests.builders import HTR, MCML, bvh, upload
+from tests.conftest import StoreOf
 
 API = "/api/v1"
 FIELDS = ("document", "revision", "kind", "address", "value")
@@ -37,10 +38,21 @@ EXPRESSIONS = [
 
 
 @pytest.fixture
-def library(client: TestClient) -> TestClient:
+def library(kind: str, store_of: StoreOf) -> TestClient:
+    """For tests that only read."""
+    return store_of(kind, filled)[0]
+
+
+@pytest.fixture
+def own_library(client: TestClient) -> TestClient:
+    """For one that writes."""
+    filled(client)
+    return client
+
+
+def filled(client: TestClient) -> None:
     upload(client, {"a_long.bvh": bvh(2500)}, label="walk")
     upload(client, {"b_hand.mcml": MCML, "c_two.htr": HTR})
-    return client
 
 
 def pages(client: TestClient, text: str) -> list[dict[str, Any]]:
@@ -101,15 +113,15 @@ def test_frames_without_samples_are_shown(client: TestClient) -> None:
 
 @pytest.mark.parametrize("form", ["xml", "ndjson", "csv"])
 @pytest.mark.parametrize("text", ["/mcml", "/mcml/motion"])
-def test_a_document_is_written_while_it_is_read(library: TestClient, form: str, text: str) -> None:
+def test_a_document_is_written_while_it_is_read(own_library: TestClient, form: str, text: str) -> None:
     """Frames are read piece after piece, all as they were when the question was asked."""
-    (document,) = (item for item in library.get(f"{API}/documents").json()["items"] if item["name"] == "a_long")
+    (document,) = (item for item in own_library.get(f"{API}/documents").json()["items"] if item["name"] == "a_long")
     asked = {"q": text, "as": form, "document": document["id"]}
-    before = library.get(f"{API}/xpath", params=asked).content
-    queries: Queries = library.app.state.repository.queries  # type: ignore[attr-defined]
+    before = own_library.get(f"{API}/xpath", params=asked).content
+    queries: Queries = own_library.app.state.repository.queries  # type: ignore[attr-defined]
     content = STREAMS[form][0](queries.stream(QueryRequest(q=text, document=[document["id"]])))
     read = [next(content) for _ in range(3)]
-    changed = library.patch(
+    changed = own_library.patch(
         f"{API}/documents/{document['id']}/elements",
         params={"xpath": "/mcml/motion/frame[2500]/frame_bone[2]"},
         json={"attributes": {"Rx": "1234.5"}},
@@ -117,7 +129,7 @@ def test_a_document_is_written_while_it_is_read(library: TestClient, form: str, 
     )
     assert changed.is_success
     assert b"".join([*read, *content]) == before
-    after = library.get(f"{API}/xpath", params=asked).content
+    after = own_library.get(f"{API}/xpath", params=asked).content
     assert b"1234.5" in after
     assert b"1234.5" not in before
 
