@@ -45,6 +45,11 @@ table { border-collapse: collapse; width: 100%; background: var(--panel) }
 th, td { text-align: left; padding: 6px 10px; border-bottom: 1px solid var(--line); vertical-align: top }
 th { color: var(--dim); font-weight: 600 }
 .n { text-align: right; font-variant-numeric: tabular-nums }
+input, button { font: inherit; color: var(--text); background: var(--panel); border: 1px solid var(--line);
+  border-radius: 6px; padding: 7px 12px }
+button { color: var(--bg); background: var(--accent); border-color: var(--accent); font-weight: 600; cursor: pointer }
+label input { margin: 0 10px }
+:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px }
 pre { background: var(--panel); padding: 12px; overflow: auto; border-radius: 6px }
 """
 
