@@ -7,8 +7,10 @@ from typing import Annotated
 import typer
 
 from mcml.choosing import choose_documents, id_of
-from schemas.names import Alias, SavedAliases
+from schemas.documents import DocumentSummary
+from schemas.names import Alias, AppliedNames, SavedAliases
 from schemas.retarget import JointPair, RetargetRequest, SavedMapping
+from service.cli.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, for_each
 from service.cli.present import present
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, write_to_the_end
 from service.errors import NotFoundError
@@ -20,30 +22,40 @@ JointsOption = Annotated[
 
 
 def apply(
-    ids: Annotated[list[str] | None, typer.Argument(metavar="[ID]...", help="Documents; default all")] = None,
-    project: Annotated[str | None, typer.Option(help="All documents of this project")] = None,
+    ids: IdsArgument = None,
+    project: ProjectOption = None,
+    motion_name: MotionNameOption = None,
+    xpath: XPathOption = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be renamed; change nothing")] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Give joints the names that an import would give them now, each document as a revision that undo takes back."""
-    if ids and project is not None:
-        raise typer.BadParameter("name documents, or a --project")
+    """Give joints the names that an import would give them now, each document as a revision that undo takes back.
+
+    All documents, unless some are named or chosen.
+    """
     write_to_the_end()
     client = opened(database, server)
-    wanted = [item.id for item in choose_documents(client, ids, project=project)]
-    done = 0
-    for id in wanted:
-        made = client.call("apply_names", id=id, dry_run=dry_run, if_match="*")
-        done += bool(made.items)
+    options = {"project": project, "motion_name": motion_name, "xpath": xpath}
+    if ids and any(option is not None for option in options.values()):
+        raise typer.BadParameter("name documents, or choose them by --project, --motion-name, --xpath")
+    found = choose_documents(client, ids, **options)
+    made: list[AppliedNames] = []
+
+    def apply_one(item: DocumentSummary) -> None:
+        made.append(client.call("apply_names", id=item.id, dry_run=dry_run, if_match="*"))
+        for name in made[-1].items if not as_json else ():
+            console.print(f"{item.id}  {name.source}: {name.before} -> {name.after}")
+
+    try:
+        for_each(found, apply_one)
+    finally:
         if as_json:
-            print_json(made)
-            continue
-        for item in made.items:
-            console.print(f"{id}  {item.source}: {item.before} -> {item.after}")
-    if not as_json:
-        console.print(f"{done} of {len(wanted)} documents {'would be' if dry_run else 'were'} changed")
+            print_json({"items": [item.model_dump() for item in made]})
+        else:
+            done = sum(bool(item.items) for item in made)
+            console.print(f"{done} of {len(found)} documents {'would be' if dry_run else 'were'} changed")
 
 
 def alias(

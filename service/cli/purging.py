@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from mcml.choosing import choose_documents
+from mcml.local import Local
+from service.cli.choosing import YesOption
 from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
 from service.errors import McmlError
 
@@ -19,17 +22,29 @@ def purge(
     deleted_before: Annotated[
         float | None, typer.Option(min=0, help="Also all documents that were deleted so many days ago or longer")
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="Do it; without, what would go is shown")] = False,
+    project: Annotated[str | None, typer.Option(help="Also all documents of this project that are not deleted")] = None,
+    motion_name: Annotated[str | None, typer.Option(help="Of those, the ones with a frame of this name")] = None,
+    xpath: Annotated[
+        str | None, typer.Option("--xpath", help="Of those, the ones in which this finds something")
+    ] = None,
+    yes: YesOption = False,
     database: DatabaseOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Remove documents for good: all revisions and files, and what was made of them alone. Nothing brings them back."""
-    if not ids and deleted_before is None:
-        raise McmlError("Nothing is named.", remedy="Name full ids, or --deleted-before DAYS.")
+    chooses = any(option is not None for option in (project, motion_name, xpath))
+    if not ids and deleted_before is None and not chooses:
+        raise McmlError("Nothing is named.", remedy="Name full ids, --deleted-before DAYS, or --project NAME.")
     from service.actions.keeping.purge_documents import purge_documents, purgeable
 
-    store = open_database(chosen_settings(database))
-    found = purgeable(store, ids or [], deleted_before)
+    settings = chosen_settings(database)
+    store = open_database(settings)
+    wanted = list(ids or ())
+    if chooses:
+        with Local(store, settings) as client:
+            chosen = choose_documents(client, project=project, motion_name=motion_name, xpath=xpath)
+            wanted += [item.id for item in chosen]
+    found = purgeable(store, wanted, deleted_before)
     done = 0
     if yes:
         done = purge_documents(store, [one.uuid for one in found])

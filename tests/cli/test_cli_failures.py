@@ -172,3 +172,13 @@ def test_what_deletes_or_moves_shows_its_matches_first(mcml: Mcml) -> None:  # n
     assert mcml("show", gone["name"])[0] == 0
     assert mcml("delete", "nobody", "--yes")[0] == 1
     assert mcml("delete")[0] == 2
+
+
+def test_what_is_purged_may_be_chosen(mcml: Mcml) -> None:  # noqa: F811
+    mcml("import", "walk.bvh", "--project", "gait", "--label", "walk:1-9")
+    mcml("import", "two.htr", "--project", "gait")
+    code, output, _ = mcml("purge", "--project", "gait", "--motion-name", "walk")
+    assert (code, "walk" in output, "two" in output) == (0, True, False)
+    assert mcml("purge", "--project", "gait", "--xpath", "//frame[motion_name='walk']", "--yes")[0] == 0
+    assert [item["name"] for item in json.loads(mcml("ls", "--json")[1])["items"]] == ["two"]
+    assert mcml("purge")[0] == 1

@@ -27,6 +27,10 @@ NOT_RUN = {"run-a-server.md": "a server of PostgreSQL for others, which a test h
 """Pages with blocks that are no shell examples to be run, and why."""
 
 
+LONG = ("README.md", "analyses.md", "stories.md")
+"""Pages whose examples run analyses, 20 to 55 s each: they run in `make fuzz`."""
+
+
 def blocks(page: Path) -> list[tuple[str, str]]:
     """(language, text) of each block of a page."""
     return BLOCK.findall(page.read_text())
@@ -73,7 +77,10 @@ def test_every_example_is_one_that_runs() -> None:
 
 
 @pytest.mark.skipif(not (shutil.which("curl") and shutil.which("jq")), reason="curl or jq is not installed")
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=[pytest.mark.fuzz] * (page.name in LONG), id=page.stem) for page in PAGES],
+)
 def test_examples_run(page: Path, served_library: Database, tmp_path: Path) -> None:
     (tmp_path / ".curlrc").write_text("fail\nsilent\nshow-error\n")
     with served_library.read() as tx:
