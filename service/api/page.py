@@ -48,7 +48,11 @@ th { color: var(--dim); font-weight: 600 }
 input, button { font: inherit; color: var(--text); background: var(--panel); border: 1px solid var(--line);
   border-radius: 6px; padding: 7px 12px }
 button { color: var(--bg); background: var(--accent); border-color: var(--accent); font-weight: 600; cursor: pointer }
-label input { margin: 0 10px }
+label input { margin: 0 10px; box-sizing: border-box; max-width: calc(100vw - 68px) }
+@media (max-width: 700px) {
+  table { display: block; overflow-x: auto }
+  label input { display: block; margin: 4px 0 8px }
+}
 :focus-visible { outline: 2px solid var(--accent); outline-offset: 2px }
 pre { background: var(--panel); padding: 12px; overflow: auto; border-radius: 6px }
 """
