@@ -9,7 +9,9 @@ from functools import cache
 from fastapi import APIRouter, Depends, FastAPI
 from fastapi.middleware.cors import CORSMiddleware
 from fastapi.middleware.gzip import GZipMiddleware
+from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES
 
+from service.actions.exporting.write_tables import TYPES
 from service.actions.keeping.purge_documents import finish_purges
 from service.api import description, events, health, page, problems, sessions
 from service.api.doors import Doors
@@ -24,8 +26,14 @@ from service.resources import program_version
 from service.settings import Settings, data_folder
 from service.storage.database import Database
 
-EXPOSED = ["ETag", "Link", "Location", "Retry-After", "Content-Disposition", "X-Total-Count", "X-MCML-Columns"]
+EXPOSED = [
+    *("ETag", "Link", "Location", "Retry-After", "Content-Disposition", "X-Total-Count"),
+    *("X-MCML-Columns", "X-MCML-Shape", "X-MCML-Origin"),
+]
 """Headers that pages of other origins may read."""
+
+AS_THEY_ARE = (*DEFAULT_EXCLUDED_CONTENT_TYPES, TYPES["block"])
+"""Media types that are not compressed. Numbers of a motion hardly shrink, and whoever plays it waits for them."""
 
 DESCRIPTION = """
 Every motion-capture clip in one open XML language, stored element by element, searched with XPath.
@@ -78,7 +86,7 @@ def create_app(
     # Pages and health checks are asked with what others append.
     for router in (health.router, page.router, sessions.pages):
         app.include_router(router)
-    app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1)
+    app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1, exclude_content_types=AS_THEY_ARE)
     app.add_middleware(Guard, settings=settings, doors=Doors(settings, store, secret), counts=app.state.requests)
     if settings.friends:
         # Outside all others: a browser asks first whether it may ask, and sends no token then.

@@ -23,6 +23,9 @@ PREFIX = "/api/v1"
 
 BYTES = "application/octet-stream"
 
+LASTING = {"cache-control": "private, max-age=31536000, immutable"}
+"""Of answers about a revision that the question names: a client that has one never asks for it again."""
+
 LOOK_SECONDS = 0.25
 """How often a running operation that waits for its client looks whether it is still there."""
 
@@ -107,8 +110,8 @@ def _answer(operation: Operation, call: Call, http: Request, response: Response,
         try:
             answer = operation.run(call, values)
         except SameError as same:
-            return Response(status_code=304, headers={"etag": same.tag})
-        headers = {}
+            return Response(status_code=304, headers={"etag": same.tag} | (LASTING if call.lasting else {}))
+        headers = dict(LASTING) if call.lasting else {}
         if call.tag is not None:
             headers["etag"] = f'"{call.tag}"'
         if call.created is not None:

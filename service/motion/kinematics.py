@@ -7,12 +7,16 @@ every convention: the identity is the rest pose. A missing sample keeps its last
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from service.motion.clip import FrameBlock
 from service.motion.hub import HubReader, rest_of, walked
 from service.motion.rotations import rotate
-from service.motion.skeleton import Array, Skeleton
+from service.motion.skeleton import CHANNEL_INDEX, Array, Skeleton
 from service.motion.units import DEGREES, Reading
+
+RESIDUAL = CHANNEL_INDEX["residual"]
+"""The last channel, and the only one that moves nothing."""
 
 
 class Walker:
@@ -48,3 +52,17 @@ def rest_positions(skeleton: Skeleton, reading: Reading = DEGREES) -> Array:
             positions[index] += positions[joint.parent]
     tips = [positions[joint] + vector for joint, vector in rest.tips]
     return np.vstack([positions, *tips]) if tips else positions
+
+
+def unseen(skeleton: Skeleton, block: FrameBlock) -> NDArray[np.bool_]:
+    """(n, J) where a sample that a joint's place hangs on is missing: one of its own channels, or of a joint above."""
+    place = {column: index for index, column in enumerate(block.columns)}
+    missing = np.isnan(block.values)
+    result = np.zeros((len(block), len(skeleton)), dtype=bool)
+    for index, channel in skeleton.columns():
+        if channel < RESIDUAL:
+            result[:, index] |= missing[:, place[index, channel]] if (index, channel) in place else True
+    for index, joint in enumerate(skeleton.joints):
+        if joint.parent >= 0:
+            result[:, index] |= result[:, joint.parent]
+    return result

@@ -51,6 +51,10 @@ _ROWS = [
     Operation("export_documents", "POST /exports", STREAMS, READ,
               "The documents of a selection as one zip of files.", "exports"),
 
+    # what is drawn
+    Operation("get_skeleton", "GET /documents/{id}/skeleton", READS, READ,
+              "The skeleton of a document, with all that one needs to draw or move it.", "viewing", "skeleton ID"),
+
     # frames
     Operation("get_frames", "GET /documents/{id}/frames", STREAMS, READ,
               "Frames of a document as numbers in the source's units.", "frames"),

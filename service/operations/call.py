@@ -83,7 +83,8 @@ class Call:
 
     media_type: of the body that was sent, where one says it. progress: is told how far work on files is.
     tag: version of the answer (an entity tag without its quotes), set by the operation. created: address of what was
-    made, below /api/v1. made: whether anything was, for operations that can also only look.
+    made, below /api/v1. lasting: the answer never changes, so it need not be asked again. made: whether anything was,
+    for operations that can also only look.
     """
 
     repository: Repository
@@ -93,6 +94,7 @@ class Call:
     media_type: str = ""
     progress: Progress | None = None
     tag: str | None = None
+    lasting: bool = False
     created: str | None = None
     made: bool = True
     held: ExitStack = field(default_factory=ExitStack)
@@ -123,9 +125,12 @@ class Call:
         """A read transaction that lives until the answer is sent, for answers that are made while they are sent."""
         return self.held.enter_context(self.database.read())
 
-    def tagged(self, tag: str) -> None:
-        """Say the version of the answer. SameError where whoever asks has it."""
-        self.tag = tag
+    def tagged(self, tag: str, *, lasting: bool = False) -> None:
+        """Say the version of the answer. SameError where whoever asks has it.
+
+        lasting: it is of a revision that the question names, so it will never be another.
+        """
+        self.tag, self.lasting = tag, lasting
         said = self.known(tag)
         if said is not None:
             raise SameError(said)

@@ -17,10 +17,19 @@ from pydantic import Field, ValidationError
 from schemas.documents import FramePage, FrameRow
 from schemas.frames import FrameEdits, FramesEdited, FrameValues
 from service.actions.editing import change_frames
-from service.actions.exporting.write_tables import TYPES, npy_blocks, npy_header, npy_of, npz_blocks, write_columns
+from service.actions.exporting.write_tables import (
+    TYPES,
+    npy_blocks,
+    npy_header,
+    npy_of,
+    npz_blocks,
+    plain_blocks,
+    write_columns,
+)
 from service.actions.reading.read_clip import StoredClip, read_clip
 from service.actions.reading.read_numbers import Numbers, Space, chosen_bones, read_numbers
-from service.errors import DocumentError
+from service.actions.reading.read_origin import origin_of
+from service.errors import DocumentError, RequestError
 from service.motion.skeleton import CHANNELS, Array
 from service.operations.arguments import (
     MOST,
@@ -48,7 +57,7 @@ NPY = "a NumPy file of (frames, columns), the columns named by `column`"
 
 @gives(
     "A page of frames; or with another `format` a file of all of them",
-    {"application/octet-stream": None, TYPES["arrow"]: None, TYPES["parquet"]: None},
+    {"application/octet-stream": None, TYPES["block"]: None, TYPES["arrow"]: None, TYPES["parquet"]: None},
 )
 def get_frames(
     call: Call,
@@ -67,26 +76,43 @@ def get_frames(
     ] = "channels",
     dtype: Annotated[Literal["f8", "f4"], Field(description="Numbers of the file")] = "f8",
     format: Annotated[
-        Literal["json", "npy", "npz", "arrow", "parquet"],
-        Field(description="A page of JSON; or one array, arrays with their columns, a table"),
+        Literal["json", "npy", "npz", "block", "arrow", "parquet"],
+        Field(description="A page of JSON; or one array, arrays with their columns, numbers alone, a table"),
     ] = "json",
+    origin: Annotated[
+        Literal["keep", "subtract"],
+        Field(description="subtract: positions are told from the document's origin, which a header names"),
+    ] = "keep",
+    missing: Annotated[
+        Literal["hold", "nan"],
+        Field(description="Positions and rotations that hang on a missing sample: as it was before, or NaN"),
+    ] = "hold",
 ) -> FramePage | Content:
     """`npz` holds `values`, `columns` (their names), `ids` and `times` (seconds from the first frame, NaN where the
     rate is unknown). Values of channels are (frames, columns), missing samples NaN; positions (frames, bones, 3),
     rotations (frames, bones, 4), bones in the order of `columns`. `npy` is `values` alone; a header names its columns
-    where they are few. `arrow` (an IPC stream) and `parquet` are tables of frame, id, time and a column for each
-    number; they need the extra `arrow`.
+    where they are few. `block` is `npy` without its head: numbers alone, little-endian, frame after frame; the header
+    `x-mcml-shape` has the lengths of its axes. `arrow` (an IPC stream) and `parquet` are tables of frame, id, time and
+    a column for each number; they need the extra `arrow`. With a `revision` the answer never changes, and says so.
     """
+    if origin == "subtract" and (space != "positions" or format == "json"):
+        raise RequestError("Only positions have an origin.", remedy="Ask with space=positions, in a format of numbers.")
     if format != "json":
         then, stored = at_revision(call.read(), id, revision)
-        asked = zlib.crc32(repr(bone).encode())
-        call.tagged(tag(stored, f"{format}-{first}-{last}-{step}-{space}-{dtype}-{asked}"))
+        asked = f"{space}-{dtype}-{zlib.crc32(repr(bone).encode())}-{origin}-{missing}"
+        call.tagged(tag(stored, f"{format}-{first}-{last}-{step}-{asked}"), lasting=revision is not None)
         source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
-        return _file(source, read_numbers(source.clip, source.names, bone, space), first, step, dtype, format)
+        point = origin_of(then, source) if origin == "subtract" else None
+        numbers = read_numbers(source.clip, source.names, bone, space, origin=point, held=missing == "hold")
+        found = _file(source, numbers, first, step, dtype, format)
+        if point is not None:
+            found.facts["origin"] = ",".join(map(repr, point.tolist()))
+        return found
     after = page.after(int)
     start = first if after is None else int(after[0])
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
+        call.lasting = revision is not None
         limit = stored.frames if last is None else last
         end = min(limit, start + (page.most(call) - 1) * step)
         source = read_clip(then, stored, first=start, last=end, step=step, labelled=False)
@@ -111,8 +137,12 @@ def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: st
     name = f"{source.stored.name}.{form}"
     if form == "npy":
         size = len(npy_header(shape, dtype)) + math.prod(shape) * np.dtype(dtype).itemsize
-        values = npy_blocks((block for block, _ in numbers.blocks()), shape, dtype)
+        values: Iterator[bytes | memoryview] = npy_blocks((block for block, _ in numbers.blocks()), shape, dtype)
         return Content(values, TYPES[form], name, size=size, facts=_short(numbers.columns))
+    if form == "block":
+        values = plain_blocks((block for block, _ in numbers.blocks()), dtype)
+        facts = _short(numbers.columns) | {"shape": ",".join(map(str, shape))}
+        return Content(values, TYPES[form], size=math.prod(shape) * np.dtype(dtype).itemsize, facts=facts)
     if form == "npz":
         ids: list[str] = []
 

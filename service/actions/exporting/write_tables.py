@@ -21,6 +21,7 @@ ROWS = 5000
 """Rows of one batch."""
 
 TYPES = {
+    "block": "application/vnd.mcml.block",
     "npy": "application/octet-stream",
     "npz": "application/octet-stream",
     "arrow": "application/vnd.apache.arrow.stream",
@@ -39,6 +40,11 @@ def npy_header(shape: tuple[int, ...], dtype: str) -> bytes:
 def npy_blocks(blocks: Iterator[Array], shape: tuple[int, ...], dtype: str) -> Iterator[bytes | memoryview]:
     """An array of this shape as numpy.save writes it, from blocks of its rows."""
     yield npy_header(shape, dtype)
+    yield from plain_blocks(blocks, dtype)
+
+
+def plain_blocks(blocks: Iterator[Array], dtype: str) -> Iterator[memoryview]:
+    """The numbers alone, little-endian, row after row."""
     for values in blocks:
         yield np.ascontiguousarray(values, dtype=f"<{dtype}").reshape(-1).view(np.uint8).data
 

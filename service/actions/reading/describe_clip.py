@@ -12,10 +12,9 @@ import numpy as np
 from service.errors import Notice
 from service.mcml.joint_names import NamingReport
 from service.motion.clip import ClipHead
+from service.motion.guesses import likely_units
 from service.motion.kinematics import rest_positions
 from service.motion.skeleton import Array, Convention, Skeleton
-
-_HEIGHTS = (("m", 0.8, 3.0), ("ft", 3.5, 8.0), ("inch", 40.0, 95.0), ("cm", 95.0, 260.0), ("mm", 800.0, 2600.0))
 
 
 def unit_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
@@ -35,7 +34,7 @@ def unit_facts(head: ClipHead, extent: Array) -> dict[str, Any]:
             "(inches in CMU and HDM05 files)",
         }
     height = float(extent[1] if extent[1] >= 0.5 * extent.max() else extent.max())
-    likely = [name for name, low, high in _HEIGHTS if low <= height <= high]
+    likely = likely_units(height)
     looks = f", which would be a person in {' or '.join(likely)}" if likely else ""
     return {"value": None, "stated": False, "why": f"the file names no unit; the rest pose is {height:.4g} tall{looks}"}
 

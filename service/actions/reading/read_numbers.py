@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from service.errors import NotFoundError
 from service.motion.clip import ClipStream
-from service.motion.kinematics import Walker
+from service.motion.kinematics import Walker, unseen
 from service.motion.skeleton import CHANNELS, Array
 from service.motion.units import reading_of
 from service.storage.blocks import evenly
@@ -39,11 +39,21 @@ class Numbers:
         return [f"{bone}.{part}" for bone in self.columns for part in "xyzw"[: self.shape[1]]]
 
 
-def read_numbers(clip: ClipStream, names: Sequence[str], bones: list[str] | None, space: Space) -> Numbers:
+def read_numbers(
+    clip: ClipStream,
+    names: Sequence[str],
+    bones: list[str] | None,
+    space: Space,
+    *,
+    origin: Array | None = None,
+    held: bool = True,
+) -> Numbers:
     """Numbers of a clip. names: of its joints. bones: which, in this order; default all. NotFoundError for others.
 
     Channels are the source's own numbers and units, missing samples NaN; positions (x y z) and rotations (x y z w) are
     global, by forward kinematics.
+    origin: (3,) is taken off positions. held: positions and rotations of missing samples are those of the last ones
+    before, among the frames that are read; else they are NaN.
     """
     wanted = chosen_bones(names, bones)
     skeleton = clip.head.skeleton
@@ -65,7 +75,12 @@ def read_numbers(clip: ClipStream, names: Sequence[str], bones: list[str] | None
                 values = block.values[:, evenly(chosen) if len(chosen) else chosen]
             else:
                 positions, rotations = walker.poses(block)
-                values = (positions if space == "positions" else rotations)[:, order]
+                poses = positions if space == "positions" else rotations
+                if origin is not None:
+                    poses -= origin
+                if not held:
+                    poses[unseen(skeleton, block)] = np.nan
+                values = poses[:, evenly(np.array(order, np.int64))] if order else poses[:, order]
             yield values, block.ids
 
     return Numbers(labels, shape, blocks)

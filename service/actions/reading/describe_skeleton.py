@@ -1,0 +1,101 @@
+"""The skeleton of a document as the wire shows it to those who draw it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from schemas.skeletons import Side, SkeletonBone, SkeletonView, Tip
+from service.actions.reading.read_origin import first_pose, origin_in
+from service.mcml.elements import to_head
+from service.motion.clip import ClipHead
+from service.motion.guesses import likely_units, likely_up
+from service.motion.hub import rest_of
+from service.motion.kinematics import rest_positions
+from service.motion.sides import is_left, partners
+from service.motion.skeleton import Array, Convention, Skeleton
+from service.motion.units import metres_of, metres_per_unit, reading_of
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+
+
+def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
+    """Numbers are the doubles that the head's texts and the first frame say."""
+    if stored.frames:
+        source, pose = first_pose(tx, stored)
+        head = source.clip.head
+        head_pose, origin = pose, origin_in(pose)
+    else:
+        head = to_head(tx.heads.document(stored), stored.frame_time)
+        head_pose, origin = rest_positions(head.skeleton, reading_of(head))[: len(head.skeleton)], np.zeros(3)
+    reading = reading_of(head)
+    rest = rest_of(head.skeleton, reading)
+    unit, up = head.fields.get("calibration_unit"), head.fields.get("global_axis_of_gravity")
+    likely, metres = (unit, metres_of(head)) if unit else likely_unit(head, head_pose)
+    sides, others = sides_of(head.skeleton)
+    return SkeletonView(
+        id=stored.uuid,
+        name=stored.name,
+        revision=stored.revision,
+        frames=stored.frames,
+        frame_time=stored.frame_time,
+        seconds_per_frame=stored.seconds_per_frame,
+        markers=any(joint.convention is Convention.MARKER for joint in head.skeleton.joints),
+        unit=unit,
+        likely_unit=likely,
+        metres=metres,
+        up=up,
+        likely_up=up.strip().upper() if up else likely_up(head.skeleton, head_pose),
+        origin=origin.tolist(),
+        radians=reading.motion_angle,
+        bones=[
+            SkeletonBone(
+                name=joint.name,
+                source_name=joint.source_name,
+                mapped=joint.mapped,
+                parent=joint.parent,
+                side=sides[index],
+                partner=others[index],
+                offset=rest.offsets[index].tolist(),
+                axes=rest.orientations[index].tolist(),
+                along=rest.bones[index].tolist(),
+                channels=list(joint.channels),
+                rotation_order=joint.rotation_order,
+                convention=joint.convention.value,
+                translation=joint.translation,
+            )
+            for index, joint in enumerate(head.skeleton.joints)
+        ],
+        tips=_tips(head.skeleton, rest.tips),
+    )
+
+
+def likely_unit(head: ClipHead, pose: Array) -> tuple[str | None, float | None]:
+    """A unit in which a body of this size would be a person, and its metres; (None, None) where there is none.
+
+    pose: (J, 3) positions, NaN where unknown. ASF states a factor: its values over it are inches in Vicon's files.
+    """
+    seen = pose[np.isfinite(pose).all(axis=1)]
+    extent = float(np.ptp(seen, axis=0).max()) if len(seen) > 1 else 0.0
+    factor = float(head.fields.get("units_length", 0))
+    if factor > 0:
+        return (f"inch/{factor:g}", 0.0254 / factor) if "inch" in likely_units(extent / factor) else (None, None)
+    units = likely_units(extent)
+    return (units[0], metres_per_unit(units[0])) if units else (None, None)
+
+
+def sides_of(skeleton: Skeleton) -> tuple[list[Side], list[int]]:
+    """The side of each joint, and the index of its partner on the other one, its own in the middle."""
+    others = partners(skeleton).tolist()
+    sides: list[Side] = []
+    for index, other in enumerate(others):
+        sides.append("centre" if other == index else "left" if is_left(skeleton, index, other) else "right")
+    return sides, others
+
+
+def _tips(skeleton: Skeleton, tips: tuple[tuple[int, Array], ...]) -> list[Tip]:
+    """Ends of chains, with the names that their file gives them."""
+    names = {index: [site.name for site in joint.end_sites] for index, joint in enumerate(skeleton.joints)}
+    return [
+        Tip(bone=joint, name=names[joint].pop(0) if names[joint] else "", offset=vector.tolist())
+        for joint, vector in tips
+    ]

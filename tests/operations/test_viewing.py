@@ -1,0 +1,170 @@
+"""What viewers ask for: skeletons, and blocks of positions that are addressed by revision."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+from service.motion.skeleton import Array
+from service.storage.database import Database
+from tests.builders import ASF as LEG
+from tests.builders import TRC, amc, bvh, store, upload
+
+API = "/api/v1/documents"
+LASTING = "private, max-age=31536000, immutable"
+
+
+def stored(client: TestClient, files: dict[str, bytes], **form: object) -> str:
+    return str(upload(client, files, **form)["documents"][0]["id"])  # type: ignore[index]
+
+
+def positions(client: TestClient, uuid: str, **more: object) -> Array:
+    asked = {"space": "positions", "format": "npy", **more}
+    found: Array = np.load(io.BytesIO(client.get(f"{API}/{uuid}/frames", params=asked).content))
+    return found
+
+
+def test_a_skeleton_has_all_that_a_viewer_needs(client: TestClient) -> None:
+    names = ("Hips", "LeftUpLeg", "RightUpLeg")
+    uuid = stored(client, {"walk.bvh": bvh(5, names=names)})
+    found = client.get(f"{API}/{uuid}/skeleton").json()
+    assert (found["bones"][0]["name"], found["bones"][0]["parent"]) == ("Root", -1)
+    assert [bone["side"] for bone in found["bones"]] == ["centre", "centre", "centre"], "one hangs on the other"
+    assert found["bones"][1]["offset"] == [0.0, 10.5, 0.0]
+    assert found["bones"][0]["channels"] == ["Tx", "Ty", "Tz", "Rz", "Rx", "Ry"]
+    assert found["tips"] == [{"bone": 2, "name": "", "offset": [0.0, 5.25, 0.0]}]
+    assert (found["frames"], found["frame_time"], found["seconds_per_frame"]) == (5, "0.0083333", 0.0083333)
+    assert (found["unit"], found["up"], found["likely_up"], found["markers"]) == (None, None, found["likely_up"], False)
+    assert found["origin"] == positions(client, uuid)[0, 0].tolist(), "exactly"
+
+
+TWO_LEGS = b"""HIERARCHY
+ROOT Hips
+{
+ OFFSET 0 0 0
+ CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+ JOINT LeftUpLeg
+ {
+  OFFSET 9.1 -2 0
+  CHANNELS 3 Zrotation Xrotation Yrotation
+  End Site
+  {
+   OFFSET 0 -80 0
+  }
+ }
+ JOINT RightUpLeg
+ {
+  OFFSET -9.1 -2 0
+  CHANNELS 3 Zrotation Xrotation Yrotation
+  End Site
+  {
+   OFFSET 0 -80 0
+  }
+ }
+ JOINT Head
+ {
+  OFFSET 0 0 71.3
+  CHANNELS 3 Zrotation Xrotation Yrotation
+  End Site
+  {
+   OFFSET 0 0 12
+  }
+ }
+}
+MOTION
+Frames: 1
+Frame Time: 0.01
+5 6 7 0 0 0 0 0 0 0 0 0 0 0 0
+"""
+
+
+def test_sides_partners_and_the_likely_axis(client: TestClient) -> None:
+    found = client.get(f"{API}/{stored(client, {'a.bvh': TWO_LEGS})}/skeleton").json()
+    assert [bone["side"] for bone in found["bones"]] == ["centre", "left", "right", "centre"]
+    assert [bone["partner"] for bone in found["bones"]] == [0, 2, 1, 3]
+    assert (found["up"], found["likely_up"]) == (None, "Z")
+    assert found["origin"] == [5.0, 6.0, 7.0]
+
+
+def test_stated_units_are_told_as_stated(client: TestClient) -> None:
+    uuid = stored(client, {"a.bvh": TWO_LEGS}, unit="cm", up="y")
+    found = client.get(f"{API}/{uuid}/skeleton").json()
+    assert (found["unit"], found["likely_unit"], found["metres"], found["likely_up"]) == ("cm", "cm", 0.01, "Y")
+
+
+def test_rest_axes_of_an_asf(client: TestClient) -> None:
+    found = client.get(f"{API}/{stored(client, {'leg.asf': LEG, 'leg.amc': amc(2)})}/skeleton").json()
+    turned = [bone for bone in found["bones"] if bone["axes"] != [0.0, 0.0, 0.0, 1.0]]
+    assert turned
+    assert all(abs(sum(part**2 for part in bone["axes"]) - 1) < 1e-12 for bone in turned)
+    assert any(any(bone["along"]) for bone in found["bones"])
+
+
+def test_markers_have_no_parents(client: TestClient) -> None:
+    found = client.get(f"{API}/{stored(client, {'hand.trc': TRC})}/skeleton").json()
+    assert found["markers"]
+    assert {bone["parent"] for bone in found["bones"]} == {-1}
+    assert found["origin"] == [273.71817, -56.52052, 1296.20001]
+    assert (found["unit"], found["metres"]) == ("mm", 0.001)
+
+
+def test_skeletons_of_documents_without_frames(client: TestClient) -> None:
+    found = client.get(f"{API}/{stored(client, {'a.bvh': bvh(0)})}/skeleton").json()
+    assert (found["frames"], found["origin"]) == (0, [0.0, 0.0, 0.0])
+
+
+def test_what_a_revision_says_never_changes(client: TestClient) -> None:
+    uuid = stored(client, {"walk.bvh": bvh(5)})
+    for path in ("skeleton?", "frames?", "frames?format=block&space=positions&dtype=f4&"):
+        named = client.get(f"{API}/{uuid}/{path}revision=1")
+        assert named.headers["cache-control"] == LASTING, path
+        assert "cache-control" not in client.get(f"{API}/{uuid}/{path}").headers
+    known = {"if-none-match": named.headers["etag"]}
+    again = client.get(f"{API}/{uuid}/{path}revision=1", headers=known)
+    assert (again.status_code, again.headers["cache-control"]) == (304, LASTING)
+
+
+@pytest.mark.parametrize("files", [{"a.bvh": bvh(600)}, {"leg.asf": LEG, "leg.amc": amc(40)}, {"hand.trc": TRC}])
+def test_blocks_are_the_same_positions(client: TestClient, files: dict[str, bytes]) -> None:
+    uuid = stored(client, files)
+    whole = positions(client, uuid)
+    origin = np.array(client.get(f"{API}/{uuid}/skeleton").json()["origin"])
+    asked = {"space": "positions", "dtype": "f4", "format": "block", "origin": "subtract", "revision": 1}
+    for first in range(1, len(whole) + 1, 256):
+        last = min(first + 255, len(whole))
+        answer = client.get(f"{API}/{uuid}/frames", params={**asked, "first": first, "last": last})
+        assert answer.headers["x-mcml-origin"] == ",".join(map(repr, origin.tolist()))
+        assert "content-encoding" not in answer.headers
+        shape = tuple(map(int, answer.headers["x-mcml-shape"].split(",")))
+        found = np.frombuffer(answer.content, "<f4").reshape(shape)
+        if "hand.trc" not in files:
+            np.testing.assert_array_equal(found, (whole[first - 1 : last] - origin).astype("<f4"))
+
+
+def test_points_that_were_not_seen_are_nan_if_asked(client: TestClient) -> None:
+    uuid = stored(client, {"hand.trc": TRC})
+    held, gaps = positions(client, uuid), positions(client, uuid, missing="nan")
+    gone = np.isnan(gaps)
+    assert [tuple(place) for place in np.argwhere(gone.any(axis=2))] == [(1, 1), (2, 0), (3, 2)]
+    np.testing.assert_array_equal(held[~gone], gaps[~gone])
+    assert not np.isnan(held).any()
+    alone = positions(client, uuid, missing="nan", first=3)
+    np.testing.assert_array_equal(alone, gaps[2:], "a block says the same wherever it begins")
+
+
+def test_a_missing_sample_takes_what_hangs_on_it_along(database: Database, client: TestClient) -> None:
+    uuid = store(database, {"walk.bvh": bvh(3)})[0]
+    place = {"xpath": "/mcml/motion/frame[2]/frame_bone[2]/@Rx"}
+    assert client.delete(f"{API}/{uuid}/elements", params=place, headers={"if-match": "*"}).status_code == 200
+    gone = np.isnan(positions(client, uuid, missing="nan")).any(axis=2)
+    assert np.argwhere(gone).tolist() == [[1, 1], [1, 2]]
+
+
+def test_only_positions_have_an_origin(client: TestClient) -> None:
+    uuid = stored(client, {"walk.bvh": bvh(3)})
+    for more in ({"space": "rotations", "format": "npy"}, {"space": "positions"}):
+        answer = client.get(f"{API}/{uuid}/frames", params={"origin": "subtract", **more})
+        assert (answer.status_code, "positions" in answer.json()["remedy"]) == (422, True)
