@@ -35,6 +35,19 @@ _REVISION = {
     "author": "local",
 }
 _FRAME = {"frame": 1, "id": "1", "values": {"Root": {"Tx": 0.1886, "Ty": 92.5, "Tz": -3.25}, "Spine": {"Rz": 1.956}}}
+_CARD = {
+    **SUMMARY,
+    "labels": [LABEL_REQUEST],
+    "passport": {
+        "unit": "cm",
+        "metres": 0.01,
+        "up": "Y",
+        "rate": 120.00048,
+        "joints": 31,
+        "markers": False,
+        "guessed": ["unit", "up"],
+    },
+}
 _CLIP = {
     "files": ["walk.bvh"],
     "header": {"filename": "walk.bvh"},
@@ -204,10 +217,40 @@ class UploadResult(BaseModel):
     problems: list[FileProblem]
 
 
-class DocumentPage(BaseModel):
-    model_config = ConfigDict(json_schema_extra=shown({"items": [SUMMARY], "next_cursor": CURSOR, "total": 240}))
+class Span(BaseModel):
+    """A motion name on frames first to last: positions from 1, both ends included."""
 
-    items: list[DocumentSummary]
+    name: str
+    first: int
+    last: int
+
+
+class Passport(BaseModel):
+    """What one must know to read the numbers of a document, and which of it nobody has stated."""
+
+    unit: str | None = Field(None, description="Of length")
+    metres: float | None = Field(None, description="Of the unit")
+    up: str | None = Field(None, description="Axis that points up")
+    rate: float | None = Field(None, description="Frames a second")
+    joints: int
+    markers: bool = Field(False, description="Whether joints are labelled points")
+    guessed: list[Literal["unit", "up", "rate"]] = Field(description="What nobody has stated")
+
+
+class Card(DocumentSummary):
+    """A document in a list, with what else was asked for; the rest is null."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_CARD))
+
+    thumbnail: str | None = Field(None, description="A moving picture: MT1, as base64")
+    labels: list[Span] | None = None
+    passport: Passport | None = None
+
+
+class DocumentPage(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_CARD], "next_cursor": CURSOR, "total": 240}))
+
+    items: list[Card]
     next_cursor: str | None = None
     total: int = Field(description="Documents that match, on all pages")
 

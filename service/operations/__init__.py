@@ -54,6 +54,8 @@ _ROWS = [
     # what is drawn
     Operation("get_skeleton", "GET /documents/{id}/skeleton", READS, READ,
               "The skeleton of a document, with all that one needs to draw or move it.", "viewing", "skeleton ID"),
+    Operation("get_thumbnail", "GET /documents/{id}/thumbnail", STREAMS, READ,
+              "A small moving picture of a document's skeleton.", "viewing"),
 
     # frames
     Operation("get_frames", "GET /documents/{id}/frames", STREAMS, READ,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from schemas.documents import (
+    Card,
     ChangedDocument,
     ChangedDocuments,
     DocumentChange,
@@ -33,6 +35,7 @@ from service.operations.arguments import (
 )
 from service.operations.call import Call
 from service.operations.operation import Body
+from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter, parse_condition
 
@@ -80,7 +83,20 @@ def list_documents(
     wanted: Wanted,
     page: Page,
     sort: Annotated[Literal["name", "newest"], Field(description="In which order")] = "name",
+    with_: Annotated[
+        str | None,
+        Field(
+            alias="with",
+            pattern=r"^(thumbnail|labels|passport)(,(thumbnail|labels|passport))*$",
+            description="What else is told: thumbnail, labels, passport, with commas between them",
+            examples=["thumbnail,labels"],
+        ),
+    ] = None,
 ) -> DocumentPage:
+    """With `thumbnail` each has a moving picture (MT1, base64), with `labels` the spans of its motion names, with
+    `passport` unit, up axis, rate and joints, and which of them are guesses. A picture that had to be made first may be
+    missing in a long list, and be there in the next.
+    """
     after = page.after(str, int)
     conditions = wanted.filter()
     with call.database.read() as tx:
@@ -91,8 +107,22 @@ def list_documents(
             newest_first=sort == "newest",
         )
         total = tx.documents.count(conditions)
-    shown, more = page.cut(call, found, lambda stored: (stored.name, stored.key))
-    return DocumentPage(items=[summary(stored) for stored in shown], next_cursor=more, total=total)
+        shown, more = page.cut(call, found, lambda stored: (stored.name, stored.key))
+        also = frozenset((with_ or "").split(",")) - {""}
+        items = _cards(call, tx, shown, also)
+    return DocumentPage(items=items, next_cursor=more, total=total)
+
+
+def _cards(call: Call, tx: Transaction, shown: Sequence[StoredDocument], also: frozenset[str]) -> list[Card]:
+    if not also:
+        return [Card(**vars(summary(stored))) for stored in shown]
+    # Imported here: plain lists need no mathematics.
+    from service.actions.reading.describe_cards import cards
+    from service.actions.reading.show_thumbnails import keep_pictures, pictures_of
+
+    pictures, made = pictures_of(tx, shown) if also & {"thumbnail", "passport"} else ({}, [])
+    call.held.callback(keep_pictures, call.database, made)
+    return cards(tx, shown, pictures, also)
 
 
 def get_document(call: Call, id: DocumentId, revision: AtRevision = None) -> DocumentDetail:

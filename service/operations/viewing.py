@@ -1,10 +1,14 @@
-"""What those ask for who draw a document: its skeleton."""
+"""What those ask for who draw a document: its skeleton, and the small picture of it."""
 
 from __future__ import annotations
 
 from schemas.skeletons import SkeletonView
+from service.errors import NotFoundError
 from service.operations.arguments import AtRevision, DocumentId, at_revision, tag
-from service.operations.call import Call
+from service.operations.call import Call, Content
+from service.operations.operation import gives
+
+THUMBNAIL = "application/vnd.mcml.thumbnail"
 
 
 def get_skeleton(call: Call, id: DocumentId, revision: AtRevision = None) -> SkeletonView:
@@ -18,3 +22,22 @@ def get_skeleton(call: Call, id: DocumentId, revision: AtRevision = None) -> Ske
         then, stored = at_revision(tx, id, revision)
         call.tagged(tag(stored, "skeleton"), lasting=revision is not None)
         return describe_skeleton(then, stored)
+
+
+@gives("A moving picture of at most 4 KB, in the form MT1", {THUMBNAIL: None})
+def get_thumbnail(call: Call, id: DocumentId, revision: AtRevision = None) -> Content:
+    """The busiest 2.6 seconds of the motion, and poses over all of it to scrub through (docs/api/thumbnails.md). 404
+    where a document has nothing to draw. With a `revision` the answer never changes, and says so.
+    """
+    from service.actions.reading.show_thumbnails import keep_pictures, picture_of
+
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        call.tagged(tag(stored, "thumbnail"), lasting=revision is not None)
+        found = then.thumbnails.of([stored]).get(stored.key)
+        if found is None:
+            found = picture_of(then, stored)
+            call.held.callback(keep_pictures, call.database, [(stored, found)])
+    if not found.data:
+        raise NotFoundError(f"{stored.name!r} has no joints, so there is nothing to draw.", remedy="Look at its text.")
+    return Content(iter([found.data]), THUMBNAIL, f"{stored.name}.mt1", size=len(found.data))

@@ -5,7 +5,7 @@
 
 A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.heads`, `tx.tracks`,
 `tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`, `tx.jobs`, `tx.results`,
-`tx.mappings`, `tx.aliases`, `tx.purging`,
+`tx.mappings`, `tx.aliases`, `tx.thumbnails`, `tx.purging`,
 `tx.pruning`.
 """
 
@@ -54,6 +54,7 @@ from service.storage.results import Results
 from service.storage.schema import CURRENT
 from service.storage.seals import Checked, sealed
 from service.storage.spans import Spans
+from service.storage.thumbnails import Thumbnails
 from service.storage.tracks import Tracks
 from service.storage.uploads import Uploads
 from service.storage.visits import Requests, Sessions
@@ -205,6 +206,10 @@ class Transaction:
     @cached_property
     def spans(self) -> Spans:
         return Spans(self)
+
+    @cached_property
+    def thumbnails(self) -> Thumbnails:
+        return Thumbnails(self)
 
     @cached_property
     def uploads(self) -> Uploads:

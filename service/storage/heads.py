@@ -61,6 +61,21 @@ class Heads:
         children = [self.header(stored.key), *self.skeleton(stored.skeleton)]
         return Element("mcml", mcml_attributes(stored.version), "", children)
 
+    def stated(self, documents: list[int], tags: tuple[str, ...]) -> dict[int, dict[str, str]]:
+        """The texts of some elements of headers, by document and tag."""
+        query = select(header.c.document, header.c.tag, header.c.text).where(
+            header.c.document.in_(documents), header.c.tag.in_(tags), self._tx.valid(header)
+        )
+        found: dict[int, dict[str, str]] = {}
+        for key, tag, text in self._tx.checked_once(checked(query, header)):
+            found.setdefault(key, {})[tag] = text
+        return found
+
+    def joints(self, skeletons: list[int]) -> dict[int, int]:
+        """How many joints skeletons have."""
+        query = select(skeleton.c.id, skeleton.c.joints).where(skeleton.c.id.in_(set(skeletons)))
+        return {int(key): int(count) for key, count in self._tx.connection.execute(query)}
+
     def bone_names(self, document_key: int) -> dict[int, str]:
         """Name of each bone number, the root's among them."""
         return dict(self._tx.checked(_BONE_NAMES, {"document": document_key, "at": self._tx.at}))

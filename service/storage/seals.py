@@ -89,6 +89,7 @@ _COVERED: dict[Table, tuple[str, ...]] = {
     tables.shape: ("document", "shape", "bones"),
     tables.shape_run: ("document", "slot", "count", "shape"),
     tables.span: ("document", "name", "first", "last", "rank"),
+    tables.thumbnail: ("document", "revision", "facts", "data"),
     tables.upload_block: ("upload", "number", "data"),
     tables.document_upload: ("document", "part", "file_name", "upload"),
     work_tables.joint_mapping: ("project", "name", "version", "author", "changed", "pairs"),
@@ -100,7 +101,8 @@ _COVERED: dict[Table, tuple[str, ...]] = {
     work_tables.result_block: ("result", "part", "array", "number", "data"),
 }
 _LAST: dict[Table, type[bytes | bool]] = {
-    **dict.fromkeys((tables.shape, tables.upload_block, work_tables.result_part, work_tables.result_block), bytes),
+    **dict.fromkeys((tables.shape, tables.thumbnail, tables.upload_block), bytes),
+    **dict.fromkeys((work_tables.result_part, work_tables.result_block), bytes),
     tables.content: bool,
 }
 

@@ -60,6 +60,15 @@ class Spans:
         given = {"document": document_key, "at": self._tx.at, "first": first, "last": CURRENT if last is None else last}
         return [StoredSpan(*row) for row in self._tx.checked(_TOUCHING, given)]
 
+    def of_many(self, documents: list[int]) -> dict[int, list[tuple[int, int, str]]]:
+        """(first, last, name) of the spans of each document that has some, in order of first frame and rank."""
+        columns = (span.c.document, span.c.first, span.c.last, span.c.name)
+        query = select(*columns).where(span.c.document.in_(documents), self._tx.valid(span))
+        found: dict[int, list[tuple[int, int, str]]] = {}
+        for key, *row in self._tx.checked_once(checked(query.order_by(span.c.first, span.c.rank, span.c.id), span)):
+            found.setdefault(key, []).append((row[0], row[1], row[2]))
+        return found
+
     def named(self, names: list[str], documents: list[int] | None = None) -> dict[int, list[tuple[int, int]]]:
         """Ranges (first, last) of frames that carry one of the names, by document key.
 

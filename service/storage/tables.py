@@ -281,6 +281,17 @@ CLOSED_TRACK = track.c.to_commit < literal_column(str(CURRENT))
 those alone, so an import writes nothing into it."""
 Index("ix_track_closed", track.c.document, track.c.to_commit, sqlite_where=CLOSED_TRACK, postgresql_where=CLOSED_TRACK)
 
+thumbnail = Table(
+    "thumbnail",
+    metadata,
+    Column("document", ForeignKey("document.id"), primary_key=True),
+    Column("revision", Integer, primary_key=True),
+    Column("facts", Text, nullable=False),
+    Column("data", LargeBinary, nullable=False),
+    checksum(),
+)
+"""`data`: as `service.motion.thumbnails` says; empty where nothing can be drawn. `facts`: JSON, what was guessed."""
+
 upload = Table(
     "upload",
     metadata,

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 from service.actions.checking.check_names import check_frame_time
 from service.actions.reading.gather_files import Clip
 from service.actions.reading.import_options import ImportOptions
+from service.actions.reading.make_thumbnail import Thumbnail, poses_of, thumbnail_of
 from service.actions.reading.open_clip import open_clip
 from service.errors import DocumentError, Notice
 from service.formats.number_text import decimals_of
@@ -27,7 +28,8 @@ Progress: TypeAlias = Callable[[str, int, int | None], None]
 class EncodedClip:
     """What was read of a clip, all but the rows of its tracks; plain data, which another process may have made.
 
-    intact: whether the uploaded file still says what the document does. facts: the receipt.
+    intact: whether the uploaded file still says what the document does. facts: the receipt. thumbnail: None where there
+    is nothing to draw, or so much of it that it is made when somebody wants to see it.
     """
 
     header: Element
@@ -42,6 +44,7 @@ class EncodedClip:
     frame_runs: list[dict[str, Any]]
     spans: list[dict[str, Any]]
     facts: dict[str, Any]
+    thumbnail: Thumbnail | None
 
 
 def encode_clip(
@@ -59,7 +62,9 @@ def encode_clip(
     opened = open_clip(clip, options, settings)
     stream = opened.stream
     encoder.decimals = decimals_of(stream.head.number_style)
+    poses = poses_of(stream.head)
     for block in stream.blocks():
+        poses.add(block)
         keep(encoder.add(block))
         if progress is not None:
             progress(clip.name, encoder.frames, stream.frames)
@@ -82,6 +87,7 @@ def encode_clip(
         frame_runs=encoder.ids.rows,
         spans=encoder.spans.rows,
         facts=opened.receipt(head, encoder.frames),
+        thumbnail=thumbnail_of(poses, head),
     )
 
 

@@ -262,6 +262,8 @@ class Importer:
             frame_time=found.frame_time,
             intact=found.intact,
         )
+        if found.thumbnail is not None:
+            tx.thumbnails.add(key, 1, found.thumbnail.data, found.thumbnail.facts)
         if self.skips_twins:
             # Whoever stores an equal clip at this moment is waited for.
             tx.dialect.order_commits(tx.connection)

@@ -7,13 +7,12 @@ import numpy as np
 from schemas.skeletons import Side, SkeletonBone, SkeletonView, Tip
 from service.actions.reading.read_origin import first_pose, origin_in
 from service.mcml.elements import to_head
-from service.motion.clip import ClipHead
-from service.motion.guesses import likely_units, likely_up
+from service.motion.guesses import likely_unit, likely_up
 from service.motion.hub import rest_of
 from service.motion.kinematics import rest_positions
 from service.motion.sides import is_left, partners
 from service.motion.skeleton import Array, Convention, Skeleton
-from service.motion.units import metres_of, metres_per_unit, reading_of
+from service.motion.units import reading_of
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 
@@ -30,7 +29,7 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
     reading = reading_of(head)
     rest = rest_of(head.skeleton, reading)
     unit, up = head.fields.get("calibration_unit"), head.fields.get("global_axis_of_gravity")
-    likely, metres = (unit, metres_of(head)) if unit else likely_unit(head, head_pose)
+    likely, metres = likely_unit(head, head_pose)
     sides, others = sides_of(head.skeleton)
     return SkeletonView(
         id=stored.uuid,
@@ -67,20 +66,6 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
         ],
         tips=_tips(head.skeleton, rest.tips),
     )
-
-
-def likely_unit(head: ClipHead, pose: Array) -> tuple[str | None, float | None]:
-    """A unit in which a body of this size would be a person, and its metres; (None, None) where there is none.
-
-    pose: (J, 3) positions, NaN where unknown. ASF states a factor: its values over it are inches in Vicon's files.
-    """
-    seen = pose[np.isfinite(pose).all(axis=1)]
-    extent = float(np.ptp(seen, axis=0).max()) if len(seen) > 1 else 0.0
-    factor = float(head.fields.get("units_length", 0))
-    if factor > 0:
-        return (f"inch/{factor:g}", 0.0254 / factor) if "inch" in likely_units(extent / factor) else (None, None)
-    units = likely_units(extent)
-    return (units[0], metres_per_unit(units[0])) if units else (None, None)
 
 
 def sides_of(skeleton: Skeleton) -> tuple[list[Side], list[int]]:

@@ -1,0 +1,188 @@
+"""Thumbnails of clips: poses gathered while a clip is read, or read from the store, and drawn (`motion.thumbnails`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from service.actions.reading.read_clip import read_clip
+from service.mcml.elements import to_head
+from service.motion.carriers import carriers
+from service.motion.clip import ClipHead, FrameBlock, full_shape
+from service.motion.figures import Figure, axis_of, figure_of, finite, is_markers, marker_figure, view_of
+from service.motion.guesses import likely_unit, likely_up
+from service.motion.hub import HubReader, rest_of, walked
+from service.motion.kinematics import rest_positions, unseen
+from service.motion.layout import Held
+from service.motion.rotations import rotate
+from service.motion.skeleton import Array
+from service.motion.thumbnails import busiest, carried, draw, loop_times, poses_at, scrub_times
+from service.motion.units import reading_of
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+
+DENSE = 24.0
+"""Poses a second that are looked at: twice as many as are drawn."""
+
+MOST_POSES = 16_384
+"""That are looked at of a clip; of longer ones fewer a second, and those of the loop once more."""
+
+ASSUMED_RATE = 120.0
+"""Frames a second where nothing says how many: what most systems without a rate record at."""
+
+
+@dataclass(frozen=True)
+class Thumbnail:
+    """data: as `motion.thumbnails` says. facts: likely unit, its metres, likely up axis, whether of markers."""
+
+    data: bytes
+    facts: dict[str, Any]
+
+
+class Poses:
+    """Poses of a clip, gathered from its frames as they pass by."""
+
+    def __init__(self, head: ClipHead, step: int = 1) -> None:
+        """step: every step-th frame that is added is looked at."""
+        self.head = head
+        self.step = step
+        self.full = False
+        self._seen = 0
+        self._held = Held(head.skeleton)
+        self._markers = is_markers(head.skeleton)
+        self._values: list[Array] = []
+        self._gaps: list[np.ndarray[Any, np.dtype[np.bool_]]] = []
+        self._count = 0
+
+    def add(self, block: FrameBlock) -> None:
+        """Look at the frames that follow."""
+        skip = -self._seen % self.step
+        self._seen += len(block)
+        if self.full or skip >= len(block):
+            return
+        rows = block.values[skip :: self.step]
+        chosen = FrameBlock(rows, block.columns, block.shapes, block.ids[skip :: self.step])
+        self._count += len(rows)
+        if self._count > MOST_POSES:
+            self.full, self._values, self._gaps = True, [], []
+            return
+        if self._markers:
+            self._gaps.append(unseen(self.head.skeleton, chosen))
+        self._values.append(self._held.values(chosen).copy())
+
+    def positions(self) -> tuple[Array, Array, int]:
+        """(n, J + T, 3) of joints and tips, NaN for points that were not seen; (n, J, 3) of the joints alone; and which
+        of them moves the body."""
+        skeleton = self.head.skeleton
+        reader = HubReader(skeleton, reading_of(self.head))
+        if not self._values:
+            rest = rest_positions(skeleton, reader.reading)[None]
+            return rest, rest[:, : len(skeleton)], 0
+        columns = skeleton.columns()
+        values = np.concatenate(self._values)
+        hub = reader.read(FrameBlock(values, columns, (full_shape(columns),), np.arange(len(values))))
+        joints, turned = walked(skeleton, hub.translations, hub.rotations)
+        if self._gaps:
+            joints[np.concatenate(self._gaps)] = np.nan
+        tips = [
+            joints[:, joint] + rotate(turned[:, joint], vector * hub.scales[:, joint, None])
+            for joint, vector in reader.rest.tips
+        ]
+        carrier = 0 if self._markers else carriers(skeleton, hub.translations)[0]
+        return np.concatenate([joints, np.stack(tips, axis=1)], axis=1) if tips else joints, joints, carrier
+
+
+def poses_of(head: ClipHead) -> Poses:
+    """What gathers the poses of a whole clip."""
+    return Poses(head, max(1, int(_rate(head) / DENSE)))
+
+
+def thumbnail_of(poses: Poses, head: ClipHead) -> Thumbnail | None:
+    """The thumbnail of a clip whose frames were all added. None where it has no joints, or was too long for that.
+
+    head: as it is known at the end of reading.
+    """
+    if poses.full or not len(head.skeleton):
+        return None
+    poses.head = head
+    return _Drawing(poses, poses.step / _rate(head)).thumbnail()
+
+
+def read_thumbnail(tx: Transaction, stored: StoredDocument) -> Thumbnail | None:
+    """The thumbnail of a stored document. None where it has no joints."""
+    head = to_head(tx.heads.document(stored), stored.frame_time)
+    if not len(head.skeleton):
+        return None
+    dense = max(1, int(_rate(head) / DENSE))
+    step = max(dense, -(-stored.frames // MOST_POSES))
+    drawing = _Drawing(_read(tx, stored, head, 1, stored.frames, step), step / _rate(head))
+    if step == dense:
+        return drawing.thumbnail()
+    start, end = drawing.window
+    first = max(1, int(start * _rate(head)) + 1)
+    last = min(stored.frames, int(np.ceil(end * _rate(head))) + 1)
+    poses = finite(_read(tx, stored, head, first, last, dense).positions()[0][:, drawing.figure.points])
+    times = loop_times(drawing.figure, start, end) - (first - 1) / _rate(head)
+    return drawing.thumbnail(poses_at(poses, dense / _rate(head), times))
+
+
+def _read(tx: Transaction, stored: StoredDocument, head: ClipHead, first: int, last: int, step: int) -> Poses:
+    poses = Poses(head)
+    if stored.frames:
+        for block in read_clip(tx, stored, first=first, last=last, step=step, labelled=False).clip.blocks():
+            poses.add(block)
+    return poses
+
+
+def _rate(head: ClipHead) -> float:
+    seconds = head.seconds_per_frame()
+    return 1 / seconds if seconds is not None and 1e-5 < seconds < 1e3 else ASSUMED_RATE
+
+
+class _Drawing:
+    """One clip, seen: which points, from where, and when it is busiest. spacing: seconds from pose to pose."""
+
+    def __init__(self, poses: Poses, spacing: float) -> None:
+        with np.errstate(all="ignore"):
+            points, joints, carrier = poses.positions()
+        self.skeleton = poses.head.skeleton
+        self.spacing = spacing
+        self.whole = (len(points) - 1) * spacing
+        self.facts = _facts(poses.head, joints)
+        self.figure = self._figure(poses.head, joints, carrier)
+        self.positions = finite(points[:, self.figure.points])
+        self.joints = finite(joints)
+        way = carried(self.figure, self.positions)
+        up = axis_of(self.facts["up"])
+        level = way - (way @ up)[:, None] * up
+        self.window = busiest(self.positions - level[:, None], spacing)
+
+    def _figure(self, head: ClipHead, joints: Array, carrier: int) -> Figure:
+        if not is_markers(self.skeleton):
+            return figure_of(self.skeleton, rest_of(self.skeleton, reading_of(head)), carrier)
+        with np.errstate(all="ignore"):
+            seen = np.isfinite(joints).all(axis=2)
+            first = np.take_along_axis(joints, seen.argmax(axis=0)[None, :, None], axis=0)[0]
+        middle = joints[len(joints) // 2]
+        return marker_figure(self.skeleton, np.where(np.isfinite(middle), middle, first))
+
+    def thumbnail(self, loop: Array | None = None) -> Thumbnail | None:
+        """loop: (L, P, 3) poses of the window where better ones are known."""
+        if not self.figure.points:
+            return None
+        start, end = self.window
+        times = loop_times(self.figure, start, end)
+        found = poses_at(self.positions, self.spacing, times) if loop is None else loop
+        scrub = poses_at(self.positions, self.spacing, scrub_times(self.figure, len(self.positions), self.whole))
+        middle = poses_at(self.joints, self.spacing, times[len(times) // 2 : len(times) // 2 + 1])[0]
+        view = view_of(self.skeleton, self.figure, middle, axis_of(self.facts["up"]))
+        return Thumbnail(draw(self.figure, found, scrub, end - start, view), self.facts)
+
+
+def _facts(head: ClipHead, joints: Array) -> dict[str, Any]:
+    unit, metres = likely_unit(head, joints[0])
+    stated = head.fields.get("global_axis_of_gravity", "").strip().upper()
+    up = stated if stated.lstrip("+-") in ("X", "Y", "Z") and stated else likely_up(head.skeleton, joints[0])
+    return {"unit": unit, "metres": metres, "up": up.lstrip("+"), "markers": is_markers(head.skeleton)}

@@ -1,0 +1,73 @@
+"""Thumbnails of documents, by the revision that they show. They can be made again at any time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import orjson
+from sqlalchemy import and_, delete, select, tuple_
+
+from service.storage.seals import checked
+from service.storage.tables import revision, thumbnail
+
+if TYPE_CHECKING:
+    from service.storage.database import Transaction
+    from service.storage.documents import StoredDocument
+
+STILL = ("label", "unlabel", "delete")
+"""Operations of revisions that change nothing that is drawn. Undoing, restoring and editing elements may."""
+
+
+@dataclass(frozen=True)
+class StoredThumbnail:
+    """data: the picture, empty where there is nothing to draw. facts: what was guessed of the clip meanwhile."""
+
+    data: bytes
+    facts: dict[str, Any]
+
+
+class Thumbnails:
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    def add(self, document_key: int, number: int, data: bytes, facts: dict[str, Any]) -> None:
+        """Keep the picture of a revision."""
+        row = {"document": document_key, "revision": number, "facts": orjson.dumps(facts).decode(), "data": data}
+        self._tx.insert_rows(thumbnail, [row])
+
+    def has(self, document_key: int, number: int) -> bool:
+        query = select(thumbnail.c.revision).where(thumbnail.c.document == document_key, thumbnail.c.revision == number)
+        return self._tx.connection.execute(query).first() is not None
+
+    def of(self, documents: Sequence[StoredDocument]) -> dict[int, StoredThumbnail]:
+        """By the keys of documents: the pictures that show these revisions of them, as far as there are any.
+
+        The newest that is not younger, where no revision since then has changed what is drawn.
+        """
+        wanted = {stored.key: stored.revision for stored in documents}
+        numbers: dict[int, int] = {}
+        pictured = select(thumbnail.c.document, thumbnail.c.revision).where(thumbnail.c.document.in_(wanted))
+        for key, number in self._tx.connection.execute(pictured):
+            if numbers.get(key, 0) < number <= wanted[key]:
+                numbers[key] = number
+        pairs = tuple_(thumbnail.c.document, thumbnail.c.revision).in_(numbers.items())
+        columns = (thumbnail.c.document, thumbnail.c.facts, thumbnail.c.data)
+        rows = self._tx.checked_once(checked(select(*columns).where(pairs), thumbnail)) if numbers else []
+        stale = self._moved_since({key: number for key, number in numbers.items() if number < wanted[key]}, wanted)
+        return {key: StoredThumbnail(bytes(data), orjson.loads(facts)) for key, facts, data in rows if key not in stale}
+
+    def _moved_since(self, shown: dict[int, int], wanted: dict[int, int]) -> set[int]:
+        """Documents of which a revision after the one that is shown, up to the wanted one, may have changed it."""
+        if not shown:
+            return set()
+        query = select(revision.c.document, revision.c.number).where(
+            revision.c.document.in_(shown), revision.c.operation.not_in(STILL)
+        )
+        return {key for key, number in self._tx.connection.execute(query) if shown[key] < number <= wanted[key]}
+
+    def forget(self, document_key: int, before: int) -> None:
+        """Remove the pictures of revisions before one."""
+        old = and_(thumbnail.c.document == document_key, thumbnail.c.revision < before)
+        self._tx.connection.execute(delete(thumbnail).where(old))
