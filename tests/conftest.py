@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, TypeAlias
 
 # Before NumPy is imported. Tests run on all cores already: where several processes let BLAS take all of them too, its
@@ -143,3 +144,24 @@ def client(database: Database) -> Iterator[TestClient]:
     """The service on the store, asked in process."""
     with served(database) as client:
         yield client
+
+
+@pytest.fixture(scope="session")
+def cluster(sqlite_template: Path) -> Iterator[Any]:
+    """Of one worker, which starts with the first job: it takes longer to start than the jobs of tests take."""
+    from service.jobs.cluster import Cluster
+
+    database = Database(f"sqlite:///{sqlite_template}")
+    cluster = Cluster(database, Settings(job_workers=1))
+    yield cluster
+    cluster.close()
+    database.close()
+
+
+@pytest.fixture
+def lent_cluster(cluster: Any) -> Iterator[None]:
+    """Let servers that start from now on have their jobs run by the cluster of all tests, which outlives them."""
+    lent = SimpleNamespace(client=cluster.client, kill=cluster.kill, close=lambda: None)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("service.jobs.runner.Cluster", lambda _database, _settings: lent)
+        yield
