@@ -9,6 +9,8 @@ else
 endif
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+# Tests and the programs that they start would compile all modules again.
+unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: help install run test check fix bench fuzz docs migration dist clean
@@ -42,8 +44,8 @@ fix: $(STAMP) ## Mend style, and make generated files again
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-fuzz: $(STAMP) ## Long campaigns: kill tests, random documents, files and requests
-	$(BIN)/python -m pytest -m fuzz --timeout=3600
+fuzz: $(STAMP) ## Long campaigns with new seeds: kill tests, random documents, files, requests (again: SEED=…)
+	MCML_FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -m "fuzz or hypothesis" --timeout=3600
 
 bench: $(STAMP) ## Measure speed against named peers (installs them)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group bench

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -271,6 +272,15 @@ def served(
         headers={"authorization": f"Bearer {SECRET}"},
         client=("127.0.0.1", 50_000),
     )
+
+
+@cache
+def description() -> dict[str, Any]:
+    """The API's description (OpenAPI), which nobody changes: it takes half a second to make."""
+    from service.app import create_app
+
+    made: dict[str, Any] = create_app(Settings(database="sqlite://")).openapi()
+    return made
 
 
 def assign(skeleton: Skeleton, extra: Sequence[tuple[str, str]] = ()) -> Skeleton:

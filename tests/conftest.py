@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, TypeAlias
 
 # Before NumPy is imported. Tests run on all cores already: where several processes let BLAS take all of them too, its
@@ -15,11 +16,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
 from fastapi.testclient import TestClient
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, seed, settings
 
 from service.settings import Settings
 from service.storage.database import Database
-from tests import postgres
+from tests import fuzz, postgres
 from tests.builders import served
 
 StoreOf: TypeAlias = Callable[[str, Callable[[TestClient], Any]], tuple[TestClient, Any]]
@@ -28,21 +29,45 @@ settings.register_profile(
     "default", deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), print_blob=True
 )
 settings.register_profile(
-    "fuzz", deadline=None, max_examples=2000, suppress_health_check=list(HealthCheck), print_blob=True
+    "fuzz", deadline=None, max_examples=1000, suppress_health_check=list(HealthCheck), print_blob=True
 )
 settings.load_profile("default")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    if config.getoption("-m") == "fuzz":
+    if fuzz.asked_for(config):
         settings.load_profile("fuzz")
 
 
+def pytest_report_header(config: pytest.Config) -> str:
+    return f"the same seeds again: make fuzz SEED={fuzz.SEED}" if fuzz.asked_for(config) else ""
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    mark = metafunc.definition.get_closest_marker("fuzz")
+    if mark is not None and "seeds" in mark.kwargs:
+        count = mark.kwargs["seeds"] if fuzz.asked_for(metafunc.config) else 1
+        metafunc.parametrize("seed", fuzz.seeds(metafunc.definition.nodeid, count))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
+    mark = item.get_closest_marker("fuzz")
+    if report.when == "call" and report.failed and mark is not None and "seeds" in mark.kwargs:
+        fuzz.keep(item.nodeid.partition("[")[0], item.callspec.params["seed"])  # type: ignore[attr-defined]
+    return report
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    if config.getoption("-m") != "fuzz":
-        chosen = [item for item in items if item.get_closest_marker("fuzz") is None]
-        config.hook.pytest_deselected(items=[item for item in items if item not in set(chosen)])
-        items[:] = chosen
+    if fuzz.asked_for(config):
+        for item in items:
+            if item.get_closest_marker("hypothesis"):
+                seed(fuzz.SEED)(getattr(item.obj, "__func__", item.obj))  # type: ignore[attr-defined]
+    else:
+        long = [item for item in items if item.get_closest_marker("fuzz") is not None]
+        config.hook.pytest_deselected(items=long)
+        items[:] = [item for item in items if item.get_closest_marker("fuzz") is None]
 
 
 def shared_folder() -> Path | None:
@@ -143,3 +168,24 @@ def client(database: Database) -> Iterator[TestClient]:
     """The service on the store, asked in process."""
     with served(database) as client:
         yield client
+
+
+@pytest.fixture(scope="session")
+def cluster(sqlite_template: Path) -> Iterator[Any]:
+    """Of one worker, which starts with the first job: it takes longer to start than the jobs of tests take."""
+    from service.jobs.cluster import Cluster
+
+    database = Database(f"sqlite:///{sqlite_template}")
+    cluster = Cluster(database, Settings(job_workers=1))
+    yield cluster
+    cluster.close()
+    database.close()
+
+
+@pytest.fixture
+def lent_cluster(cluster: Any) -> Iterator[None]:
+    """Let servers that start from now on have their jobs run by the cluster of all tests, which outlives them."""
+    lent = SimpleNamespace(client=cluster.client, kill=cluster.kill, close=lambda: None)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("service.jobs.runner.Cluster", lambda _database, _settings: lent)
+        yield

@@ -33,15 +33,13 @@ _MARKS: dict[str, Callable[..., Any]] = {"path": Path, "query": Query, "header":
 Value = TypeVar("Value")
 
 
-def routes(operations: list[Operation]) -> APIRouter:
+def add_routes(router: APIRouter, operations: list[Operation]) -> None:
     """A route for each operation that has an address."""
-    router = APIRouter()
     for operation in operations:
         if operation.address is not None:
             _add_route(router, operation)
     # Behind all analyses, so that it is reached by no other.
     router.add_api_route("/analyses/{name}", _unknown_analysis, methods=["POST"], include_in_schema=False)
-    return router
 
 
 def _unknown_analysis(name: str) -> None:

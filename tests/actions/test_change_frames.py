@@ -197,8 +197,7 @@ def test_random_changes(database: Database, seed: int) -> None:
     changed_at_random(database, seed, 14)
 
 
-@pytest.mark.fuzz
-@pytest.mark.parametrize("seed", range(100, 160))
+@pytest.mark.fuzz(seeds=60)
 def test_random_changes_many_times(database: Database, seed: int) -> None:
     changed_at_random(database, seed, 60)
 

@@ -112,8 +112,7 @@ def test_random_edits(database: Database, seed: int) -> None:
     edited_at_random(database, seed, 25)
 
 
-@pytest.mark.fuzz
-@pytest.mark.parametrize("seed", range(100, 140))
+@pytest.mark.fuzz(seeds=40)
 def test_random_edits_many_times(database: Database, seed: int) -> None:
     edited_at_random(database, seed, 120)
 

@@ -12,6 +12,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+import hypothesis
 import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
@@ -142,7 +143,7 @@ class Story(RuleBasedStateMachine):
             self.stack.close()
 
 
-def _run(kind: str, request: pytest.FixtureRequest, examples: int, steps: int) -> None:
+def _run(kind: str, request: pytest.FixtureRequest, examples: int, steps: int, number: int | None = None) -> None:
     def new_store(stack: ExitStack) -> str:
         if kind == "sqlite":
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
@@ -155,6 +156,8 @@ def _run(kind: str, request: pytest.FixtureRequest, examples: int, steps: int) -
         pass
 
     Told.new_store = staticmethod(new_store)
+    if number is not None:
+        hypothesis.seed(number)(Told)
     run_state_machine_as_test(Told, settings=settings(max_examples=examples, stateful_step_count=steps))
 
 
@@ -162,6 +165,6 @@ def test_stories_of_edits(kind: str, request: pytest.FixtureRequest) -> None:
     _run(kind, request, 12, 12)
 
 
-@pytest.mark.fuzz
-def test_many_stories_of_edits(kind: str, request: pytest.FixtureRequest) -> None:
-    _run(kind, request, 150, 40)
+@pytest.mark.fuzz(seeds=1)
+def test_many_stories_of_edits(kind: str, request: pytest.FixtureRequest, seed: int) -> None:
+    _run(kind, request, 150, 40, seed)

@@ -139,8 +139,7 @@ def test_random_edits(database: Database, seed: int) -> None:
     edited_at_random(database, seed, 18)
 
 
-@pytest.mark.fuzz
-@pytest.mark.parametrize("seed", range(100, 150))
+@pytest.mark.fuzz(seeds=50)
 def test_random_edits_many_times(database: Database, seed: int) -> None:
     edited_at_random(database, seed, 100)
 

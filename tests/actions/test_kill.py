@@ -96,7 +96,7 @@ def test_killed_importer_leaves_all_or_nothing(database: Database, database_url:
     killed_at_seeded_points(database, database_url, tmp_path, 5, seed=20)
 
 
-@pytest.mark.fuzz
+@pytest.mark.fuzz(seeds=1)
 @pytest.mark.timeout(1800)
-def test_killed_importer_many_times(database: Database, database_url: str, tmp_path: Path) -> None:
-    killed_at_seeded_points(database, database_url, tmp_path, 50, seed=7)
+def test_killed_importer_many_times(database: Database, database_url: str, tmp_path: Path, seed: int) -> None:
+    killed_at_seeded_points(database, database_url, tmp_path, 50, seed)

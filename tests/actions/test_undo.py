@@ -100,8 +100,7 @@ def test_random_undo(database: Database, seed: int) -> None:
     undone_at_random(database, seed, 20)
 
 
-@pytest.mark.fuzz
-@pytest.mark.parametrize("seed", range(100, 150))
+@pytest.mark.fuzz(seeds=50)
 def test_random_undo_many_times(database: Database, seed: int) -> None:
     undone_at_random(database, seed, 100)
 

@@ -13,12 +13,10 @@ import pytest
 from fastapi.testclient import TestClient
 
 from service.api.policy import DEFAULTS, NOTHING
-from service.app import create_app
-from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import bvh, served, upload
+from tests.builders import bvh, description, served, upload
 
-DESCRIPTION: dict[str, Any] = create_app(Settings(database="sqlite://")).openapi()
+DESCRIPTION = description()
 PATHS = sorted(DESCRIPTION["paths"])
 
 

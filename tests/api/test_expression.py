@@ -18,6 +18,8 @@ from tests.jobs.test_jobs import wait
 
 API = "/api/v1"
 
+pytestmark = pytest.mark.usefixtures("lent_cluster")
+
 
 def use(client: TestClient, result: str, operation: str, **parameters: Any) -> dict[str, Any]:
     saving = {key: parameters.pop(key) for key in ("save", "name") if key in parameters}

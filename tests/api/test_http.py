@@ -115,3 +115,15 @@ def test_bodies_of_another_kind_are_refused_in_words_of_ours(client: TestClient)
     assert (text.status_code, text.json()["detail"]) == (422, "body.file.0: A file is needed here, not a text.")
     said = client.post(f"{API}/compose", json={"segments": [{"first": 1}]}).json()["detail"]
     assert said.startswith("body.segments.0: a segment names a document")
+
+
+@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+def test_routes_are_made_once(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Making them takes longer than most requests; FastAPI makes those of an included router when it is first asked."""
+    with served(database) as client:
+        assert client.get(f"{API}/documents").status_code == 200
+    made: list[str] = []
+    monkeypatch.setattr("fastapi.routing.request_response", lambda endpoint: made.append(endpoint.__name__))
+    with served(database) as client:
+        assert client.get(f"{API}/documents").status_code == 200
+    assert made == []

@@ -16,7 +16,7 @@ from service.storage.database import Database
 from tests.jobs.test_jobs import wait
 
 API = "/api/v1"
-pytestmark = pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+pytestmark = [pytest.mark.parametrize("kind", ["sqlite"], indirect=True), pytest.mark.usefixtures("lent_cluster")]
 
 
 def clicks(bpm: float, seconds: float = 40.0, rate: int = 22050) -> bytes:

@@ -7,18 +7,17 @@ import pkgutil
 from typing import Any
 
 import pytest
-from fastapi.testclient import TestClient
 from lxml import etree
 from pydantic import BaseModel
 
 import schemas
 from schemas import examples
-from service.app import create_app
 from service.mcml import dtd
 from service.operations.analyses import offered
-from service.settings import Settings
+from tests.builders import description
+from tests.conftest import StoreOf
 
-DESCRIPTION: dict[str, Any] = create_app(Settings(database="sqlite://")).openapi()
+DESCRIPTION = description()
 OPERATIONS = [
     pytest.param(method, path, operation, id=operation["operationId"])
     for path, methods in DESCRIPTION["paths"].items()
@@ -128,12 +127,12 @@ def test_answers_show_the_example_of_their_model(method: str, path: str, operati
             (models() | MADE)[name].model_validate(media["example"])
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
 @every_operation
 def test_requests_of_examples_are_understood(
-    method: str, path: str, operation: dict[str, Any], client: TestClient
+    method: str, path: str, operation: dict[str, Any], store_of: StoreOf
 ) -> None:
     """Nothing of what the description shows is refused as malformed; that the document does not exist is no matter."""
+    client, _ = store_of("sqlite", lambda _: None)
     query: dict[str, Any] = {}
     headers: dict[str, str] = {}
     for parameter in operation.get("parameters", []):

@@ -17,20 +17,14 @@ from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
 from tests.api.test_doors import listening
-from tests.builders import SECRET, bvh
+from tests.builders import SECRET, bvh, description
 
 
 @pytest.fixture(scope="module")
-def description() -> dict[str, Any]:
-    made: dict[str, Any] = create_app(Settings(database="sqlite://")).openapi()
-    return made
-
-
-@pytest.fixture(scope="module")
-def generated(description: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+def generated(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """The folder of a package `lab_client`."""
     folder = tmp_path_factory.mktemp("generated")
-    (folder / "openapi.json").write_text(json.dumps(description))
+    (folder / "openapi.json").write_text(json.dumps(description()))
     (folder / "config.yml").write_text("post_hooks: []\n")
     command = [Path(sys.executable).with_name("openapi-python-client"), "generate", "--path", "openapi.json"]
     command += ["--meta", "none", "--output-path", "lab_client", "--config", "config.yml"]
@@ -40,8 +34,8 @@ def generated(description: dict[str, Any], tmp_path_factory: pytest.TempPathFact
     sys.path.remove(str(folder))
 
 
-def test_no_operation_is_left_out(generated: Path, description: dict[str, Any]) -> None:
-    names = {item["operationId"] for path in description["paths"].values() for item in path.values()}
+def test_no_operation_is_left_out(generated: Path) -> None:
+    names = {item["operationId"] for path in description()["paths"].values() for item in path.values()}
     modules = {path.stem for path in (generated / "api").rglob("*.py") if path.stem != "__init__"}
     assert modules == names
 

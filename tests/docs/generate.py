@@ -8,11 +8,10 @@ from pathlib import Path
 import typer
 from typer.main import get_command
 
-from service.app import create_app
 from service.cli import app as cli
 from service.mcml import joint_names, motion_names
 from service.operations import all_operations
-from service.settings import Settings
+from tests.builders import description
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 BY_HAND = {"follow_job": "read", **dict.fromkeys(("healthz", "readyz", "open_session", "close_session"), "none")}
@@ -23,7 +22,7 @@ MARK = re.compile(r"(<!-- generated: (?P<name>[a-z-]+) -->\n).*?(<!-- end -->)",
 
 
 def endpoints() -> str:
-    schema = create_app(Settings(database="sqlite://")).openapi()
+    schema = description()
     known = {operation.name: operation for operation in all_operations()}
     lines = ["| endpoint | operation | to the store | right | what it does |", "|---|---|---|---|---|"]
     for path, methods in sorted(schema["paths"].items()):

@@ -200,9 +200,17 @@ def test_numbers_that_are_none_are_missing_samples() -> None:
     assert frames(clip_of(c3d_bytes(points)))
 
 
-@pytest.mark.parametrize("size", [60, pytest.param(20_000, marks=pytest.mark.fuzz)])
-def test_a_damaged_file_is_refused_in_words_of_ours(size: int) -> None:
-    chance = random.Random(16)
+def test_a_damaged_file_is_refused_in_words_of_ours() -> None:
+    damaged_at_random(16, 60)
+
+
+@pytest.mark.fuzz(seeds=4)
+def test_many_damaged_files_are_refused_in_words_of_ours(seed: int) -> None:
+    damaged_at_random(seed, 5000)
+
+
+def damaged_at_random(seed: int, size: int) -> None:
+    chance = random.Random(seed)
     whole = [c3d_bytes(places(30, 3), analog=np.ones((30, 4)), processor=kind) for kind in (INTEL, DEC, MIPS)]
     for _ in range(size):
         spoilt = bytearray(chance.choice(whole))

@@ -96,8 +96,7 @@ def test_damaged_files(format_name: str) -> None:
     campaign(format_name, 0, 150)
 
 
-@pytest.mark.fuzz
-@pytest.mark.parametrize("seed", range(1, 9))
+@pytest.mark.fuzz(seeds=8)
 @pytest.mark.parametrize("format_name", FILES)
 def test_many_damaged_files(format_name: str, seed: int) -> None:
     campaign(format_name, seed, 1000)

@@ -37,10 +37,16 @@ def fill(database: Database) -> None:
 
 
 @pytest.fixture
-def server(database: Database) -> Iterator[TestClient]:
+def own_server(database: Database) -> Iterator[TestClient]:
+    """With a cluster of its own, whose workers may die."""
     fill(database)
     with served(database, SETTINGS) as client:
         yield client
+
+
+@pytest.fixture
+def server(lent_cluster: None, own_server: TestClient) -> TestClient:
+    return own_server
 
 
 def start(server: TestClient, **parameters: Any) -> dict[str, Any]:
@@ -213,15 +219,15 @@ def test_a_running_job_is_cancelled(server: TestClient, monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
-def test_a_worker_that_does_not_listen_is_killed(server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_that_does_not_listen_is_killed(own_server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(service.jobs.runner, "KILL_SECONDS", 0.5)
     instead(monkeypatch, deaf)
-    job = start(server)
-    wait(server, job, lambda found: found["stage"] == "deaf")
-    server.delete(f"{API}/jobs/{job['id']}")
-    assert wait(server, job)["state"] == "cancelled"
+    job = start(own_server)
+    wait(own_server, job, lambda found: found["stage"] == "deaf")
+    own_server.delete(f"{API}/jobs/{job['id']}")
+    assert wait(own_server, job)["state"] == "cancelled"
     monkeypatch.undo()
-    assert wait(server, start(server))["state"] == "done"
+    assert wait(own_server, start(own_server))["state"] == "done"
 
 
 def dying(times: int, place: str) -> Callable[..., Any]:
@@ -238,26 +244,27 @@ def dying(times: int, place: str) -> Callable[..., Any]:
 
 
 @pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
-def test_a_lost_worker_is_replaced(server: TestClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_lost_worker_is_replaced(own_server: TestClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     instead(monkeypatch, dying(1, str(tmp_path / "marks")))
-    done = wait(server, start(server))
+    done = wait(own_server, start(own_server))
     assert done["state"] == "done"
-    assert server.get(f"{API}/results/{done['result']}/numbers").json()["data"] == {"value": 1}
+    assert own_server.get(f"{API}/results/{done['result']}/numbers").json()["data"] == {"value": 1}
 
 
 @pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
 def test_a_job_that_kills_its_workers_is_given_up(
-    server: TestClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    own_server: TestClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     instead(monkeypatch, dying(99, str(tmp_path / "marks")))
-    failed = wait(server, start(server))
+    failed = wait(own_server, start(own_server))
     assert failed["state"] == "failed"
     assert "died" in failed["problem"]["detail"]
     assert "MCML_JOB_MEMORY_MIB" in failed["problem"]["remedy"]
     monkeypatch.undo()
-    assert wait(server, start(server))["state"] == "done"
+    assert wait(own_server, start(own_server))["state"] == "done"
 
 
+@pytest.mark.usefixtures("lent_cluster")
 def test_a_job_whose_server_was_killed_is_taken_up(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     fill(database)
     with database.read() as tx:
@@ -277,7 +284,12 @@ def test_a_job_whose_server_was_killed_is_taken_up(database: Database, monkeypat
     assert (done["state"], done["attempt"], done["owner"]) == ("done", 2, "kim")
 
 
-def test_a_server_that_stops_leaves_its_jobs(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_server_that_stops_leaves_its_jobs(
+    database: Database, kind: str, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    """It kills the worker, of a cluster of its own or of one that goes on, as a team's does."""
+    if kind == "postgresql":
+        request.getfixturevalue("lent_cluster")
     fill(database)
     instead(monkeypatch, endless)
     with served(database, SETTINGS) as server:
@@ -286,5 +298,6 @@ def test_a_server_that_stops_leaves_its_jobs(database: Database, monkeypatch: py
     monkeypatch.undo()
     with database.read() as tx:
         assert (tx.jobs.get(job["id"]).state, tx.jobs.get(job["id"]).attempt) == ("waiting", 0)
+    request.getfixturevalue("lent_cluster")
     with served(database, SETTINGS) as server:
         assert wait(server, job)["state"] == "done"

@@ -19,6 +19,8 @@ from tests.jobs.test_jobs import wait
 
 API = "/api/v1"
 
+pytestmark = pytest.mark.usefixtures("lent_cluster")
+
 one_kind = pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
 """Of database, where what is tested asks it for nothing of its own."""
 

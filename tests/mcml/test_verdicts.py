@@ -83,13 +83,11 @@ def test_white_space_in_an_empty_element_is_another_shape_than_none(texts: tuple
     assert not shapes_verdict(document, leading=1)
 
 
-@pytest.mark.fuzz
-@pytest.mark.parametrize("seed", range(10, 14))
+@pytest.mark.fuzz(seeds=4)
 def test_the_verdict_is_libxml2_s_many_times(seed: int) -> None:
     readers_agree(seed, count=3000)
 
 
-@pytest.mark.fuzz
-@pytest.mark.parametrize("seed", range(20, 24))
+@pytest.mark.fuzz(seeds=4)
 def test_one_frame_of_each_shape_decides_like_the_whole_many_times(seed: int) -> None:
     shapes_agree(seed, count=3000)
