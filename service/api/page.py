@@ -1,4 +1,4 @@
-"""The plain front page and the API reference, until the browser studio is built. Everything is served from here."""
+"""The API reference and plain pages. Everything is served from here."""
 
 from __future__ import annotations
 
@@ -6,25 +6,18 @@ import html
 from pathlib import Path
 
 import fastapi_offline
-from fastapi import APIRouter, Request
+from fastapi import APIRouter
 from fastapi.responses import FileResponse, HTMLResponse
 
 from service.actions.checking.describe_problem import STATUS_OF, slug
 from service.api.policy import page_policy
 from service.errors import NotFoundError
-from service.mcml.elements import to_head
-from service.motion.skeleton import Convention
 from service.resources import dtd_path
-from service.storage.documents import StoredDocument
-from service.storage.filtering import DocumentFilter
 
 router = APIRouter(include_in_schema=False)
 
 _SWAGGER = Path(fastapi_offline.__file__).parent / "static"
 _ASSETS = ("swagger-ui-bundle.js", "swagger-ui.css", "favicon.png")
-_SHOWN = 200
-_EXPORTS = {False: ("bvh", "asf-amc", "htr"), True: ("c3d", "trc")}
-"""Formats that can hold a document, by whether it has markers in the place of a body."""
 
 _REFERENCE = 'SwaggerUIBundle({url:"/openapi.json",dom_id:"#swagger-ui",deepLinking:true,validatorUrl:null})'
 
@@ -58,41 +51,6 @@ pre { background: var(--panel); padding: 12px; overflow: auto; border-radius: 6p
 """
 
 
-@router.get("/")
-def front_page(request: Request) -> HTMLResponse:
-    """What is stored, and where to go from here."""
-    with request.app.state.repository.database.read() as tx:
-        found = tx.documents.page(DocumentFilter(), after=None, limit=_SHOWN, newest_first=True)
-        total = tx.documents.count(DocumentFilter())
-        names = {stored.key: {span.name: None for span in tx.spans.of(stored.key)} for stored in found}
-        # Documents share skeletons: one of each is looked at.
-        of_skeleton = {stored.skeleton: stored for stored in found}
-        markers = {
-            key: to_head(tx.heads.document(one)).skeleton.joints[0].convention is Convention.MARKER
-            for key, one in of_skeleton.items()
-        }
-        counts = tx.spans.counts()
-    base = html.escape(str(request.base_url).rstrip("/"))
-    rows = "".join(_row(stored, list(names[stored.key]), markers[stored.skeleton]) for stored in found)
-    more = "" if total <= _SHOWN else f"<p>The newest {_SHOWN} of {total:,} documents.</p>"
-    example = counts[0][0] if counts else "walk"
-    return page(
-        "MCML Repository",
-        f"""<h1>MCML Repository</h1>
-<p>Motion capture in one open XML language. <a href="/docs">API reference</a> · <a href="/mcml.dtd">mcml.dtd</a> ·
-<a href="/api/v1/formats">formats</a> · <a href="/api/v1/motion-names">motion names</a> ·
-<a href="/api/v1/joint-names">joint names</a></p>
-<h2>Add a clip</h2><pre>curl -F file=@walk.bvh -F label=walk {base}/api/v1/documents
-mcml import walk.bvh --label walk --server {base}</pre>
-<h2>Find frames by motion name</h2><pre>curl -G {base}/api/v1/xpath \\
-  --data-urlencode "q=//frame[motion_name='{html.escape(example)}']" -d as=runs</pre>
-<h2>Library ({total:,})</h2>{more}
-<table><thead><tr><th>Name</th><th>Project</th><th>Format</th><th class="n">Frames</th><th>Motion names</th>
-<th>Get</th></tr></thead>
-<tbody>{rows or '<tr><td colspan="6">Nothing is stored yet.</td></tr>'}</tbody></table>""",
-    )
-
-
 def page(title: str, body: str, *, status: int = 200, forms: bool = False) -> HTMLResponse:
     """A page in the plain style. forms: it may send forms to this server."""
     return HTMLResponse(
@@ -102,19 +60,6 @@ def page(title: str, body: str, *, status: int = 200, forms: bool = False) -> HT
 </main></body></html>""",
         status,
         page_policy(styles=[_STYLE], forms=forms),
-    )
-
-
-def _row(stored: StoredDocument, names: list[str], markers: bool) -> str:
-    address = f"/api/v1/documents/{stored.uuid}"
-    exports = " ".join(
-        f'<a href="{address}/export?format={name}" title="as {name}">{name}</a>' for name in _EXPORTS[markers]
-    )
-    labels = ", ".join(html.escape(name) for name in names[:8]) + (" …" if len(names) > 8 else "")
-    return (
-        f'<tr><td><a href="{address}">{html.escape(stored.name)}</a></td><td>{html.escape(stored.project)}</td>'
-        f'<td>{html.escape(stored.format)}</td><td class="n">{stored.frames:,}</td><td>{labels}</td>'
-        f'<td><a href="{address}/mcml">mcml</a> {exports}</td></tr>'
     )
 
 

@@ -31,16 +31,20 @@ class Walker:
         hub = self._hub.read(block)
         return walked(self._skeleton, hub.translations, hub.rotations)
 
-    def tips(self, block: FrameBlock) -> Array:
-        """Positions (n, T, 3) of the ends of chains: BVH end sites, tips of ASF and HTR bones without child."""
+    def poses_with_tips(self, block: FrameBlock) -> tuple[Array, Array, Array]:
+        """As `poses`, and positions (n, T, 3) of the ends of chains: BVH end sites, tips of ASF and HTR bones without
+        child."""
         hub = self._hub.read(block)
         positions, rotations = walked(self._skeleton, hub.translations, hub.rotations)
-        tips = self._hub.rest.tips
-        result = np.empty((len(block), len(tips), 3))
-        for place, (joint, vector) in enumerate(tips):
+        tips = np.empty((len(block), len(self._hub.rest.tips), 3))
+        for place, (joint, vector) in enumerate(self._hub.rest.tips):
             along = vector * hub.scales[:, joint, None]
-            result[:, place] = positions[:, joint] + rotate(rotations[:, joint], along)
-        return result
+            tips[:, place] = positions[:, joint] + rotate(rotations[:, joint], along)
+        return positions, rotations, tips
+
+    def tips(self, block: FrameBlock) -> Array:
+        """Positions (n, T, 3) of the ends of chains."""
+        return self.poses_with_tips(block)[2]
 
 
 def rest_positions(skeleton: Skeleton, reading: Reading = DEGREES) -> Array:

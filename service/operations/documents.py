@@ -83,6 +83,9 @@ def list_documents(
     wanted: Wanted,
     page: Page,
     sort: Annotated[Literal["name", "newest"], Field(description="In which order")] = "name",
+    offset: Annotated[
+        int, Field(ge=0, le=MOST, description="Documents to leave out first: for who jumps within a long list")
+    ] = 0,
     with_: Annotated[
         str | None,
         Field(
@@ -105,6 +108,7 @@ def list_documents(
             after=None if after is None else (after[0], after[1]),
             limit=page.most(call) + 1,
             newest_first=sort == "newest",
+            offset=offset,
         )
         total = tx.documents.count(conditions)
         shown, more = page.cut(call, found, lambda stored: (stored.name, stored.key))

@@ -87,6 +87,9 @@ def get_frames(
         Literal["hold", "nan"],
         Field(description="Positions and rotations that hang on a missing sample: as it was before, or NaN"),
     ] = "hold",
+    tips: Annotated[
+        bool, Field(description="After the bones' positions those of the ends of chains, as the skeleton lists them")
+    ] = False,
 ) -> FramePage | Content:
     """`npz` holds `values`, `columns` (their names), `ids` and `times` (seconds from the first frame, NaN where the
     rate is unknown). Values of channels are (frames, columns), missing samples NaN; positions (frames, bones, 3),
@@ -97,13 +100,15 @@ def get_frames(
     """
     if origin == "subtract" and (space != "positions" or format == "json"):
         raise RequestError("Only positions have an origin.", remedy="Ask with space=positions, in a format of numbers.")
+    if tips and (space != "positions" or format == "json"):
+        raise RequestError("Only positions have tips.", remedy="Ask with space=positions, in a format of numbers.")
     if format != "json":
         then, stored = at_revision(call.read(), id, revision)
-        asked = f"{space}-{dtype}-{zlib.crc32(repr(bone).encode())}-{origin}-{missing}"
+        asked = f"{space}-{dtype}-{zlib.crc32(repr(bone).encode())}-{origin}-{missing}-{tips}"
         call.tagged(tag(stored, f"{format}-{first}-{last}-{step}-{asked}"), lasting=revision is not None)
         source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
         point = origin_of(then, source) if origin == "subtract" else None
-        numbers = read_numbers(source.clip, source.names, bone, space, origin=point, held=missing == "hold")
+        numbers = read_numbers(source.clip, source.names, bone, space, origin=point, held=missing == "hold", tips=tips)
         found = _file(source, numbers, first, step, dtype, format)
         if point is not None:
             found.facts["origin"] = ",".join(map(repr, point.tolist()))

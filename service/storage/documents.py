@@ -198,9 +198,15 @@ class Documents:
         return self._tx.at < CURRENT - 1
 
     def page(
-        self, wanted: DocumentFilter, *, after: tuple[str, int] | None, limit: int, newest_first: bool = False
+        self,
+        wanted: DocumentFilter,
+        *,
+        after: tuple[str, int] | None,
+        limit: int,
+        newest_first: bool = False,
+        offset: int = 0,
     ) -> list[StoredDocument]:
-        """Documents by name and key after (name, key), or newest first after (_, key)."""
+        """Documents by name and key after (name, key), or newest first after (_, key); `offset` of them are left out."""
         query = filtered(all_documents(past=self._past), wanted, self._tx)
         if newest_first:
             query = query.order_by(document.c.id.desc())
@@ -211,7 +217,7 @@ class Documents:
             if after is not None:
                 name, key = after
                 query = query.where((document.c.name > name) | (document.c.name == name) & (document.c.id > key))
-        found = self._tx.checked_once(checked(query.limit(limit), document, content), {"at": self._tx.at})
+        found = self._tx.checked_once(checked(query.limit(limit).offset(offset), document, content), {"at": self._tx.at})
         return [_stored(row) for row in found]
 
     def count(self, wanted: DocumentFilter) -> int:

@@ -168,3 +168,20 @@ def test_only_positions_have_an_origin(client: TestClient) -> None:
     for more in ({"space": "rotations", "format": "npy"}, {"space": "positions"}):
         answer = client.get(f"{API}/{uuid}/frames", params={"origin": "subtract", **more})
         assert (answer.status_code, "positions" in answer.json()["remedy"]) == (422, True)
+
+
+def test_ends_of_chains_follow_the_bones(client: TestClient) -> None:
+    uuid = stored(client, {"legs.bvh": TWO_LEGS})
+    bones, tipped = positions(client, uuid), positions(client, uuid, tips=True)
+    assert tipped.shape == (1, 7, 3)
+    assert np.array_equal(tipped[:, :4], bones)
+    tips = client.get(f"{API}/{uuid}/skeleton").json()["tips"]
+    for place, tip in enumerate(tips):
+        assert np.allclose(tipped[0, 4 + place], bones[0, tip["bone"]] + tip["offset"]), (
+            "no bone is turned in this pose"
+        )
+    chosen = positions(client, uuid, tips=True, bone=["Head"], origin="subtract")
+    assert np.allclose(chosen[0], tipped[0, [3, 6]] - bones[0, 0])
+    refused = client.get(f"{API}/{uuid}/frames", params={"tips": True})
+    assert refused.status_code == 422
+    assert "space=positions" in refused.json()["remedy"]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from service.errors import NotFoundError
 from service.motion.clip import ClipStream
+from service.motion.hub import rest_of
 from service.motion.kinematics import Walker, unseen
 from service.motion.skeleton import CHANNELS, Array
 from service.motion.units import reading_of
@@ -47,13 +48,15 @@ def read_numbers(
     *,
     origin: Array | None = None,
     held: bool = True,
+    tips: bool = False,
 ) -> Numbers:
     """Numbers of a clip. names: of its joints. bones: which, in this order; default all. NotFoundError for others.
 
     Channels are the source's own numbers and units, missing samples NaN; positions (x y z) and rotations (x y z w) are
     global, by forward kinematics.
     origin: (3,) is taken off positions. held: positions and rotations of missing samples are those of the last ones
-    before, among the frames that are read; else they are NaN.
+    before, among the frames that are read; else they are NaN. tips: the ends of chains follow, in the order that the
+    skeleton lists them, called after their bones.
     """
     wanted = chosen_bones(names, bones)
     skeleton = clip.head.skeleton
@@ -64,6 +67,10 @@ def read_numbers(
     else:
         order = list(wanted)
         labels = list(wanted.values())
+        if tips:
+            tipped = [joint for joint, _ in rest_of(skeleton, reading_of(clip.head)).tips]
+            order += [len(skeleton) + place for place, joint in enumerate(tipped) if joint in wanted]
+            labels += [f"{wanted[joint]}.tip" for joint in tipped if joint in wanted]
         shape = (len(order), len(_PARTS[space]))
 
     def blocks() -> Iterator[tuple[Array, NDArray[np.int64] | list[str]]]:
@@ -74,12 +81,17 @@ def read_numbers(
                 chosen = np.array([place[column] for column in columns], np.int64)
                 values = block.values[:, evenly(chosen) if len(chosen) else chosen]
             else:
-                positions, rotations = walker.poses(block)
+                positions, rotations, ends = walker.poses_with_tips(block)
                 poses = positions if space == "positions" else rotations
+                hidden = None if held else unseen(skeleton, block)
+                if hidden is not None:
+                    poses[hidden] = np.nan
+                if tips:
+                    if hidden is not None:
+                        ends[hidden[:, tipped]] = np.nan
+                    poses = np.concatenate([poses, ends], axis=1)
                 if origin is not None:
                     poses -= origin
-                if not held:
-                    poses[unseen(skeleton, block)] = np.nan
                 values = poses[:, evenly(np.array(order, np.int64))] if order else poses[:, order]
             yield values, block.ids
 

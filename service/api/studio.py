@@ -1,0 +1,71 @@
+"""The studio's files, and the pages that are its addresses. Where it is not built, `/` says so."""
+
+from __future__ import annotations
+
+import mimetypes
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Request
+from fastapi.responses import FileResponse, Response
+
+from service.api.page import page
+from service.errors import NotFoundError
+from service.web import STATIC
+
+router = APIRouter(include_in_schema=False)
+
+PAGES = ("/", "/library", "/clips/{id}", "/xpath", "/compose", "/retarget", "/settings")
+POLICY = {
+    "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+    "media-src 'self' blob:; connect-src 'self'; font-src 'self'; worker-src 'self'; manifest-src 'self'; "
+    "base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-embedder-policy": "require-corp",
+}
+FOR_GOOD = "public, max-age=31536000, immutable"
+"""Names of built files hold a sum of their content."""
+ENCODINGS = (("br", ".br"), ("gzip", ".gz"))
+
+NOT_BUILT = """<h1>MCML Repository</h1>
+<p>The server runs. The studio, its face in the browser, is not built here: <code>make run</code> builds it,
+<code>python service/web/build.py</code> too.</p>
+<p><a href="/docs">API reference</a> · <a href="/mcml.dtd">mcml.dtd</a> · <a href="/api/v1/documents">documents</a></p>
+<pre>curl -F file=@walk.bvh -F label=walk {base}/api/v1/documents
+mcml import walk.bvh --label walk --server {base}</pre>"""
+
+
+def studio_page(request: Request, accept_encoding: Annotated[str, Header()] = "") -> Response:
+    """Any address of the studio: its own routes find the page."""
+    if not (STATIC / "index.html").is_file():
+        return page("MCML Repository", NOT_BUILT.format(base=str(request.base_url).rstrip("/")))
+    return _file("index.html", accept_encoding, {**POLICY, "cache-control": "no-cache"})
+
+
+for address in PAGES:
+    router.get(address)(studio_page)
+
+
+@router.get("/assets/{name}")
+def built_file(name: str, accept_encoding: Annotated[str, Header()] = "") -> FileResponse:
+    """A script, style or worker of the studio."""
+    return _file(f"assets/{name}", accept_encoding, {"cache-control": FOR_GOOD})
+
+
+@router.get("/favicon.svg")
+def icon() -> FileResponse:
+    return _file("favicon.svg", "", {"cache-control": "max-age=86400"})
+
+
+def _file(name: str, accepted: str, headers: dict[str, str]) -> FileResponse:
+    """A built file, compressed where the client takes it. NotFoundError for any other name."""
+    path = STATIC / name
+    if ".." in name or "\\" in name or not path.is_file():
+        raise NotFoundError(f"There is no file {name!r}.")
+    kind = mimetypes.guess_type(name)[0] or "application/octet-stream"
+    for encoding, ending in ENCODINGS:
+        packed = STATIC / (name + ending)
+        if encoding in accepted and packed.is_file():
+            return FileResponse(
+                packed, media_type=kind, headers={**headers, "content-encoding": encoding, "vary": "accept-encoding"}
+            )
+    return FileResponse(path, media_type=kind, headers={**headers, "vary": "accept-encoding"})

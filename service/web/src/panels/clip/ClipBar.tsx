@@ -1,0 +1,64 @@
+/** The clip's own bar: the draft and its saving, comparison, export. */
+import { ApiError, ask } from "../../api/client";
+import { copyText } from "../../shell/App";
+import type { Clip } from "../../state/clip";
+import { go, setParams } from "../../state/route";
+import { Icon } from "../../ui/icons";
+import { Menu } from "../../ui/Menu";
+import { Trouble } from "../../ui/Trouble";
+import { w } from "../../words";
+import { clipActions } from "./actions";
+import { exportItems } from "./exports";
+import { saveClip } from "./keys";
+import { note, refuse } from "../../state/notes";
+
+export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
+  const { detail } = clip;
+  const changed = clip.changed.value;
+  const conflict = clip.trouble.value instanceof ApiError && [409, 412].includes(clip.trouble.value.status);
+  const restore = async () => {
+    try {
+      const newest = await ask("get", "/documents/{id}", { path: { id: clip.id } });
+      const made = await ask("post", "/documents/{id}/restore", { path: { id: clip.id }, query: { revision: detail.revision }, match: newest.revision });
+      note(w("restoredAs", { n: (made as { revision: number }).revision }));
+      setParams({ rev: null });
+    } catch (error) {
+      refuse(error);
+    }
+  };
+  return (
+    <>
+      <div class="clip-bar row">
+        <strong class="cut">{detail.name}</strong>
+        {clip.pinned !== null ? (
+          <><span class="chip">{w("oldRevision")}</span><button type="button" class="button primary" onClick={() => void restore()}>{w("restore")}</button><button type="button" class="button" onClick={() => setParams({ rev: null })}>{w("openNewest")}</button></>
+        ) : changed ? (
+          <>
+            <span class="draft-words" role="status">{w("draft", { n: clip.draft.value.steps })}</span>
+            <button type="button" class="button primary" disabled={clip.saving.value} onClick={() => void saveClip(clip, reload)}>{w("save")}</button>
+            <button type="button" class="button quiet" onClick={() => clip.discard()}>{w("discard")}</button>
+          </>
+        ) : null}
+        <span class="grow" />
+        <button type="button" class="button quiet icon" aria-label={w("undo")} title={`${w("undo")} (Ctrl+Z)`} disabled={!clip.canUndo && (detail.revision <= 1 || clip.pinned !== null)} onClick={() => { if (!clip.undo()) void clipActions.undoStored(clip, reload); }}><Icon name="undo" /></button>
+        <button type="button" class="button quiet icon" aria-label={w("redo")} title={`${w("redo")} (Ctrl+Shift+Z)`} disabled={!clip.canRedo} onClick={() => clip.redo()}><Icon name="redo" /></button>
+        <button type="button" class="button" onClick={() => void copyText(location.href, w("addressCopied"))}>{w("share")}</button>
+        <Menu label={w("exportWord")} side="right" items={() => [
+          ...exportItems(clip.id, { markers: clip.skeleton.view.markers, original: detail.original, format: detail.format, revision: detail.revision }),
+          { text: w("composeThese"), icon: "compose", run: () => go(`/compose?s=${clip.id}`) },
+          { text: w("retarget"), icon: "retarget", run: () => go(`/retarget?from=${clip.id}`) },
+        ]}>{w("exportWord")}<Icon name="down" /></Menu>
+      </div>
+      {conflict ? (
+        <div class="banner warn" role="alert">
+          <Icon name="warn" />
+          <div class="grow"><strong>{w("conflict")}</strong><p>{(clip.trouble.value as ApiError).message}</p><p>{w("conflictHelp")}</p></div>
+          <button type="button" class="button" onClick={() => void saveClip(clip, reload, true)}>{w("merge")}</button>
+          <button type="button" class="button" onClick={() => { clip.discard(); reload(); }}>{w("openNewest")}</button>
+        </div>
+      ) : (
+        <Trouble error={clip.trouble.value} retry={clip.trouble.value ? () => void saveClip(clip, reload) : undefined} />
+      )}
+    </>
+  );
+}

@@ -1,0 +1,81 @@
+/** One clip: viewer, timeline, and the dock with its views of the document. */
+import { useEffect, useState } from "preact/hooks";
+import { subject } from "../../shell/Bar";
+import { openClip, type Clip } from "../../state/clip";
+import { dockWide, rightFolded, timelineTall } from "../../state/panes";
+import { param, route } from "../../state/route";
+import { Splitter } from "../../ui/Splitter";
+import { Trouble } from "../../ui/Trouble";
+import { w } from "../../words";
+import { ClipBar } from "./ClipBar";
+import { Dock } from "./Dock";
+import { Timeline } from "./Timeline";
+import { Transport } from "./Transport";
+import { ViewerPane } from "./ViewerPane";
+import { useAddress } from "./address";
+import { useClipKeys } from "./keys";
+import "../../styles/clip.css";
+
+export function ClipPage({ id, revision }: { id: string; revision: string | null }) {
+  const [clip, setClip] = useState<Clip | null>(null);
+  const [error, setError] = useState<unknown>(null);
+  const [turn, setTurn] = useState(0);
+  useEffect(() => {
+    const stop = new AbortController();
+    let opened: Clip | null = null;
+    setError(null);
+    openClip(id, revision ? Number(revision) : null, stop.signal).then(
+      (found) => {
+        opened = found;
+        if (stop.signal.aborted) return found.close();
+        subject.value = { text: found.detail.name, detail: w("revision", { n: found.detail.revision }) };
+        setClip((before) => {
+          before?.close();
+          return found;
+        });
+      },
+      (problem) => !stop.signal.aborted && setError(problem),
+    );
+    return () => {
+      stop.abort();
+      opened?.close();
+    };
+  }, [id, revision, turn]);
+  useEffect(() => () => void (subject.value = null), []);
+  if (error) return <Trouble error={error} retry={() => setTurn(turn + 1)} />;
+  if (!clip) return <div class="busy" role="presentation" />;
+  return <OpenClip key={clip.detail.revision} clip={clip} reload={() => setTurn(turn + 1)} />;
+}
+
+function OpenClip({ clip, reload }: { clip: Clip; reload: () => void }) {
+  useAddress(clip);
+  useClipKeys(clip, reload);
+  const below = param("dock") === "below";
+  const [narrow, setNarrow] = useState(innerWidth < 900);
+  useEffect(() => {
+    const measure = () => setNarrow(innerWidth < 900);
+    addEventListener("resize", measure);
+    return () => removeEventListener("resize", measure);
+  }, []);
+  void route.value;
+  const under = below || narrow;
+  const dock = <Dock clip={clip} reload={reload} />;
+  return (
+    <div class={`clip ${under ? "under" : ""}`}>
+      <div class="clip-main">
+        <h1 class="unseen">{clip.detail.name}</h1>
+        <ClipBar clip={clip} reload={reload} />
+        <ViewerPane clip={clip} />
+        <Transport clip={clip} />
+        <Splitter size={timelineTall} least={96} most={420} initial={190} axis="y" label={w("timeline")} />
+        <Timeline clip={clip} />
+      </div>
+      {!rightFolded.value && (
+        <>
+          {!under && <Splitter size={dockWide} least={300} most={900} initial={400} label={w("dock")} />}
+          <aside class="dock" aria-label={w("dock")} style={under ? {} : { width: `${dockWide.value}px` }}>{dock}</aside>
+        </>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,36 @@
+/** The views of the document beside the viewer. One of them is open; the address says which. */
+import type { Clip } from "../../state/clip";
+import { param, setParams } from "../../state/route";
+import { Tabs } from "../../ui/Tabs";
+import type { Word } from "../../words";
+import { w } from "../../words";
+import { Graph } from "./Graph";
+import { History } from "./History";
+import { Info } from "./Info";
+import { Structure } from "./Structure";
+import { Tree } from "./Tree";
+import { lazy } from "../../shell/lazy";
+
+const Text = lazy(async () => (await import("./Text")).TextView);
+
+const VIEWS: { id: string; word: Word }[] = [
+  { id: "tree", word: "tree" }, { id: "graph", word: "graph" }, { id: "structure", word: "structure" },
+  { id: "text", word: "text" }, { id: "history", word: "history" }, { id: "info", word: "info" },
+];
+
+export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
+  const open = VIEWS.some((one) => one.id === param("tab")) ? param("tab") : "tree";
+  return (
+    <>
+      <Tabs label={w("dock")} tabs={VIEWS.map((one) => ({ id: one.id, text: w(one.word) }))} open={open} onOpen={(id) => setParams({ tab: id === "tree" ? null : id })} />
+      <div class="dock-view" role="tabpanel" id={`panel-${open}`} aria-labelledby={`tab-${open}`}>
+        {open === "tree" && <Tree clip={clip} />}
+        {open === "graph" && <Graph clip={clip} />}
+        {open === "structure" && <Structure clip={clip} />}
+        {open === "text" && <Text clip={clip} reload={reload} />}
+        {open === "history" && <History clip={clip} reload={reload} />}
+        {open === "info" && <Info clip={clip} reload={reload} />}
+      </div>
+    </>
+  );
+}

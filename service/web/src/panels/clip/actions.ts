@@ -1,0 +1,63 @@
+/** What keys and buttons of the clip page do alike. */
+import { signal } from "@preact/signals";
+import { ask } from "../../api/client";
+import type { Clip } from "../../state/clip";
+import type { Span } from "../../state/draft";
+import { note, refuse } from "../../state/notes";
+import { kept } from "../../state/settings";
+import type { CameraView, Shown } from "../../scene/stage";
+import { w } from "../../words";
+
+/** What is drawn besides the body; stays from clip to clip. */
+export const shown = kept<Shown>("shown", { follow: true, ghosts: false, trails: false, names: false, axes: true });
+export const cameraView = signal<CameraView>("persp");
+/** Moves when the camera shall look at the selection, or at the body. */
+export const frameAsked = signal(0);
+/** The span that is being named, at its place; null: none. */
+export const naming = signal<{ span: Span; fresh: boolean } | null>(null);
+const VIEWS: CameraView[] = ["persp", "front", "side", "top"];
+let lastNew = 0;
+
+export const newSpan = (name: string, first: number, last: number): Span => ({ id: --lastNew, name, first, last });
+
+export const clipActions = {
+  toggle(name: keyof Shown): void {
+    shown.value = { ...shown.peek(), [name]: !shown.peek()[name] };
+  },
+  nextView(): void {
+    cameraView.value = VIEWS[(VIEWS.indexOf(cameraView.peek()) + 1) % VIEWS.length];
+  },
+  frame(): void {
+    frameAsked.value++;
+  },
+  setLoop(clip: Clip, edge: "in" | "out"): void {
+    const { player } = clip;
+    const [first, last] = player.range;
+    const here = player.frame.peek();
+    player.loop.value = edge === "in" ? [here, Math.max(here, last)] : [Math.min(first, here), here];
+  },
+  /** Begin to name the loop, or a second around the playhead. */
+  nameLoop(clip: Clip): void {
+    const { player } = clip;
+    const half = Math.round(player.perSecond / 2);
+    const here = player.frame.peek();
+    const [first, last] = player.loop.peek() ?? [Math.max(0, here - half), Math.min(clip.frames - 1, here + half)];
+    naming.value = { span: newSpan("", first + 1, last + 1), fresh: true };
+  },
+  splitSpan(clip: Clip): void {
+    const here = clip.player.frame.peek() + 1;
+    const inside = clip.labels.peek().filter((span) => span.first < here && span.last >= here);
+    if (!inside.length) return;
+    clip.setLabels(clip.labels.peek().flatMap((span) => inside.includes(span) ? [{ ...span, last: here - 1 }, newSpan(span.name, here, span.last)] : [span]));
+  },
+  async undoStored(clip: Clip, reload: () => void): Promise<void> {
+    if (clip.detail.revision <= 1 || clip.pinned !== null) return;
+    try {
+      await ask("post", "/documents/{id}/undo", { path: { id: clip.id }, match: clip.detail.revision });
+      note(w("undo"));
+      reload();
+    } catch (error) {
+      refuse(error);
+    }
+  },
+};

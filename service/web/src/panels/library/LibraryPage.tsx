@@ -1,0 +1,76 @@
+/** Cards of all clips under a filter, facets beside them, a preview of the one that is looked at. */
+import { useEffect } from "preact/hooks";
+import { subject } from "../../shell/Bar";
+import { offer } from "../../state/keys";
+import * as library from "../../state/library";
+import { facetsWide, leftFolded, previewOpen, previewWide } from "../../state/panes";
+import { go, param, setParams } from "../../state/route";
+import { Icon } from "../../ui/icons";
+import { Menu } from "../../ui/Menu";
+import { Splitter } from "../../ui/Splitter";
+import { Trouble } from "../../ui/Trouble";
+import { w } from "../../words";
+import { chooseFiles } from "../../state/uploads";
+import { CardGrid } from "./CardGrid";
+import { CardList } from "./CardList";
+import { Facets } from "./Facets";
+import { PickedBar } from "./PickedBar";
+import { Preview } from "./Preview";
+import "../../styles/library.css";
+
+export function LibraryPage() {
+  const view = param("view") === "list" ? "list" : "grid";
+  const total = library.total.value;
+  useEffect(() => {
+    subject.value = null;
+    library.look(0, 23);
+    return offer("library", [
+      { id: "open", word: "openClip", keys: ["Enter"], run: () => library.current.value && go(`/clips/${library.current.value}`), when: () => library.current.value !== null },
+      { id: "preview", word: "preview", keys: ["Space"], run: () => (previewOpen.value = !previewOpen.value) },
+      { id: "delete", word: "delete", keys: ["Del"], run: () => void library.removeDocuments([...library.picked.value]), when: () => library.picked.value.size > 0 },
+      { id: "compose", word: "moveToComposer", keys: ["M"], run: () => go(`/compose?s=${[...library.picked.value].join(",")}`), when: () => library.picked.value.size > 0 },
+      { id: "none", word: "pickNone", keys: ["Esc"], run: () => (library.picked.value = new Set()), when: () => library.picked.value.size > 0 },
+    ]);
+  }, []);
+  const filtered = Object.keys(library.filter.value).length > 0;
+  return (
+    <div class="library">
+      {!leftFolded.value && (
+        <>
+          <aside class="facets" style={{ width: `${facetsWide.value}px` }} aria-label={w("filters")}><Facets /></aside>
+          <Splitter size={facetsWide} least={180} most={420} initial={240} label={w("filters")} from="start" />
+        </>
+      )}
+      <section class="cards" aria-label={w("library")}>
+        <h1 class="unseen">{w("library")}</h1>
+        <div class="toolbar row">
+          <div class="segments" role="group" aria-label={w("view")}>
+            <button type="button" aria-pressed={view === "grid"} onClick={() => setParams({ view: null })}>{w("grid")}</button>
+            <button type="button" aria-pressed={view === "list"} onClick={() => setParams({ view: "list" })}>{w("list")}</button>
+          </div>
+          <Menu label={w("sort")} className="button quiet" items={(["newest", "name"] as const).map((one) => ({ text: w(one === "name" ? "byName" : one), checked: library.sort.value === one, run: () => setParams({ sort: one === "newest" ? null : one }) }))}>
+            {w(library.sort.value === "name" ? "byName" : "newest")}<Icon name="down" />
+          </Menu>
+          <span class="grow" />
+          <span class="dim" role="status">{total === null ? "" : w("clips", { n: total })}</span>
+          <button type="button" class="button primary" onClick={() => chooseFiles()}><Icon name="upload" />{w("add")}</button>
+        </div>
+        <PickedBar />
+        <Trouble error={library.trouble.value} retry={library.refresh} />
+        {total === 0 && !library.trouble.value ? (
+          filtered ? (
+            <div class="empty"><h2>{w("noneMatch")}</h2><p>{w("noneMatchHelp")}</p><p><a class="button" href="/library">{w("clearFilters")}</a></p></div>
+          ) : (
+            <div class="empty"><h2>{w("emptyLibrary")}</h2><p>{w("emptyLibraryHelp")}</p><p><button type="button" class="button primary" onClick={() => chooseFiles()}>{w("chooseFiles")}</button></p></div>
+          )
+        ) : view === "grid" ? <CardGrid /> : <CardList />}
+      </section>
+      {previewOpen.value && (
+        <>
+          <Splitter size={previewWide} least={260} most={520} initial={320} label={w("preview")} />
+          <aside class="preview" style={{ width: `${previewWide.value}px` }} aria-label={w("preview")}><Preview /></aside>
+        </>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,48 @@
+/** The card that is looked at, large, with its passport and what can be done with it. */
+import { nameColour } from "../../motion/colours";
+import * as library from "../../state/library";
+import { confirmFact } from "../../state/uploads";
+import { go } from "../../state/route";
+import { Icon } from "../../ui/icons";
+import { Menu } from "../../ui/Menu";
+import { ThumbnailView } from "../../ui/ThumbnailView";
+import { duration, number, rate, w, when } from "../../words";
+import { exportItems } from "../clip/exports";
+
+export function Preview() {
+  void library.version.value;
+  const id = library.current.value;
+  const card = id ? library.cardOf(id) : library.cardAt(0);
+  if (!card) return null;
+  const { passport } = card;
+  const guessed = new Set(passport?.guessed ?? []);
+  const names = [...new Set(card.labels.map((label) => label.name))];
+  const fact = (word: "unit" | "up", value: string | null | undefined) => (
+    <dd>
+      <span class={guessed.has(word) ? "guess" : ""}>{value ?? w("unitUnknown")}</span>
+      {guessed.has(word) && value && !value.includes("/") && <button type="button" class="button quiet dense" onClick={() => void confirmFact([card.id], { [word]: value })}>{w("confirm")}</button>}
+    </dd>
+  );
+  return (
+    <>
+      <div class="preview-figure"><ThumbnailView thumbnail={card.thumb} runs label={card.name} /></div>
+      <div>
+        <h2 class="cut" title={card.name}>{card.name}</h2>
+        <p class="dim">{[card.project, w("revision", { n: card.revision }), when(card.modified)].filter(Boolean).join(" · ")}</p>
+      </div>
+      <dl class="facts">
+        <dt>{w("unit")}</dt>{fact("unit", passport?.unit)}
+        <dt>{w("rateWord")}</dt><dd><span class={guessed.has("rate") ? "guess" : ""}>{rate(card.seconds_per_frame)}</span></dd>
+        <dt>{w("up")}</dt>{fact("up", passport?.up)}
+        <dt>{w("joints")}</dt><dd>{passport ? number(passport.joints) : "–"}</dd>
+        <dt>{w("length")}</dt><dd>{w("framesAndTime", { frames: w("frames", { n: card.frames }), time: duration(card.duration) })}</dd>
+        {names.length > 0 && <><dt>{w("names")}</dt><dd>{names.map((name) => <span key={name} class="name-chip"><span class="swatch" style={{ background: nameColour(name) }} />{name}</span>)}</dd></>}
+      </dl>
+      <div class="row wrap">
+        <a class="button primary" href={`/clips/${card.id}`}>{w("open")}</a>
+        <Menu label={w("exportWord")} items={() => exportItems(card.id, { markers: passport?.markers ?? false, original: true, format: card.format })}>{w("exportWord")}<Icon name="down" /></Menu>
+        <button type="button" class="button" onClick={() => go(`/compose?s=${card.id}`)}>{w("composeThese")}</button>
+      </div>
+    </>
+  );
+}

@@ -1,0 +1,119 @@
+/** What comes in: each file's progress, and its receipt in plain words with what was guessed to be confirmed. */
+import { useState } from "preact/hooks";
+import { looked } from "../../state/inspect";
+import { addFiles, cancel, cancelAll, confirmFact, retry, trayOpen, undoImport, uploads, type Upload } from "../../state/uploads";
+import { Dialog } from "../../ui/Dialog";
+import { Icon } from "../../ui/icons";
+import { number, w } from "../../words";
+import type { Schemas } from "../../api/client";
+
+type Receipt = Schemas["Receipt"];
+
+export function UploadTray() {
+  const all = uploads.value;
+  const ended = all.filter((one) => /stored|refused|cancelled/.test(one.state)).length;
+  return (
+    <>
+      {looked.value && <LookedAt />}
+      {trayOpen.value && all.length > 0 && (
+        <section class="tray" aria-label={w("queue")}>
+          <header class="row">
+            <strong>{w("queue")}</strong>
+            <span class="dim" role="status">{w("uploads", { done: ended, n: all.length })}</span>
+            <progress class="grow" value={ended} max={all.length} aria-label={w("queue")} />
+            {ended < all.length && <button type="button" class="button dense" onClick={cancelAll}>{w("cancel")}</button>}
+            <button type="button" class="button quiet icon dense" aria-label={w("hideQueue")} onClick={() => { trayOpen.value = false; if (ended === all.length) uploads.value = []; }}><Icon name="close" /></button>
+          </header>
+          <ul>{all.slice().reverse().slice(0, 200).map((one) => <UploadRow key={one.id} upload={one} alone={all.length === 1} />)}</ul>
+        </section>
+      )}
+    </>
+  );
+}
+
+function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
+  const [open, setOpen] = useState(alone);
+  const first = upload.documents[0];
+  const state = upload.state === "stored" && first?.skipped ? w("skippedTwin") : w(upload.state);
+  return (
+    <li>
+      <div class="row">
+        <span class={`state ${upload.state}`}>{upload.state === "stored" ? <Icon name="check" /> : upload.state === "refused" ? <Icon name="warn" /> : null}</span>
+        <span class="cut grow" title={upload.name}>{upload.name}</span>
+        {upload.state === "sending" ? <progress value={upload.sent} max={1} aria-label={upload.name} /> : <span class="dim">{state}</span>}
+        {/queued|sending|reading/.test(upload.state) && <button type="button" class="button quiet icon dense" aria-label={w("cancel")} onClick={() => cancel(upload.id)}><Icon name="close" /></button>}
+        {/refused|cancelled/.test(upload.state) && <button type="button" class="button dense" onClick={() => retry(upload.id)}>{w("retry")}</button>}
+        {first && <a class="button dense" href={`/clips/${first.id}`}>{w("open")}</a>}
+        {first && <button type="button" class="button quiet dense" aria-expanded={open} onClick={() => setOpen(!open)}>{w("receipts")}</button>}
+      </div>
+      {upload.problems.map(({ file, problem }) => (
+        <div key={file} class="refusal"><strong>{problem.title}</strong> <span class="dim">{file}</span><p>{problem.detail !== problem.title && problem.detail}</p>{problem.remedy && <p>{problem.remedy}</p>}</div>
+      ))}
+      {open && upload.documents.map((one) => <ReceiptView key={one.id} receipt={one.receipt} documents={[one.id]} />)}
+      {open && first && !first.skipped && <p><button type="button" class="button dense" onClick={() => void undoImport(upload)}>{w("undoImport")}</button></p>}
+    </li>
+  );
+}
+
+const UNITS = ["cm", "mm", "m", "inch"];
+const AXES = ["Y", "Z"];
+
+/** What an import found, guessed and mended. documents: where answers are written; none: nothing is stored. */
+export function ReceiptView({ receipt, documents }: { receipt: Receipt; documents: string[] }) {
+  const [said, setSaid] = useState<{ unit?: string; up?: string }>({});
+  const choose = async (change: { unit?: string; up?: string }) => {
+    if (await confirmFact(documents, change)) setSaid({ ...said, ...change });
+  };
+  const fact = (name: "unit" | "up", one: { value?: string | null; stated: boolean; why: string }, options: string[]) => {
+    const value = said[name] ?? one.value;
+    return (
+      <>
+        <dd>{value ? <span class={one.stated || said[name] ? "" : "guess"}>{value}</span> : <span class="guess">{w("unitUnknown")}</span>} <span class="dim">{one.why}</span></dd>
+        <dd class="row">
+          {!one.stated && !said[name] && documents.length > 0 && options.map((option) => (
+            <button key={option} type="button" class="button dense" onClick={() => void choose({ [name]: option })}>{option}</button>
+          ))}
+          {(one.stated || said[name]) && <Icon name="check" />}
+        </dd>
+      </>
+    );
+  };
+  const { naming } = receipt;
+  return (
+    <dl class="receipt">
+      <dt>{w("receiptUnit")}</dt>{fact("unit", receipt.unit, UNITS)}
+      <dt>{w("receiptRate")}</dt>
+      <dd>{receipt.frame_rate.frames_per_second ? `${number(receipt.frame_rate.frames_per_second, 4)} Hz` : w("rateUnknown")} <span class="dim">{receipt.frame_rate.why}</span></dd>
+      <dd>{receipt.frame_rate.stated && <Icon name="check" />}</dd>
+      <dt>{w("receiptUp")}</dt>{fact("up", receipt.up_axis, AXES)}
+      {naming && (
+        <>
+          <dt>{w("receiptJoints")}</dt>
+          <dd>{w("jointsMapped", { mapped: Object.keys(naming.mapped).length, n: receipt.joints, rig: naming.rig, own: naming.unmapped.length })}
+            {naming.unmapped.length > 0 && <details><summary>{w("show")}</summary><ul>{naming.unmapped.map((one) => <li key={one.source}><code>{one.source}</code> <span class="dim">{one.why}</span></li>)}</ul></details>}
+          </dd><dd />
+        </>
+      )}
+      <dt>{w("receiptNumbers")}</dt>
+      <dd>{w("receiptNumbersText", { channels: receipt.channels, frames: receipt.frames })}{receipt.twins.length > 0 && <p class="dim">{w("twin")}</p>}</dd><dd />
+      {receipt.notices.length > 0 && (
+        <><dt>{w("notices")}</dt><dd><ul>{receipt.notices.slice(0, 20).map((one, index) => <li key={index}>{one.what} <span class="dim">{one.at}</span></li>)}</ul></dd><dd /></>
+      )}
+    </dl>
+  );
+}
+
+function LookedAt() {
+  const { files, result } = looked.value!;
+  return (
+    <Dialog title={w("lookedAt")} onClose={() => (looked.value = null)} wide>
+      {(result.clips as { files: string[]; receipt: Receipt }[]).map((clip, index) => (
+        <section key={index}><h3>{clip.files.join(" + ")}</h3><ReceiptView receipt={clip.receipt} documents={[]} /></section>
+      ))}
+      {result.problems.map(({ file, problem }) => (
+        <div key={file} class="refusal"><strong>{problem.title}</strong> <span class="dim">{file}</span><p>{problem.detail}</p></div>
+      ))}
+      <p class="row"><button type="button" class="button primary" onClick={() => { looked.value = null; addFiles(files); }}>{w("keep")}</button><span class="dim">{w("notStored")}</span></p>
+    </Dialog>
+  );
+}

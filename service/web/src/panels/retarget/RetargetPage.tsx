@@ -1,0 +1,1 @@
+export function RetargetPage() { return <div class="empty" />; }

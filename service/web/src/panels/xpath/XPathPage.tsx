@@ -1,0 +1,1 @@
+export function XPathPage() { return <div class="empty" />; }

@@ -1,0 +1,58 @@
+/** Files over the window cover it with what will happen to them. */
+import { useEffect, useState } from "preact/hooks";
+import { addFiles, filesOf } from "../state/uploads";
+import { lookFirst } from "../state/inspect";
+import { Icon } from "../ui/icons";
+import { w } from "../words";
+
+export function DropTarget() {
+  const [over, setOver] = useState<"" | "add" | "look">("");
+  useEffect(() => {
+    let depth = 0;
+    const hasFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;
+    const enter = (event: DragEvent) => {
+      if (!hasFiles(event)) return;
+      event.preventDefault();
+      depth++;
+      setOver((now) => now || "add");
+    };
+    const leave = (event: DragEvent) => {
+      if (hasFiles(event) && --depth <= 0) { depth = 0; setOver(""); }
+    };
+    const drag = (event: DragEvent) => {
+      if (!hasFiles(event)) return;
+      event.preventDefault();
+      setOver((event.target as Element).closest("[data-drop=look]") ? "look" : "add");
+    };
+    const drop = async (event: DragEvent) => {
+      if (!hasFiles(event)) return;
+      event.preventDefault();
+      const look = Boolean((event.target as Element).closest("[data-drop=look]"));
+      depth = 0;
+      setOver("");
+      const files = await filesOf(event.dataTransfer!);
+      if (look) void lookFirst(files);
+      else addFiles(files);
+    };
+    const escape = (event: KeyboardEvent) => event.key === "Escape" && setOver("");
+    addEventListener("dragenter", enter);
+    addEventListener("dragleave", leave);
+    addEventListener("dragover", drag);
+    addEventListener("drop", drop);
+    addEventListener("keydown", escape);
+    return () => {
+      removeEventListener("dragenter", enter);
+      removeEventListener("dragleave", leave);
+      removeEventListener("dragover", drag);
+      removeEventListener("drop", drop);
+      removeEventListener("keydown", escape);
+    };
+  }, []);
+  if (!over) return null;
+  return (
+    <div class="drop-cover">
+      <div class={`drop-field ${over === "add" ? "over" : ""}`} data-drop="add"><Icon name="upload" /><h2>{w("dropTitle")}</h2><p>{w("dropHelp")}</p></div>
+      <div class={`drop-field ${over === "look" ? "over" : ""}`} data-drop="look"><Icon name="eye" /><h2>{w("lookFirst")}</h2><p>{w("lookFirstHelp")}</p></div>
+    </div>
+  );
+}

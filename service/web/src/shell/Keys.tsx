@@ -1,0 +1,31 @@
+/** The keys that work now. */
+import { Dialog } from "../ui/Dialog";
+import { commands, type Command } from "../state/keys";
+import { w } from "../words";
+
+export function Keys({ onClose }: { onClose: () => void }) {
+  const everywhere = new Set(["help", "palette", "search", "copy", "left", "right", "goL", "goX", "goC", "goR", "goS"]);
+  const all = commands();
+  const table = (title: string, list: Command[]) =>
+    list.length > 0 && (
+      <section>
+        <h3>{title}</h3>
+        <dl class="keys">
+          {list.map((one) => (
+            <div key={one.id}>
+              <dt>{one.keys.map((keys) => <kbd key={keys}>{keys}</kbd>)}</dt>
+              <dd>{w(one.word)}</dd>
+            </div>
+          ))}
+        </dl>
+      </section>
+    );
+  return (
+    <Dialog title={w("help")} onClose={onClose} wide>
+      <div class="keys-columns">
+        {table(w("onThisPage"), all.filter((one) => !everywhere.has(one.id)))}
+        {table(w("everywhere"), all.filter((one) => everywhere.has(one.id)))}
+      </div>
+    </Dialog>
+  );
+}

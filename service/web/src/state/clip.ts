@@ -1,0 +1,256 @@
+/**
+ * The clip that is open: its document, skeleton and frames, and what is selected, looked at and changed in it. Tree,
+ * graph, text, timeline and viewer are views of these signals; none keeps a copy.
+ */
+import { batch, computed, effect, signal } from "@preact/signals";
+import { ask, get, type Schemas } from "../api/client";
+import { Blocks, channelsOf, positionsOf } from "../motion/blocks";
+import { columnsOf, posed } from "../motion/kinematics";
+import { skeletonOf, type Skeleton } from "../motion/skeleton";
+import { w } from "../words";
+import * as drafts from "./draft";
+import type { Draft, Span } from "./draft";
+import { note, refuse } from "./notes";
+import { Player } from "./player";
+
+export type Detail = Schemas["DocumentDetail"];
+const USUAL_RATE = 30; // frames a second, where nobody stated one
+const REDO_STEPS = 200;
+
+/** What was selected: joints, and an element of the document by its address. */
+export interface Selection {
+  bones: readonly string[];
+  channel: string | null;
+}
+
+export class Clip {
+  readonly selection = signal<Selection>({ bones: [], channel: null });
+  readonly draft = signal<Draft>(drafts.EMPTY);
+  readonly saving = signal(false);
+  /** What could not be saved, until it is looked at. */
+  readonly trouble = signal<unknown>(null);
+  readonly labels = computed<readonly Span[]>(() => this.draft.value.labels ?? this.stored);
+  readonly changed = computed(() => !drafts.isEmpty(this.draft.value));
+  readonly skeleton: Skeleton;
+  readonly player: Player;
+  readonly blocks: Blocks;
+  readonly channels: Blocks<Float64Array>;
+  readonly columns: Map<string, number>;
+  private readonly stored: readonly Span[];
+  private done: Draft[] = [];
+  private undone: Draft[] = [];
+  private readonly stops: (() => void)[] = [];
+  /** A revision that is shown as a ghost beside this one. */
+  readonly compared = signal<{ revision: number; blocks: Blocks } | null>(null);
+
+  constructor(
+    readonly detail: Detail,
+    view: Schemas["SkeletonView"],
+    /** null: the newest, which can be edited. */
+    readonly pinned: number | null,
+  ) {
+    this.skeleton = skeletonOf(view);
+    this.player = new Player(view.frames, 1 / (view.seconds_per_frame || 1 / USUAL_RATE));
+    this.blocks = new Blocks(positionsOf(detail.id, detail.revision, this.skeleton));
+    this.channels = new Blocks(channelsOf(detail.id, detail.revision, this.skeleton));
+    this.columns = columnsOf(view);
+    this.stored = detail.labels.map(({ id, name, first, last }) => ({ id, name, first, last }));
+    if (pinned === null) this.revive();
+    this.stops.push(
+      effect(() => this.keep(this.draft.value)),
+      effect(() => {
+        const { player } = this;
+        const frame = player.frame.value;
+        const direction = player.playing.value ? Math.sign(player.speed.value) : 0;
+        this.blocks.want(frame, direction, player.perSecond * Math.abs(player.speed.peek()), player.range[0]);
+        this.compared.value?.blocks.want(frame, direction, player.perSecond, player.range[0]);
+        const there = drafts.touched(this.draft.value);
+        if (there && frame + 1 >= there[0] && frame + 1 <= there[1]) this.channels.want(frame);
+      }),
+    );
+  }
+
+  get id(): string {
+    return this.detail.id;
+  }
+
+  get frames(): number {
+    return this.detail.frames;
+  }
+
+  /** Joints' and tips' positions at a frame (from 0), as they will be when the draft is saved. */
+  positions(frame: number): Float32Array | null {
+    const draft = this.draft.value;
+    const changes = [...draft.samples].filter(([, values]) => values.has(frame + 1));
+    if (!changes.length) return this.blocks.frame(frame);
+    const stored = this.channels.has(frame) ? this.channels.frame(frame) : null;
+    if (!stored) {
+      this.channels.want(frame);
+      return this.blocks.frame(frame);
+    }
+    const values = Float64Array.from(stored);
+    for (const [track, samples] of changes) values[this.columns.get(track)!] = samples.get(frame + 1)!;
+    return posed(this.skeleton, this.columns, values);
+  }
+
+  /** A sample as the draft has it, else as stored; null while it is on its way. */
+  sample(track: string, frame: number): number | null {
+    const changed = this.draft.value.samples.get(track)?.get(frame + 1);
+    if (changed !== undefined) return changed;
+    if (!this.channels.has(frame)) return null;
+    const column = this.columns.get(track);
+    return column === undefined ? null : this.channels.frame(frame)![column];
+  }
+
+  select(bones: readonly string[], channel: string | null = null): void {
+    this.selection.value = { bones, channel };
+  }
+
+  // Changes
+
+  /** Do something that can be undone. */
+  change(next: Draft): void {
+    if (this.pinned !== null) {
+      note(w("oldRevision"));
+      return;
+    }
+    this.done = [...this.done, this.draft.peek()].slice(-REDO_STEPS);
+    this.undone = [];
+    this.draft.value = next;
+  }
+
+  /** Replace the last change while a hand still moves: one drag is one step. */
+  amend(next: Draft): void {
+    this.draft.value = next;
+  }
+
+  setSamples(track: string, values: Iterable<readonly [number, number]>): void {
+    this.change(drafts.withSamples(this.draft.peek(), track, values));
+  }
+
+  setLabels(labels: readonly Span[]): void {
+    this.change(drafts.withLabels(this.draft.peek(), labels));
+  }
+
+  setElement(change: drafts.ElementChange): void {
+    this.change(drafts.withElement(this.draft.peek(), change));
+  }
+
+  get canUndo(): boolean {
+    return this.done.length > 0;
+  }
+
+  get canRedo(): boolean {
+    return this.undone.length > 0;
+  }
+
+  undo(): boolean {
+    const before = this.done.pop();
+    if (!before) return false;
+    this.undone.push(this.draft.peek());
+    this.draft.value = before;
+    return true;
+  }
+
+  redo(): boolean {
+    const next = this.undone.pop();
+    if (!next) return false;
+    this.done.push(this.draft.peek());
+    this.draft.value = next;
+    return true;
+  }
+
+  discard(): void {
+    this.change(drafts.EMPTY);
+  }
+
+  /** Make one revision of the draft. The caller opens it. */
+  async save(message = "", merge = false): Promise<number | null> {
+    const draft = this.draft.peek();
+    if (drafts.isEmpty(draft) || this.saving.peek()) return null;
+    this.saving.value = true;
+    try {
+      const answer = await ask("post", "/documents/{id}/changes", {
+        path: { id: this.id },
+        query: { merge },
+        match: this.detail.revision,
+        body: { ...requested(draft, this.detail.labels), message },
+      });
+      batch(() => {
+        this.trouble.value = null;
+        this.draft.value = drafts.EMPTY;
+      });
+      return answer.revision;
+    } catch (error) {
+      this.trouble.value = error;
+      return null;
+    } finally {
+      this.saving.value = false;
+    }
+  }
+
+  /** Show another revision of the same document as a ghost; null shows none. */
+  async compare(revision: number | null): Promise<void> {
+    this.compared.peek()?.blocks.close();
+    this.compared.value = null;
+    if (revision === null) return;
+    try {
+      const view = await get("/documents/{id}/skeleton", { path: { id: this.id }, query: { revision } });
+      const blocks = new Blocks(positionsOf(this.id, revision, skeletonOf(view)));
+      this.compared.value = { revision, blocks };
+    } catch (error) {
+      refuse(error);
+    }
+  }
+
+  // Drafts survive a reload.
+
+  private get key(): string {
+    return `mcml.draft.${this.id}`;
+  }
+
+  private keep(draft: Draft): void {
+    if (this.pinned !== null) return;
+    try {
+      if (drafts.isEmpty(draft)) localStorage.removeItem(this.key);
+      else localStorage.setItem(this.key, drafts.frozen(draft, this.detail.revision));
+    } catch {
+      /* A full or forbidden storage keeps nothing. */
+    }
+  }
+
+  private revive(): void {
+    try {
+      const text = localStorage.getItem(this.key);
+      if (text) this.draft.value = drafts.revived(text).draft;
+    } catch {
+      /* What cannot be read is no draft. */
+    }
+  }
+
+  close(): void {
+    for (const stop of this.stops) stop();
+    this.player.pause();
+    this.blocks.close();
+    this.channels.close();
+    this.compared.peek()?.blocks.close();
+  }
+}
+
+/** A draft as the repository takes it. */
+export function requested(draft: Draft, stored: readonly Schemas["Label"][]): Schemas["DocumentChanges"] {
+  const frames = [...draft.samples].map(([track, values]) => {
+    const dot = track.lastIndexOf(".");
+    return { bone: track.slice(0, dot), channel: track.slice(dot + 1), values: [...values].sort((a, b) => a[0] - b[0]) };
+  });
+  const labels = draft.labels && drafts.labelEdits(stored, draft.labels);
+  return { frames, labels, elements: [...draft.elements.values()] } as unknown as Schemas["DocumentChanges"];
+}
+
+/** Open a document at a revision, or as it is. */
+export async function openClip(id: string, revision: number | null, signal: AbortSignal): Promise<Clip> {
+  const query = revision === null ? {} : { revision };
+  const detail = await get("/documents/{id}", { path: { id }, query, signal });
+  const view = await get("/documents/{id}/skeleton", { path: { id }, query: { revision: detail.revision }, signal });
+  return new Clip(detail, view, revision);
+}

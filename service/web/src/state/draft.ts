@@ -1,0 +1,115 @@
+/**
+ * What is changed and not saved yet: values, never written over, so that undo is a step back to the one before.
+ *
+ * Frames are positions from 1, as the repository counts them.
+ */
+import type { Schemas } from "../api/client";
+
+export interface Span {
+  /** Of the repository's label; negative for one that is not stored yet. */
+  id: number;
+  name: string;
+  first: number;
+  last: number;
+}
+
+export interface ElementChange {
+  address: string;
+  attributes: Record<string, string | null>;
+  text?: string;
+}
+
+export interface Draft {
+  /** Samples by track, "Root.Tx", and frame. */
+  samples: ReadonlyMap<string, ReadonlyMap<number, number>>;
+  /** All labels as they shall be; null: as stored. */
+  labels: readonly Span[] | null;
+  /** Attributes and texts of elements, by address. */
+  elements: ReadonlyMap<string, ElementChange>;
+  /** How many things were done. */
+  steps: number;
+}
+
+export const EMPTY: Draft = { samples: new Map(), labels: null, elements: new Map(), steps: 0 };
+
+export const isEmpty = (draft: Draft): boolean => !draft.samples.size && !draft.labels && !draft.elements.size;
+
+/** Set samples of one track. */
+export function withSamples(draft: Draft, track: string, values: Iterable<readonly [number, number]>): Draft {
+  const changed = new Map(draft.samples.get(track));
+  for (const [frame, value] of values) changed.set(frame, value);
+  return { ...draft, samples: new Map(draft.samples).set(track, changed), steps: draft.steps + 1 };
+}
+
+export const withLabels = (draft: Draft, labels: readonly Span[]): Draft => ({ ...draft, labels, steps: draft.steps + 1 });
+
+export function withElement(draft: Draft, change: ElementChange): Draft {
+  const before = draft.elements.get(change.address);
+  const merged = { ...before, ...change, attributes: { ...before?.attributes, ...change.attributes } };
+  return { ...draft, elements: new Map(draft.elements).set(change.address, merged), steps: draft.steps + 1 };
+}
+
+/** The frames that some sample of the draft touches: (first, last), or null. */
+export function touched(draft: Draft): [number, number] | null {
+  let [first, last] = [Infinity, -Infinity];
+  for (const track of draft.samples.values()) {
+    for (const frame of track.keys()) {
+      first = Math.min(first, frame);
+      last = Math.max(last, frame);
+    }
+  }
+  return first <= last ? [first, last] : null;
+}
+
+export interface LabelEdits {
+  added: Span[];
+  changed: Span[];
+  removed: number[];
+}
+
+/** What makes of stored labels those of a draft. */
+export function labelEdits(stored: readonly Schemas["Label"][], wanted: readonly Span[]): LabelEdits {
+  const before = new Map(stored.map((label) => [label.id, label]));
+  const added: Span[] = [];
+  const changed: Span[] = [];
+  const left = new Set<number>();
+  for (const span of wanted) {
+    const label = before.get(span.id);
+    if (!label) added.push(span);
+    else {
+      left.add(span.id);
+      if (label.name !== span.name || label.first !== span.first || label.last !== span.last) changed.push(span);
+    }
+  }
+  return { added, changed, removed: stored.map((label) => label.id).filter((id) => !left.has(id)) };
+}
+
+/** As text that survives a reload; `revived` reads it. */
+export function frozen(draft: Draft, base: number): string {
+  return JSON.stringify({
+    base,
+    steps: draft.steps,
+    labels: draft.labels,
+    samples: [...draft.samples].map(([track, values]) => [track, [...values]]),
+    elements: [...draft.elements.values()],
+  });
+}
+
+export function revived(text: string): { base: number; draft: Draft } {
+  const found = JSON.parse(text) as {
+    base: number;
+    steps: number;
+    labels: Span[] | null;
+    samples: [string, [number, number][]][];
+    elements: ElementChange[];
+  };
+  return {
+    base: found.base,
+    draft: {
+      steps: found.steps,
+      labels: found.labels,
+      samples: new Map(found.samples.map(([track, values]) => [track, new Map(values)])),
+      elements: new Map(found.elements.map((one) => [one.address, one])),
+    },
+  };
+}

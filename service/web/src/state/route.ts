@@ -1,0 +1,93 @@
+/** Where one is: the address of the page is the state of the view. Pages push an entry, moves in time replace it. */
+import { computed, signal } from "@preact/signals";
+
+export type Page = "library" | "clip" | "xpath" | "compose" | "retarget" | "settings" | "unknown";
+
+export interface Route {
+  page: Page;
+  /** Of the clip page: the document's id. */
+  id: string;
+  params: URLSearchParams;
+}
+
+const READ_AT_MOST_EVERY = 250; // ms; four replaced entries a second
+
+function parsed(): Route {
+  const [, first = "", second = ""] = location.pathname.split("/");
+  const params = new URLSearchParams(location.search);
+  const pages: Record<string, Page> = {
+    "": "library", library: "library", xpath: "xpath", compose: "compose", retarget: "retarget", settings: "settings",
+  };
+  if (first === "clips" && second) return { page: "clip", id: decodeURIComponent(second), params };
+  return { page: pages[first] ?? "unknown", id: "", params };
+}
+
+export const route = signal<Route>(parsed());
+export const page = computed(() => route.value.page);
+
+/** One parameter of the address; "" where it is not said. */
+export const param = (name: string): string => route.value.params.get(name) ?? "";
+
+export function go(path: string): void {
+  flush();
+  history.pushState(null, "", path);
+  route.value = parsed();
+}
+
+let waiting: Record<string, string | null> = {};
+let timer = 0;
+
+/** Write parameters into the address, at once in memory and soon in the bar. null takes one away. */
+export function setParams(changes: Record<string, string | null>, push = false): void {
+  if (push) {
+    flush();
+    history.pushState(null, "", location.href);
+  }
+  Object.assign(waiting, changes);
+  const params = new URLSearchParams(route.peek().params);
+  apply(params, changes);
+  route.value = { ...route.peek(), params };
+  if (push) flush();
+  else if (!timer) timer = window.setTimeout(flush, READ_AT_MOST_EVERY);
+}
+
+/** As setParams, for what changes with time: the signal is not touched, so that nothing is drawn for it. */
+export function noteParams(changes: Record<string, string | null>): void {
+  Object.assign(waiting, changes);
+  apply(route.peek().params, changes);
+  if (!timer) timer = window.setTimeout(flush, READ_AT_MOST_EVERY);
+}
+
+function apply(params: URLSearchParams, changes: Record<string, string | null>): void {
+  for (const [name, value] of Object.entries(changes)) {
+    if (value === null || value === "") params.delete(name);
+    else params.set(name, value);
+  }
+}
+
+function flush(): void {
+  window.clearTimeout(timer);
+  timer = 0;
+  if (!Object.keys(waiting).length) return;
+  waiting = {};
+  const text = route.peek().params.toString();
+  history.replaceState(null, "", location.pathname + (text ? `?${text}` : ""));
+}
+
+export function followHistory(): void {
+  addEventListener("popstate", () => {
+    window.clearTimeout(timer);
+    timer = 0;
+    waiting = {};
+    route.value = parsed();
+  });
+  // Links of this application load nothing anew.
+  document.addEventListener("click", (event) => {
+    const link = (event.target as Element).closest?.("a[href]") as HTMLAnchorElement | null;
+    if (!link || event.defaultPrevented || event.button || event.metaKey || event.ctrlKey || event.shiftKey) return;
+    if (link.target || link.hasAttribute("download") || link.origin !== location.origin) return;
+    if (/^\/(api|docs|mcml\.dtd|login|healthz|metrics)/.test(link.pathname)) return;
+    event.preventDefault();
+    go(link.pathname + link.search);
+  });
+}

@@ -1,0 +1,20 @@
+/** What went wrong, where it concerns: in the server's words, with its remedy and a way to try again. */
+import { ApiError } from "../api/client";
+import { w } from "../words";
+import { Icon } from "./icons";
+
+export function Trouble({ error, retry }: { error: unknown; retry?: () => void }) {
+  if (!error) return null;
+  const problem = error instanceof ApiError ? error.problem : null;
+  return (
+    <div class="banner" role="alert">
+      <Icon name="warn" />
+      <div class="grow">
+        <strong>{problem?.title ?? (error as Error).message}</strong>
+        {problem?.detail && problem.detail !== problem.title && <p>{problem.detail}</p>}
+        {problem?.remedy && <p>{problem.remedy}</p>}
+      </div>
+      {retry && <button type="button" class="button" onClick={retry}>{w("again")}</button>}
+    </div>
+  );
+}

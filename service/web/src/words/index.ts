@@ -1,0 +1,44 @@
+/** Words in the language of the page. Both tables have the same keys by type: one that misses fails the build. */
+import { language } from "../state/settings";
+import { en } from "./en";
+import { ko } from "./ko";
+
+export type Words = typeof en;
+export type Word = keyof Words;
+
+const TABLES: Record<"en" | "ko", Words> = { en, ko };
+
+/** A sentence with its values. "one|many" chooses by `n`. */
+export function w(word: Word, values: Record<string, string | number> = {}): string {
+  const forms = TABLES[language.value][word].split("|");
+  const form = forms.length === 2 && values.n !== 1 ? forms[1] : forms[0];
+  return form.replace(/\{(\w+)\}/g, (_, name: string) => {
+    const value = values[name];
+    return typeof value === "number" ? number(value) : String(value ?? "");
+  });
+}
+
+export const number = (value: number, digits?: number): string =>
+  new Intl.NumberFormat(language.value, digits === undefined ? {} : { maximumFractionDigits: digits }).format(value);
+
+/** Seconds as 4.2 s, or 2:04.5 from a minute on. */
+export function duration(seconds: number | null | undefined): string {
+  if (seconds === null || seconds === undefined) return "–";
+  if (seconds < 60) return `${number(seconds, seconds < 10 ? 2 : 1)} s`;
+  const minutes = Math.floor(seconds / 60);
+  return `${minutes}:${(seconds - minutes * 60).toFixed(1).padStart(4, "0")}`;
+}
+
+export function rate(secondsPerFrame: number | null | undefined): string {
+  return secondsPerFrame ? `${number(1 / secondsPerFrame, 2)} Hz` : w("rateUnknown");
+}
+
+export function when(iso: string): string {
+  const then = new Date(iso);
+  const minutes = (Date.now() - then.getTime()) / 60_000;
+  const relative = new Intl.RelativeTimeFormat(language.value, { numeric: "auto", style: "short" });
+  if (minutes < 60) return relative.format(-Math.round(minutes), "minute");
+  if (minutes < 24 * 60) return relative.format(-Math.round(minutes / 60), "hour");
+  if (minutes < 7 * 24 * 60) return relative.format(-Math.round(minutes / 60 / 24), "day");
+  return then.toLocaleDateString(language.value);
+}
