@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Any
 
 from mcml.client import Client
 from schemas.documents import DocumentSummary
-from schemas.queries import QueryRequest, ScalarItem
 from service.errors import ConflictError, NotFoundError
 
 _ID = re.compile(r"[0-9a-fA-F]{8}(?:-[0-9a-fA-F]{4}){3}-[0-9a-fA-F]{12}")
@@ -61,23 +59,6 @@ def choose_documents(
     if texts:
         return [find_document(client, text) for text in texts]
     found: list[DocumentSummary] = client.every(
-        "list_documents", project=project, motion_name=motion_name, **conditions
+        "list_documents", project=project, motion_name=motion_name, xpath=xpath, **conditions
     ).items
-    if xpath is None:
-        return found
-    hits = set(_hits(client, xpath, project))
-    return [item for item in found if item.id in hits or None in hits]
-
-
-def _hits(client: Client, xpath: str, project: str | None) -> Iterator[str | None]:
-    """Documents in which an expression is true or finds something; None: in all."""
-    cursor: str | None = None
-    while True:
-        request = QueryRequest(q=f"boolean({xpath})", project=project, limit=1000, cursor=cursor)
-        answer = client.call("post_query", request=request)
-        if answer.value:
-            yield None
-        yield from (item.document for item in answer.items or () if isinstance(item, ScalarItem) and item.value)
-        cursor = answer.next_cursor
-        if cursor is None:
-            return
+    return found

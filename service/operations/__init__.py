@@ -20,6 +20,8 @@ _ROWS = [
     # documents
     Operation("list_documents", "GET /documents", READS, READ,
               "Documents, by name or newest first.", "documents", "ls [TEXT]"),
+    Operation("get_facets", "GET /facets", READS, READ,
+              "What the list of documents can be narrowed by, with counts.", "facets", "facets [TEXT]"),
     Operation("get_document", "GET /documents/{id}", READS, READ,
               "Everything about a document but its frames.", "documents", "show ID"),
     Operation("upload_documents", "POST /documents", WRITES, EDIT,

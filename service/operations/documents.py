@@ -18,7 +18,7 @@ from schemas.documents import (
     Revision,
     RevisionPage,
 )
-from schemas.examples import DOCUMENT, MOTION_NAME
+from schemas.examples import DOCUMENT, MOTION_NAME, QUERY
 from schemas.revisions import Difference
 from service.actions.editing import change_document as changes
 from service.actions.reading.describe_document import detail, summary
@@ -37,7 +37,7 @@ from service.operations.call import Call
 from service.operations.operation import Body
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
-from service.storage.filtering import DocumentFilter, parse_condition
+from service.storage.filtering import DocumentFilter, Range, parse_condition, parse_range
 
 TABLE = "name,age (year),height (cm)\nwalk,23,172.4\n"
 
@@ -47,7 +47,14 @@ class Wanted:
     """Which documents a list holds."""
 
     project: InProject = None
-    q: Annotated[str | None, Field(description="Part of the name", examples=["walk"])] = None
+    q: Annotated[
+        str | None,
+        Field(
+            max_length=1024,
+            description="Words; each occurs in the name, the description, a property or a motion name",
+            examples=["reach 14"],
+        ),
+    ] = None
     name: Annotated[str | None, Field(description="Exactly this name", examples=["walk"])] = None
     id: Annotated[str | None, Field(description="Beginning of the id", examples=[DOCUMENT[:8]])] = None
     motion_name: Annotated[
@@ -61,11 +68,23 @@ class Wanted:
         list[str] | None,
         Field(description="age:20..30 or take:calm; may be repeated", examples=[["age:20..30", "take:calm"]]),
     ] = None
+    length: Annotated[str | None, Field(description="Seconds, as LEAST..GREATEST", examples=["2..10"])] = None
+    rate: Annotated[
+        str | None,
+        Field(description="Frames a second: a number, which rounded rates equal, or LEAST..GREATEST", examples=["120"]),
+    ] = None
+    xpath: Annotated[
+        str | None,
+        Field(max_length=10_000, description="Documents in which this finds something or is true", examples=[QUERY]),
+    ] = None
     deleted: Annotated[bool, Field(description="List deleted documents instead, which can be restored")] = False
 
-    def filter(self) -> DocumentFilter:
+    def filter(self, call: Call) -> DocumentFilter:
         """The same as the store asks for it. QueryError for a condition that is none."""
         return DocumentFilter(
+            length=(None, None) if self.length is None else parse_range(self.length),
+            rate=(None, None) if self.rate is None else _rate(self.rate),
+            among=None if self.xpath is None else self._with_hits(call, self.xpath),
             project=self.project,
             text=self.q,
             name=self.name,
@@ -76,6 +95,21 @@ class Wanted:
             properties=tuple(parse_condition(text) for text in self.property or ()),
             deleted=self.deleted,
         )
+
+    def _with_hits(self, call: Call, expression: str) -> tuple[int, ...] | None:
+        """Keys of the documents in which an expression is true or finds something; None for all."""
+        hits = call.queries.documents_with(expression, self.project, call.limits)
+        if hits is None:
+            return None
+        with call.database.read() as tx:
+            return tuple(key for key, uuid, _ in tx.documents.everything() if uuid in hits)
+
+
+def _rate(text: str) -> Range:
+    if ".." in text:
+        return parse_range(text)
+    least, _ = parse_range(f"{text}..")
+    return (None, None) if least is None else (least - 0.5, least + 0.5)
 
 
 def list_documents(
@@ -101,7 +135,7 @@ def list_documents(
     missing in a long list, and be there in the next.
     """
     after = page.after(str, int)
-    conditions = wanted.filter()
+    conditions = wanted.filter(call)
     with call.database.read() as tx:
         found = tx.documents.page(
             conditions,

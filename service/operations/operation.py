@@ -16,7 +16,7 @@ from importlib import import_module
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from service.errors import RequestError
@@ -103,7 +103,9 @@ class Argument:
 
     @cached_property
     def adapter(self) -> TypeAdapter[Any]:
-        return TypeAdapter(self.kind)
+        # Without what a request calls it, which is no matter of the value.
+        kind: Any = Annotated[self.plain, Field(description=self.field.description), *self.field.metadata]
+        return TypeAdapter(kind)
 
     @property
     def plain(self) -> Any:

@@ -8,11 +8,11 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import zstandard
-from sqlalchemy import and_, bindparam, delete, func, select, update
+from sqlalchemy import bindparam, delete, func, select, update
 
 from service.errors import NotFoundError
 from service.storage.damage import damage, named
-from service.storage.filtering import DocumentFilter, filtered
+from service.storage.filtering import DocumentFilter, chosen, filtered
 from service.storage.identifiers import new_uuid, stored_form
 from service.storage.moments import imported
 from service.storage.schema import CURRENT, metadata
@@ -221,11 +221,7 @@ class Documents:
         return [_stored(row) for row in found]
 
     def count(self, wanted: DocumentFilter) -> int:
-        query = filtered(select(func.count()).select_from(document).join(project), wanted, self._tx)
-        query = query.where(imported(self._tx.at))
-        if wanted.skeleton is not None:
-            query = query.join(content, and_(content.c.document == document.c.id, self._tx.valid(content)))
-        return int(self._tx.connection.execute(query).scalar_one())
+        return int(self._tx.connection.execute(chosen(func.count(), wanted, self._tx)).scalar_one())
 
     def everything(self) -> list[tuple[int, str, str]]:
         """(key, uuid, name) of all documents whose import was complete, deleted ones too."""

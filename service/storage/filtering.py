@@ -3,24 +3,38 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from sqlalchemy import Select, func, select
+from sqlalchemy import Float, Select, and_, case, cast, func, or_, select
 
 from service.errors import QueryError
 from service.storage.identifiers import stored_form
-from service.storage.tables import content, document, project, property_, span
+from service.storage.lists import OneOf
+from service.storage.moments import imported
+from service.storage.tables import content, document, header, project, property_, span
 
 if TYPE_CHECKING:
+    from sqlalchemy import ColumnElement
+
     from service.storage.database import Transaction
+
+Range: TypeAlias = tuple[float | None, float | None]
+"""Least and greatest, both included; None: no such end."""
+
+DESCRIPTION, RATE = "description", "dataframe_rate"
+"""Elements of headers."""
+
+SHORT = 256
+"""Characters of properties in which words are looked for: longer ones are records of programs."""
 
 
 @dataclass(frozen=True)
 class DocumentFilter:
     """Which documents a list holds; every condition that is given must hold.
 
-    name: all of it. id: how it begins. text: part of the name, any case. properties: (name, least, greatest, text):
-    numbers within bounds, or equal text. deleted: only deleted documents; else none of them.
+    name: all of it. id: how it begins. text: words, each of which occurs in name, description, a property or a motion
+    name, any case. properties: (name, least, greatest, text): numbers within bounds, or equal text. length: in seconds.
+    rate: frames a second. among: only documents of these keys. deleted: only deleted documents; else none of them.
     """
 
     project: str | None = None
@@ -31,6 +45,9 @@ class DocumentFilter:
     format: str | None = None
     skeleton: int | None = None
     properties: tuple[tuple[str, float | None, float | None, str | None], ...] = ()
+    length: Range = (None, None)
+    rate: Range = (None, None)
+    among: tuple[int, ...] | None = None
     deleted: bool = False
 
 
@@ -39,15 +56,26 @@ def parse_condition(text: str) -> tuple[str, float | None, float | None, str | N
     name, colon, value = text.partition(":")
     if not colon:
         raise QueryError(f"{text!r} is no condition on a property.", remedy="Write age:20..30 or take:calm.")
-    low, dots, high = value.partition("..")
-    if not dots:
+    if ".." not in value:
         return name, None, None, value
+    return name, *parse_range(value), None
+
+
+def parse_range(text: str) -> Range:
+    """LEAST..GREATEST, where one of them may be missing. QueryError."""
+    low, dots, high = text.partition("..")
     try:
-        return name, float(low) if low else None, float(high) if high else None, None
+        if not dots:
+            raise ValueError
+        return float(low) if low else None, float(high) if high else None
     except ValueError:
-        raise QueryError(
-            f"{value!r} is not a range of numbers.", remedy="Write age:20..30, age:20.. or age:..30."
-        ) from None
+        raise QueryError(f"{text!r} is not a range of numbers.", remedy="Write 20..30, 20.. or ..30.") from None
+
+
+def chosen(what: Any, wanted: DocumentFilter, tx: Transaction) -> Select[Any]:
+    """A statement that selects something of the documents that are wanted."""
+    joined = document.join(project).join(content, and_(content.c.document == document.c.id, tx.valid(content)))
+    return filtered(select(what).select_from(joined), wanted, tx).where(imported(tx.at))
 
 
 def filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Select[Any]:
@@ -59,11 +87,8 @@ def filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Sel
         query = query.where(document.c.uuid.startswith(wanted.id.lower(), autoescape=True))
     if wanted.name is not None:
         query = query.where(document.c.name == stored_form(wanted.name))
-    if wanted.text:
-        # lower() of SQLite, and of PostgreSQL in collation C, knows ASCII only: other letters are found as written.
-        said = stored_form(wanted.text)
-        lower = func.lower(document.c.name).contains(said.lower(), autoescape=True)
-        query = query.where(lower | document.c.name.contains(said, autoescape=True))
+    for word in (wanted.text or "").split():
+        query = query.where(_has_word(word, tx))
     if wanted.format is not None:
         query = query.where(document.c.format == wanted.format)
     if wanted.skeleton is not None:
@@ -80,4 +105,45 @@ def filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Sel
         if greatest is not None:
             having = having.where(property_.c.number <= greatest)
         query = query.where(document.c.id.in_(having))
+    if wanted.among is not None:
+        query = query.where(OneOf(document.c.id, "among", tx.dialect.as_list(list(wanted.among))))
+    for bounds, value in ((wanted.length, content.c.frames * seconds(tx)), (wanted.rate, 1.0 / seconds(tx))):
+        least, greatest = bounds
+        if least is not None:
+            query = query.where(value >= least)
+        if greatest is not None:
+            query = query.where(value <= greatest)
     return query
+
+
+def _has_word(word: str, tx: Transaction) -> ColumnElement[bool]:
+    """Whether a word occurs in what is said of a document: its name, description, properties, motion names."""
+    described = select(header.c.document).where(
+        header.c.tag == DESCRIPTION, _holds(header.c.text, word), tx.valid(header)
+    )
+    having = select(property_.c.document).where(func.length(property_.c.text) <= SHORT, _holds(property_.c.text, word))
+    named = select(span.c.document).where(_holds(span.c.name, word), tx.valid(span))
+    elsewhere = [document.c.id.in_(found) for found in (described, having, named)]
+    return or_(_holds(document.c.name, word), *elsewhere)
+
+
+def _holds(column: Any, word: str) -> ColumnElement[bool]:
+    # lower() of SQLite, and of PostgreSQL in collation C, knows ASCII only: other letters are found as written.
+    said = stored_form(word)
+    return or_(func.lower(column).contains(said.lower(), autoescape=True), column.contains(said, autoescape=True))
+
+
+def seconds(tx: Transaction) -> ColumnElement[float]:
+    """Seconds a frame of a document whose content is selected, as a number; NULL where they are unknown."""
+    rate = (
+        select(_number(header.c.text))
+        .where(header.c.document == document.c.id, header.c.tag == RATE, tx.valid(header))
+        .scalar_subquery()
+    )
+    return case((content.c.frame_time.is_not(None), _number(content.c.frame_time)), else_=1.0 / rate)
+
+
+def _number(text: Any) -> ColumnElement[Any]:
+    """A text as a number above 0; NULL for one that databases might refuse to read, and for what is not above 0."""
+    plain = and_(func.length(text) <= 64, or_(~text.ilike("%e%"), text.ilike("%e-_"), text.ilike("%e-__")))
+    return case((plain, case((cast(text, Float) > 0, cast(text, Float)), else_=None)), else_=None)

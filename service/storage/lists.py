@@ -14,9 +14,10 @@ class OneOf(ColumnElement[bool]):
 
     inherit_cache = False
 
-    def __init__(self, column: Column[Any], name: str) -> None:
+    def __init__(self, column: Column[Any], name: str, values: Any = None) -> None:
+        """values: the list itself, as the dialect takes it, for a statement that is made for it."""
         self.column = column
-        self.values: BindParameter[Any] = bindparam(name)
+        self.values: BindParameter[Any] = bindparam(name, values)
 
 
 @compiles(OneOf, "sqlite")

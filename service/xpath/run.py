@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from schemas.queries import Explain, QueryAnswer, QueryRequest, ValueItem
+from schemas.queries import Explain, QueryAnswer, QueryRequest, ScalarItem, ValueItem
 from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.database import LATEST, Database, Transaction
@@ -112,6 +112,19 @@ class Queries:
                 return Shown(asking.on_xml(request.limit))
             since = tx.pruning.whole_since()
         return Answer(self.database, self.caches, commit, since, parts)
+
+    def documents_with(self, expression: str, project: str | None, limits: Limits) -> set[str] | None:
+        """The ids of documents in which an expression is true or finds something; None for all there are."""
+        hits: set[str] = set()
+        request = QueryRequest(q=f"boolean({expression})", project=project, limit=MAX_DOCUMENTS)
+        while True:
+            answer = self.answer(request, limits)
+            if answer.value is not None:
+                return None if answer.value else set()
+            hits |= {item.document for item in answer.items or () if isinstance(item, ScalarItem) and item.value}
+            if answer.next_cursor is None:
+                return hits
+            request = request.model_copy(update={"cursor": answer.next_cursor})
 
     def addresses(self, request: QueryRequest) -> list[str]:
         """The canonical addresses of all nodes of an answer (or the first `limit`). Raises as `answer` does, and
