@@ -7,6 +7,9 @@ from service.actions.editing.edit_elements import Deletion, ElementEdit, edit_el
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 
+OTHER_SEEDS = [(("sqlite", "postgresql")[seed % 2], seed) for seed in range(10)]
+"""Of random stories: another one on each database. In `make fuzz` both have all."""
+
 
 def change_element(
     tx: Transaction, stored: StoredDocument, address: str, change: Change, message: str = ""

@@ -24,7 +24,7 @@ from service.storage.database import Database
 from service.xpath.run import Queries
 from tests.actions.test_edit_element import PARSER, canonical
 from tests.builders import bvh, store
-from tests.edits import change_element, delete_element
+from tests.edits import OTHER_SEEDS, change_element, delete_element
 
 EXPRESSIONS = (
     "//frame[motion_name='hop']",
@@ -192,7 +192,7 @@ def _answers_equal(database: Database, uuid: str, text: bytes) -> None:
         queries.close()
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[:8], indirect=["kind"])
 def test_random_changes(database: Database, seed: int) -> None:
     changed_at_random(database, seed, 14)
 

@@ -15,7 +15,7 @@ from service.errors import McmlError
 from service.storage.database import Database
 from tests.actions.test_edit_element import PARSER, addresses, canonical
 from tests.builders import MCML, bvh, store
-from tests.edits import change_element, delete_element
+from tests.edits import OTHER_SEEDS, change_element, delete_element
 
 COUNTS = b"</filename><num_segments>4</num_segments><num_frames>3</num_frames>"
 FREE = b'<skeleton><bone id="7"><name>free</name></bone><bone id="8"><name>loose</name></bone>'
@@ -107,7 +107,7 @@ def edited_at_random(database: Database, seed: int, steps: int) -> None:
     assert database.check() == []
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[:6], indirect=["kind"])
 def test_random_edits(database: Database, seed: int) -> None:
     edited_at_random(database, seed, 25)
 

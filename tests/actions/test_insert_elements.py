@@ -19,6 +19,7 @@ from service.storage.database import Database
 from tests.actions.test_change_frames import content, motion
 from tests.actions.test_edit_element import PARSER, canonical
 from tests.builders import MCML, bvh, store
+from tests.edits import OTHER_SEEDS
 
 API = "/api/v1"
 ANY = {"if-match": "*"}
@@ -134,7 +135,7 @@ def edited_at_random(database: Database, seed: int, steps: int) -> None:
     assert database.check() == []
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[:8], indirect=["kind"])
 def test_random_edits(database: Database, seed: int) -> None:
     edited_at_random(database, seed, 18)
 

@@ -16,7 +16,7 @@ from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 from tests.actions.test_change_frames import content
 from tests.builders import bvh, store
-from tests.edits import change_element, delete_element
+from tests.edits import OTHER_SEEDS, change_element, delete_element
 
 
 def edit(tx: Transaction, stored: StoredDocument, chance: Random) -> None:
@@ -95,7 +95,7 @@ def undone_at_random(database: Database, seed: int, steps: int) -> None:
     assert taken > steps // 8
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[:6], indirect=["kind"])
 def test_random_undo(database: Database, seed: int) -> None:
     undone_at_random(database, seed, 20)
 

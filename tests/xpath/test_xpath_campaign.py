@@ -84,7 +84,7 @@ def seed_of(made: Library, number: int) -> int:
 
 
 def test_answers_are_libxml2s(documents: Library) -> None:
-    tally = campaign(documents, seed_of(documents, 0), 600)
+    tally = campaign(documents, seed_of(documents, 0), 350)
     tally.judge()
     assert tally.on_columns >= 0.95
 

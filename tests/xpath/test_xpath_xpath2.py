@@ -128,7 +128,7 @@ def campaign(processor: Any, made: Library, seed: int, count: int) -> Tally:
 
 
 def test_answers_are_saxons(processor: Any, documents: Library) -> None:
-    campaign(processor, documents, seed_of(documents, 0), 300).judge()
+    campaign(processor, documents, seed_of(documents, 0), 200).judge()
 
 
 @pytest.mark.parametrize(
