@@ -20,6 +20,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/facets": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_facets"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}": {
         parameters: {
             query?: never;
@@ -1319,6 +1335,10 @@ export interface components {
             revision: number;
             source_first: number;
         };
+        Count: {
+            value: string;
+            documents: number;
+        };
         DanceParameters: {
             source_bpm?: number | null;
             /**
@@ -1739,6 +1759,18 @@ export interface components {
             code: string;
             what: string;
         };
+        FacetList: {
+            total: number;
+            projects: components["schemas"]["Count"][];
+            formats: components["schemas"]["Count"][];
+            skeletons: components["schemas"]["SkeletonCount"][];
+            motion_names: components["schemas"]["Count"][];
+            lengths?: components["schemas"]["Histogram"] | null;
+            rates: components["schemas"]["RateCount"][];
+            unknown: number;
+            /** Properties */
+            properties: components["schemas"]["PropertyCounts"][];
+        };
         Fact: {
             value?: string | null;
             stated: boolean;
@@ -1856,6 +1888,10 @@ export interface components {
         Health: {
             status: string;
             database?: string | null;
+        };
+        Histogram: {
+            edges: number[];
+            counts: number[];
         };
         ImportedDocument: {
             id: string;
@@ -2259,6 +2295,12 @@ export interface components {
             /** @default  */
             unit: string;
         };
+        PropertyCounts: {
+            name: string;
+            documents: number;
+            numbers?: components["schemas"]["Histogram"] | null;
+            texts: components["schemas"]["Count"][];
+        };
         QueryAnswer: {
             /** @enum {string} */
             type: "nodes" | "runs" | "number" | "string" | "boolean" | "strings" | "values";
@@ -2294,6 +2336,10 @@ export interface components {
             frames_per_second?: number | null;
             stated: boolean;
             why: string;
+        };
+        RateCount: {
+            value: number;
+            documents: number;
         };
         ReachClip: {
             document: string;
@@ -2655,6 +2701,11 @@ export interface components {
             convention: "listed" | "fixed" | "base" | "marker";
             translation: string;
         };
+        SkeletonCount: {
+            skeleton: number;
+            joints: number;
+            documents: number;
+        };
         SkeletonInfo: {
             id: number;
             hash: string;
@@ -2793,6 +2844,9 @@ export interface operations {
                 format?: string | null;
                 skeleton?: number | null;
                 property?: string[] | null;
+                length?: string | null;
+                rate?: string | null;
+                xpath?: string | null;
                 deleted?: boolean;
                 limit?: number;
                 cursor?: string | null;
@@ -2861,6 +2915,64 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["UploadResult"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_facets: {
+        parameters: {
+            query?: {
+                project?: string | null;
+                q?: string | null;
+                name?: string | null;
+                id?: string | null;
+                motion_name?: string | null;
+                format?: string | null;
+                skeleton?: number | null;
+                property?: string[] | null;
+                length?: string | null;
+                rate?: string | null;
+                xpath?: string | null;
+                deleted?: boolean;
+                limit?: number;
+                bins?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FacetList"];
                 };
             };
             503: {

@@ -39,6 +39,7 @@ export class Stage {
   private readonly camera = new THREE.PerspectiveCamera(38, 1, 0.01, 200);
   private readonly controls: OrbitControls;
   private readonly ground = new Ground();
+  private readonly sky = new THREE.HemisphereLight(0xffffff, 0x53606f, 1.5);
   private readonly actors: Actor[] = [];
   private readonly observer: ResizeObserver;
   private pending = 0;
@@ -62,7 +63,7 @@ export class Stage {
     this.canvas.className = "stage-canvas";
     host.append(this.canvas, this.overlay);
     this.scene.add(this.ground.mesh);
-    const sky = new THREE.HemisphereLight(0xffffff, 0x53606f, 1.5);
+    const sky = this.sky;
     const sun = new THREE.DirectionalLight(0xffffff, 1.7);
     sun.position.set(1.5, 4, 2.5);
     const back = new THREE.DirectionalLight(0xffffff, 0.5);
@@ -224,7 +225,10 @@ export class Stage {
   }
 
   recolour(): void {
-    this.renderer.setClearColor(this.token("well"));
+    const well = new THREE.Color(this.token("well"));
+    this.renderer.setClearColor(well);
+    // Dark inks on a light ground need more light to be seen as colours.
+    this.sky.intensity = well.getHSL({ h: 0, s: 0, l: 0 }).l > 0.5 ? 3.4 : 1.5;
     this.ground.ink(this.token("edge"));
     for (const actor of this.actors) {
       actor.body.tint(this.tintOf(actor.skeleton));

@@ -23,7 +23,7 @@ export const en = {
   emptyLibrary: "Nothing is stored yet", emptyLibraryHelp: "Drop BVH, ASF and AMC, HTR, C3D or TRC files, folders or a zip anywhere in this window. Nothing is lost: what you drop comes back out byte for byte.",
   noneMatch: "No clip matches", noneMatchHelp: "Take a filter away, or search for other words.",
   chooseFiles: "Choose files", picked: "1 picked|{n} picked", pickNone: "Pick none", preview: "Preview", unit: "Unit", rateWord: "Rate",
-  up: "Up", joints: "Joints", names: "Names", frames: "1 frame|{n} frames", framesAndTime: "{frames}, {time}",
+  up: "Up", joints: "Joints", names: "Names", jointCount: "1 joint|{n} joints", description: "Description", unknown: "unknown", frames: "1 frame|{n} frames", framesAndTime: "{frames}, {time}",
   mapped: "{mapped} of {n} mapped", exact: "exact", guessed: "guessed", unitUnknown: "unknown unit", rateUnknown: "unknown rate",
   confirm: "Confirm", confirmAs: "Confirm {value}", deleted: "1 clip deleted|{n} clips deleted", restored: "Restored", delete: "Delete",
   nameThese: "Name", exportWord: "Export", composeThese: "Compose", labelPicked: "Name these clips",
@@ -67,7 +67,7 @@ export const en = {
   xpathExamples: "For example", queryPlaceholder: "//frame[motion_name = 'walk']", savedAs: "Saved as {name}", steps: "Steps",
 
   // Composer
-  untitled: "untitled", bin: "Clips", pieces: "Pieces", dragHere: "Drag clips or runs here, or press + on one.", piece: "Piece {n}", transition: "Transition", frameCount: "{n} frames", trimFrom: "from", trimTo: "to", moveLeft: "Move left", moveRight: "Move right", split: "Split", previewWord: "Preview", previewing: "Composing a preview",
+  untitled: "untitled", bridge: "Bridge", crossfade: "Crossfade", bin: "Clips", pieces: "Pieces", dragHere: "Drag clips or runs here, or press + on one.", piece: "Piece {n}", transition: "Transition", frameCount: "{n} frames", trimFrom: "from", trimTo: "to", moveLeft: "Move left", moveRight: "Move right", split: "Split", previewWord: "Preview", previewing: "Composing a preview",
   newName: "Name of the new clip", composed: "Stored as {name}", total: "{time} in {n} pieces", seam: "Seam", seamOk: "smooth", seamRough: "rough", composeEmpty: "Make a new clip of stored ones", fitOnAdd: "Pieces of other skeletons are retargeted.", blend: "Blend over {n} frames", cut: "Cut", align: "Aligned", inProject: "In project",
 
   // Retarget

@@ -71,6 +71,9 @@ function BoneGraph({ clip, bone }: { clip: Clip; bone: number }) {
     const element = host.current;
     if (!element || !series.length) return;
     const frames = Float64Array.from({ length: clip.frames }, (_, at) => at + 1);
+    const follow = (self: uPlot) => {
+      if (playhead.current) playhead.current.style.transform = `translateX(${self.valToPos(clip.player.frame.peek() + 1, "x") + self.over.offsetLeft}px)`;
+    };
     const grid = { stroke: colour("line"), width: 1 };
     const axis = { stroke: colour("text3"), grid, ticks: grid, font: `11px ${getComputedStyle(element).fontFamily}`, size: 44 };
     const made = new uPlot({
@@ -79,7 +82,7 @@ function BoneGraph({ clip, bone }: { clip: Clip; bone: number }) {
       axes: [{ ...axis, size: 26 }, axis],
       cursor: { drag: { x: true, y: false, setScale: false }, points: { size: 7 } },
       series: [{}, ...series.map((one) => ({ label: one.name, stroke: colour(AXIS_OF[one.axis] ?? "text2"), width: 1.6, show: !hidden.has(one.name), dash: one.name === "w" ? [4, 3] : undefined }))],
-      hooks: { setSelect: [(self) => { if (self.select.width > 2) setRange([Math.max(1, Math.round(self.posToVal(self.select.left, "x"))), Math.min(clip.frames, Math.round(self.posToVal(self.select.left + self.select.width, "x")))]); else setRange(null); }] },
+      hooks: { draw: [(self) => follow(self)], setSelect: [(self) => { if (self.select.width > 2) setRange([Math.max(1, Math.round(self.posToVal(self.select.left, "x"))), Math.min(clip.frames, Math.round(self.posToVal(self.select.left + self.select.width, "x")))]); else setRange(null); }] },
     }, [frames, ...series.map((one) => one.values)] as never, element);
     plot.current = made;
     const observer = new ResizeObserver(() => made.setSize({ width: element.clientWidth, height: Math.max(160, element.clientHeight) }));
@@ -90,9 +93,8 @@ function BoneGraph({ clip, bone }: { clip: Clip; bone: number }) {
         made.setScale("x", { min: first + 1, max: Math.max(first + 2, last) });
       }),
       effect(() => {
-        const x = made.valToPos(clip.player.frame.value + 1, "x");
-        void inSight.value;
-        if (playhead.current) playhead.current.style.transform = `translateX(${x + made.over.offsetLeft}px)`;
+        clip.player.frame.value;
+        follow(made);
       }),
     ];
     const down = (event: PointerEvent) => grab(event, clip, joint.name, made, series.map((one, place) => ({ ...one, place })), hidden, kind);

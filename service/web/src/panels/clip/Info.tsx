@@ -29,7 +29,7 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
     <div class="info-row"><span>{label}</span>
       <span class="row">
         <select class="field" aria-label={label} disabled={locked} value={value ?? ""} onChange={(event) => void change({ [name]: event.currentTarget.value })}>
-          <option value="" disabled>{w("unitUnknown")}</option>
+          <option value="" disabled>{w("unknown")}</option>
           {[...new Set([...options, ...(value ? [value] : [])])].map((one) => <option key={one} value={one}>{one}</option>)}
         </select>
         {!value && likely && options.includes(likely) && <button type="button" class="button dense" disabled={locked} onClick={() => void change({ [name]: likely })}>{w("confirmAs", { value: likely })}</button>}
@@ -47,7 +47,7 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
     <div class="info">
       {text(w("name"), detail.name, "name")}
       {text(w("project"), detail.project, "project")}
-      <label class="info-row"><span>{w("info")}</span><textarea class="field" rows={2} value={detail.description} disabled={locked} onChange={(event) => void change({ description: event.currentTarget.value })} /></label>
+      <label class="info-row"><span>{w("description")}</span><textarea class="field" rows={2} value={detail.description} disabled={locked} onChange={(event) => void change({ description: event.currentTarget.value })} /></label>
       {fact(w("unit"), detail.unit, skeleton.view.likely_unit, "unit", UNITS)}
       {fact(w("up"), detail.up, skeleton.view.likely_up, "up", AXES)}
       <div class="info-row"><span>{w("rateWord")}</span><span>{rate(detail.seconds_per_frame)} <span class="dim">{skeleton.view.frame_time}</span></span></div>

@@ -6,7 +6,7 @@ import { VirtualList } from "../../ui/VirtualList";
 import { w } from "../../words";
 import { CardView } from "./CardView";
 
-const CARD = 208;
+const CARD = 196; // least width
 const TALL = 214;
 const GAP = 14;
 const RUNNING = 12; // cards that move by themselves

@@ -47,7 +47,7 @@ export function CardView({ card, row, runs, tabIndex, onFocus, onOpen }: {
       <SpanStrip labels={card.labels} frames={card.frames || 1} />
       <div class="card-words">
         <strong class="cut">{card.name}</strong>
-        <span class="dim cut">{[duration(card.duration), rate(card.seconds_per_frame), card.format].join(" · ")}</span>
+        <span class="dim cut">{(card.duration === null || card.duration === undefined ? [w("frames", { n: card.frames }), card.format] : [duration(card.duration), rate(card.seconds_per_frame), card.format]).join(" · ")}</span>
       </div>
       <button type="button" class="card-pick" tabIndex={-1} aria-label={w("pickClip", { name: card.name })} aria-pressed={isPicked} onClick={(event) => { event.stopPropagation(); library.pick(card.id); }}>
         {isPicked && <Icon name="check" />}

@@ -1,1 +1,102 @@
-export function Facets() { return null; }
+/** What the list can be narrowed by, with counts within the filter. A facet's own choice does not count against it. */
+import { get, type Schemas } from "../../api/client";
+import * as library from "../../state/library";
+import { param, route, setParams } from "../../state/route";
+import { nameColour } from "../../motion/colours";
+import { useAsync } from "../../ui/useAsync";
+import { Trouble } from "../../ui/Trouble";
+import { duration, number, w, type Word } from "../../words";
+
+const SHOWN = 8;
+
+interface Choice { value: string; text: string; count: number; colour?: string }
+
+export function Facets() {
+  const facets = useAsync((signal) => get("/facets", { query: library.filter.value as never, signal }), [JSON.stringify(library.filter.value), library.version.value > 0, library.total.value]);
+  const found = facets.value;
+  const filtered = Object.keys(library.filter.value).length > 0;
+  if (!found) return <Trouble error={facets.error} retry={facets.again} />;
+  const counts = (list: Schemas["Count"][]): Choice[] => list.map((one) => ({ value: one.value, text: one.value, count: one.documents }));
+  return (
+    <>
+      {filtered && <button type="button" class="button dense clear-filters" onClick={() => setParams(Object.fromEntries(library.FILTERS.map((name) => [name, null])), true)}>{w("clearFilters")}</button>}
+      <Group word="project" name="project" choices={counts(found.projects)} />
+      <Group word="motionName" name="motion_name" choices={counts(found.motion_names).map((one) => ({ ...one, colour: nameColour(one.value) }))} />
+      <Group word="format" name="format" choices={counts(found.formats).map((one) => ({ ...one, text: one.text.toUpperCase().replace("-", "/") }))} />
+      {found.lengths && <Bars word="length" name="length" histogram={found.lengths} text={duration} />}
+      <Group word="frameRate" name="rate" choices={found.rates.map((one) => ({ value: String(one.value), text: `${number(one.value)} Hz`, count: one.documents }))} />
+      <Group word="skeleton" name="skeleton" choices={found.skeletons.map((one) => ({ value: String(one.skeleton), text: `${one.skeleton} · ${w("jointCount", { n: one.joints })}`, count: one.documents }))} />
+      {found.properties.map((one) => <Property key={one.name} property={one} />)}
+    </>
+  );
+}
+
+function Group({ word, name, choices }: { word: Word; name: string; choices: Choice[] }) {
+  const chosen = param(name);
+  const all = chosen && !choices.some((one) => one.value === chosen) ? [{ value: chosen, text: chosen, count: 0 }, ...choices] : choices;
+  if (!all.length || (all.length === 1 && !chosen && name !== "project")) return null;
+  const item = (one: Choice) => (
+    <button key={one.value} type="button" class="facet-item" aria-pressed={chosen === one.value} onClick={() => setParams({ [name]: chosen === one.value ? null : one.value }, true)}>
+      {one.colour && <span class="swatch" style={{ background: one.colour }} />}<span class="cut">{one.text}</span><span class="count">{number(one.count)}</span>
+    </button>
+  );
+  return (
+    <section class="facet" aria-label={w(word)}>
+      <h3>{w(word)}</h3>
+      {all.slice(0, SHOWN).map(item)}
+      {all.length > SHOWN && <details><summary class="facet-item dim">{w("more")} ({number(all.length - SHOWN)})</summary>{all.slice(SHOWN).map(item)}</details>}
+    </section>
+  );
+}
+
+function Property({ property }: { property: Schemas["PropertyCounts"] }) {
+  const conditions = route.value.params.getAll("property");
+  const own = conditions.find((one) => one.startsWith(`${property.name}:`));
+  const choose = (value: string) => {
+    const next = conditions.filter((one) => one !== own);
+    const wanted = `${property.name}:${value}`;
+    if (wanted !== own) next.push(wanted);
+    // One of several conditions: the address repeats the name.
+    const params = new URLSearchParams(route.peek().params);
+    params.delete("property");
+    for (const one of next) params.append("property", one);
+    history.pushState(null, "", `${location.pathname}?${params}`);
+    route.value = { ...route.peek(), params };
+  };
+  return (
+    <section class="facet" aria-label={property.name}>
+      <h3>{property.name}</h3>
+      {property.numbers && <Histogram histogram={property.numbers} chosen={own?.slice(property.name.length + 1) ?? ""} onChoose={choose} text={(value) => number(value, 1)} />}
+      {property.texts.slice(0, SHOWN).map((one) => (
+        <button key={one.value} type="button" class="facet-item" aria-pressed={own === `${property.name}:${one.value}`} onClick={() => choose(one.value)}><span class="cut">{one.value}</span><span class="count">{number(one.documents)}</span></button>
+      ))}
+    </section>
+  );
+}
+
+function Bars({ word, name, histogram, text }: { word: Word; name: string; histogram: Schemas["Histogram"]; text: (value: number) => string }) {
+  return (
+    <section class="facet" aria-label={w(word)}>
+      <h3>{w(word)}</h3>
+      <Histogram histogram={histogram} chosen={param(name)} onChoose={(value) => setParams({ [name]: value === param(name) ? null : value }, true)} text={text} />
+    </section>
+  );
+}
+
+function Histogram({ histogram, chosen, onChoose, text }: { histogram: Schemas["Histogram"]; chosen: string; onChoose: (value: string) => void; text: (value: number) => string }) {
+  const { edges, counts } = histogram;
+  const most = Math.max(...counts, 1);
+  const exact = (value: number) => String(Number(value.toPrecision(6)));
+  return (
+    <>
+      <div class="histogram">
+        {counts.map((count, bin) => {
+          const value = `${exact(edges[bin])}..${exact(edges[bin + 1])}`;
+          const words = `${text(edges[bin])} – ${text(edges[bin + 1])}: ${number(count)}`;
+          return <button key={bin} type="button" class={count ? "" : "none"} disabled={!count} title={words} aria-label={words} aria-pressed={chosen === value} style={{ height: `${count ? 4 + 40 * Math.sqrt(count / most) : 3}px` }} onClick={() => onChoose(value)} />;
+        })}
+      </div>
+      <div class="histogram-ends"><span>{text(edges[0])}</span>{chosen && <button type="button" class="chip" onClick={() => onChoose(chosen)}>{chosen.replace("..", " – ")} ×</button>}<span>{text(edges[edges.length - 1])}</span></div>
+    </>
+  );
+}

@@ -1,0 +1,85 @@
+/** The XPath editor: CodeMirror with colours, completion from the server, Ctrl+Enter. */
+import { autocompletion, completionKeymap, closeBrackets, closeBracketsKeymap, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
+import { defaultKeymap, history, historyKeymap } from "@codemirror/commands";
+import { HighlightStyle, StreamLanguage, syntaxHighlighting } from "@codemirror/language";
+import { EditorState, Prec } from "@codemirror/state";
+import { EditorView, keymap, placeholder } from "@codemirror/view";
+import { tags } from "@lezer/highlight";
+import { get } from "../../api/client";
+import { w } from "../../words";
+
+const AXES = /^(ancestor-or-self|ancestor|attribute|child|descendant-or-self|descendant|following-sibling|following|namespace|parent|preceding-sibling|preceding|self)(?=::)/;
+
+const xpath = StreamLanguage.define<{ dummy: boolean }>({
+  startState: () => ({ dummy: true }),
+  token(stream) {
+    if (stream.eatSpace()) return null;
+    if (stream.match(/^"[^"]*"?|^'[^']*'?/)) return "string";
+    if (stream.match(/^\d+(\.\d*)?|^\.\d+/)) return "number";
+    if (stream.match(/^\(:.*?(:\)|$)/)) return "comment";
+    if (stream.match(AXES)) return "keyword";
+    if (stream.match(/^@[\w:.-]+/)) return "attributeName";
+    if (stream.match(/^[\w.-]+(?=\s*\()/)) return "keyword";
+    if (stream.match(/^(and|or|div|mod)\b/)) return "operatorKeyword";
+    if (stream.match(/^[\w:.-]+/)) return "typeName";
+    stream.next();
+    return "operator";
+  },
+});
+
+const colours = HighlightStyle.define([
+  { tag: tags.string, color: "var(--good)" },
+  { tag: tags.number, color: "var(--name5)" },
+  { tag: tags.keyword, color: "var(--accent)" },
+  { tag: tags.operatorKeyword, color: "var(--accent)" },
+  { tag: tags.attributeName, color: "var(--right)" },
+  { tag: tags.typeName, color: "var(--left)" },
+  { tag: tags.comment, color: "var(--text3)" },
+]);
+
+export const editorTheme = EditorView.theme({
+  "&": { fontSize: "13px", color: "var(--text)", backgroundColor: "transparent", height: "100%" },
+  ".cm-content": { fontFamily: "var(--code)", caretColor: "var(--text)", padding: "8px 0" },
+  ".cm-gutters": { backgroundColor: "transparent", color: "var(--text3)", border: "none" },
+  ".cm-activeLine, .cm-activeLineGutter": { backgroundColor: "transparent" },
+  ".cm-cursor": { borderLeftColor: "var(--text)" },
+  "&.cm-focused": { outline: "none" },
+  "&.cm-focused .cm-selectionBackground, .cm-selectionBackground": { backgroundColor: "color-mix(in srgb, var(--accent) 28%, transparent) !important" },
+  ".cm-tooltip": { backgroundColor: "var(--raised)", border: "1px solid var(--line)", borderRadius: "6px", color: "var(--text)" },
+  ".cm-tooltip-autocomplete ul li[aria-selected]": { backgroundColor: "var(--hover)", color: "var(--text)" },
+  ".cm-completionDetail": { color: "var(--text3)", fontStyle: "normal", marginLeft: "1em" },
+  ".cm-placeholder": { color: "var(--text3)" },
+});
+
+async function complete(context: CompletionContext): Promise<CompletionResult | null> {
+  const text = context.state.doc.toString();
+  try {
+    const answer = await get("/xpath/complete", { query: { q: text, at: context.pos } });
+    if (!answer.items.length) return null;
+    return { from: answer.first, options: answer.items.map((one) => ({ label: one.text, detail: one.detail, type: one.kind.includes("name") ? "constant" : one.kind })), validFor: /^[\w.-]*$/ };
+  } catch {
+    return null; // Completion is help; trouble is told when the question is asked.
+  }
+}
+
+/** Mounted in a shadow root: the editor's styles are adopted sheets there, which a strict policy allows. */
+export function mountXPath(host: HTMLElement, text: string, onChange: (text: string) => void, onRun: () => void): EditorView {
+  const shadow = host.shadowRoot ?? host.attachShadow({ mode: "open" });
+  const inner = document.createElement("div");
+  shadow.replaceChildren(inner);
+  return new EditorView({
+    parent: inner,
+    root: shadow,
+    state: EditorState.create({
+      doc: text,
+      extensions: [
+        Prec.highest(keymap.of([{ key: "Mod-Enter", run: () => (onRun(), true) }])),
+        keymap.of([...closeBracketsKeymap, ...completionKeymap, ...historyKeymap, ...defaultKeymap]),
+        history(), closeBrackets(), autocompletion({ override: [complete], activateOnTyping: true }),
+        xpath, syntaxHighlighting(colours), EditorView.lineWrapping, editorTheme, placeholder(w("queryPlaceholder")),
+        EditorView.contentAttributes.of({ "aria-label": w("xpath") }),
+        EditorView.updateListener.of((update) => update.docChanged && onChange(update.state.doc.toString())),
+      ],
+    }),
+  });
+}

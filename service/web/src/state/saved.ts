@@ -1,0 +1,2 @@
+import { kept } from "./settings";
+export const saved = kept<string[]>("saved", []);

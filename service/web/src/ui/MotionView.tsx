@@ -1,0 +1,84 @@
+/** Bodies that move, for pages besides the clip's own: runs of a query, pieces of a composition, two bodies side by side. */
+import { effect, type Signal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import type { Skeleton } from "../motion/skeleton";
+import { Stage } from "../scene/stage";
+import { colour, look } from "../state/settings";
+import { w } from "../words";
+
+export interface Actor {
+  skeleton: Skeleton;
+  /** Positions at the time that is shown; signals that it reads draw it again. */
+  positions: () => Float32Array | null;
+  shift?: number;
+  dim?: boolean;
+}
+
+export function MotionView({ actors, selected, onPick, label, names = false }: {
+  actors: Actor[];
+  /** Points of the first actor that are marked. */
+  selected?: Signal<number[]>;
+  onPick?: (actor: number, point: number) => void;
+  label: string;
+  names?: boolean;
+}) {
+  const host = useRef<HTMLDivElement>(null);
+  const stage = useRef<Stage | null>(null);
+  useEffect(() => {
+    if (!actors.length) return;
+    let made: Stage;
+    try {
+      made = new Stage(host.current!, colour);
+    } catch {
+      return; // Without WebGL the lists say the same.
+    }
+    stage.current = made;
+    made.shown = { follow: true, ghosts: false, trails: false, names, axes: false };
+    let framed = false;
+    const numbers = actors.map((one) => made.add(one.skeleton, { shift: one.shift, dim: one.dim }));
+    const stops = [
+      effect(() => {
+        look.value;
+        made.recolour();
+      }),
+      effect(() => {
+        let there = true;
+        actors.forEach((one, index) => {
+          const positions = one.positions();
+          there &&= positions !== null;
+          made.pose(numbers[index], { positions, before: [], trail: [] });
+        });
+        made.selected = new Set(selected?.value ?? []);
+        if (there && !framed) {
+          framed = true;
+          made.setFloor(lowest(actors), 0.5);
+          made.frame("persp");
+        }
+      }),
+    ];
+    return () => {
+      for (const stop of stops) stop();
+      made.close();
+      stage.current = null;
+    };
+  }, [actors]);
+  return (
+    <div class="stage motion-view" ref={host} role="img" aria-label={label}
+      onPointerUp={(event) => {
+        const box = host.current!.getBoundingClientRect();
+        const found = stage.current?.pick(event.clientX - box.left, event.clientY - box.top);
+        if (found) onPick?.(found.actor, found.point);
+      }}>
+      {!actors.length && <div class="empty dim">{w("nothingFound")}</div>}
+    </div>
+  );
+}
+
+function lowest(actors: Actor[]): number {
+  let least = Infinity;
+  for (const { skeleton, positions } of actors) {
+    const values = positions();
+    for (let at = skeleton.zUp ? 2 : 1; values && at < values.length; at += 3) if (values[at] * skeleton.metres < least) least = values[at] * skeleton.metres;
+  }
+  return Number.isFinite(least) ? least : 0;
+}
