@@ -256,6 +256,9 @@ def c3d_file(frames: int = 6, points: int = 3, rate: float = 120.0, first: int =
 
 SECRET = PREFIX + "of-the-tests"
 
+one_kind = pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+"""Of database, where what is tested asks nothing of it that tests of storage, edits and queries do not ask of both."""
+
 
 def served(
     database: Database, settings: Settings | None = None, *, base_url: str = "http://127.0.0.1:8000"

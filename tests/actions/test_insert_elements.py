@@ -18,7 +18,7 @@ from service.mcml.fragment import read_fragment
 from service.storage.database import Database
 from tests.actions.test_change_frames import content, motion
 from tests.actions.test_edit_element import PARSER, canonical
-from tests.builders import MCML, bvh, store
+from tests.builders import MCML, bvh, one_kind, store
 from tests.edits import OTHER_SEEDS
 
 API = "/api/v1"
@@ -198,7 +198,7 @@ def test_elements_over_http(client: TestClient, url: str) -> None:
         b"<frame><frame_bone name='Spine'/></frame>",
     ],
 )
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_what_may_not_stand_there_is_refused(client: TestClient, url: str, fragment: bytes) -> None:
     where = {"xpath": "//frame[2]", "where": "after"}
     answer = client.post(f"{url}/elements", params=where, content=fragment, headers=ANY)
@@ -222,7 +222,7 @@ FAULTS = [
 
 
 @pytest.mark.parametrize(("fragment", "where", "places"), FAULTS)
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_every_fault_is_told_where_it_would_stand(
     client: TestClient, url: str, fragment: bytes, where: str, places: list[str]
 ) -> None:
@@ -236,7 +236,7 @@ def test_every_fault_is_told_where_it_would_stand(
         assert place in problem["detail"]
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_faults_in_the_head_have_addresses(client: TestClient, url: str) -> None:
     content = b'<property name="a"/><property value="b"/>'
     answer = client.post(f"{url}/elements", params={"xpath": "//header", "where": "into"}, content=content, headers=ANY)

@@ -14,7 +14,7 @@ from fastapi.testclient import TestClient
 
 from service.api.policy import DEFAULTS, NOTHING
 from service.storage.database import Database
-from tests.builders import bvh, description, served, upload
+from tests.builders import bvh, description, one_kind, served, upload
 
 DESCRIPTION = description()
 PATHS = sorted(DESCRIPTION["paths"])
@@ -155,6 +155,7 @@ def test_answers_without_a_tag_get_none_when_compressed(asked: TestClient) -> No
         assert answer.headers.get("etag") != "", path
 
 
+@one_kind
 @pytest.mark.parametrize("tag", ['W/"1-json"', 'W/"1"', 'W/"1-json", W/"2"'])
 def test_a_weak_tag_changes_nothing(client: TestClient, tag: str) -> None:
     made: Any = upload(client, {"a.bvh": bvh(2)})

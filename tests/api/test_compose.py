@@ -15,9 +15,11 @@ from service.demo import body
 from service.formats import FORMATS
 from service.motion.clip import ClipStream
 from service.motion.resizing import scale, turn_up
-from tests.builders import bvh, c3d_file
+from tests.builders import bvh, c3d_file, one_kind
 
 API = "/api/v1"
+
+pytestmark = one_kind
 LEG = ("up_leg", "low_leg", "foot")
 
 
@@ -133,7 +135,6 @@ def test_header_and_provenance(client: TestClient, walk: str, wave: str) -> None
     assert again["document"] != made["document"]
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
 def test_what_cannot_be_composed(client: TestClient, walk: str) -> None:
     chain = bvh(9, names=("a", "b"))
     other = client.post(f"{API}/documents", files=[("file", ("a.bvh", chain))]).json()["documents"][0]["id"]

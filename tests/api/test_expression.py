@@ -14,6 +14,7 @@ from service.actions.importing.load_demo import add_clips
 from service.demo.face_takes import EXPRESSIONS, face_takes
 from service.settings import Settings
 from service.storage.database import Database
+from tests.builders import one_kind
 from tests.jobs.test_jobs import wait
 
 API = "/api/v1"
@@ -80,7 +81,7 @@ def test_from_takes_to_an_animation(client: TestClient, database: Database) -> N
     assert use(client, path, "playback", fps=30)["clip"]["frames"] > 1
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_what_cannot_be_extended(client: TestClient, database: Database) -> None:
     add_clips(database, Settings(), "faces", [face_takes(2, every_marker=10, fps=30)[0].clip], (), "")
     unknown = {"inputs": {"project": "faces"}, "extends": "nothing"}
@@ -89,6 +90,7 @@ def test_what_cannot_be_extended(client: TestClient, database: Database) -> None
     assert client.post(f"{API}/analyses/beats", json=other).status_code == 422, "beats cannot grow"
 
 
+@one_kind
 def test_a_misplaced_parameter_is_named(client: TestClient) -> None:
     keys = [{"document": "a", "frame": 1}]
     for body in ({"keys": keys}, {"keys": keys, "parameters": {"keys": keys}}, {"save": True}):
@@ -98,7 +100,7 @@ def test_a_misplaced_parameter_is_named(client: TestClient) -> None:
         assert places == {f"body.{name}" for name in ("keys", "parameters") if (name in body) == (name == "keys")}
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_versions_of_a_path_share_the_space(client: TestClient, database: Database) -> None:
     takes = [take.clip for take in face_takes(3, expressions=EXPRESSIONS[:2], every_marker=8, fps=24)]
     add_clips(database, Settings(), "faces", takes, (), "")

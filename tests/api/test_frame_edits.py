@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from tests.builders import bvh
+from tests.builders import bvh, one_kind
 
 API = "/api/v1"
 ANY = {"if-match": "*"}
@@ -112,7 +112,7 @@ def test_channels_as_arrays(client: TestClient, uuid: str, form: str) -> None:
     assert count(client, "//frame_bone[@name='Spine'][@Rx >= -10][@Rx <= 10][../@id >= 200][../@id < 500]") == 300
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_arrays_that_do_not_fit(client: TestClient, uuid: str) -> None:
     def put(body: object, **params: object) -> int:
         answer = client.put(f"{API}/documents/{uuid}/frames", params=params, json=body, headers=ANY)  # type: ignore[arg-type]

@@ -6,7 +6,9 @@ from fastapi.testclient import TestClient
 
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import served
+from tests.builders import one_kind, served
+
+pytestmark = one_kind
 
 
 def test_foreign_pages_may_not_write(client: TestClient) -> None:

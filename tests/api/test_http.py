@@ -11,7 +11,7 @@ from fastapi.testclient import TestClient
 
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import bvh, served, upload
+from tests.builders import bvh, one_kind, served, upload
 
 API = "/api/v1"
 
@@ -102,7 +102,7 @@ def test_the_description_says_that_errors_are_problems(client: TestClient) -> No
             assert "application/problem+json" in operation["responses"]["4XX"]["content"], path
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_bodies_of_another_kind_are_refused_in_words_of_ours(client: TestClient) -> None:
     json_type = {"content-type": "application/json"}
     undecodable = client.post(f"{API}/compose", content=b"\xac\xc2?", headers=json_type)
@@ -117,7 +117,7 @@ def test_bodies_of_another_kind_are_refused_in_words_of_ours(client: TestClient)
     assert said.startswith("body.segments.0: a segment names a document")
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_routes_are_made_once(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     """Making them takes longer than most requests; FastAPI makes those of an included router when it is first asked."""
     with served(database) as client:

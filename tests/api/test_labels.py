@@ -8,7 +8,7 @@ from fastapi.testclient import TestClient
 from service.demo import body
 from service.formats import FORMATS
 from service.storage.database import Database
-from tests.builders import bvh, c3d_file, store
+from tests.builders import bvh, c3d_file, one_kind, store
 
 API = "/api/v1"
 ANY = {"if-match": "*"}
@@ -104,7 +104,7 @@ def test_a_table_leaves_and_comes_back(client: TestClient, uuid: str) -> None:
         ("walk,,1,5", 3),
     ],
 )
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_a_wrong_line_is_named_and_nothing_written(client: TestClient, uuid: str, line: str, number: int) -> None:
     answer = client.put(f"{API}/labels", content=f"name,label,first,last\nwalk,jump,1,5\n{line}\n")
     assert answer.status_code == 422

@@ -9,9 +9,11 @@ from fastapi.testclient import TestClient
 
 from service.formats import FORMATS
 from service.formats.format import ReadOptions, SourceFile
-from tests.builders import TRC, bvh, c3d_file
+from tests.builders import TRC, bvh, c3d_file, one_kind
 
 API = "/api/v1"
+
+pytestmark = one_kind
 
 
 def upload(client: TestClient, name: str, content: bytes) -> str:

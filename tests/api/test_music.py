@@ -13,10 +13,11 @@ from service.actions.importing.load_demo import add_clips
 from service.demo.dance_clips import dance_clip
 from service.settings import Settings
 from service.storage.database import Database
+from tests.builders import one_kind
 from tests.jobs.test_jobs import wait
 
 API = "/api/v1"
-pytestmark = [pytest.mark.parametrize("kind", ["sqlite"], indirect=True), pytest.mark.usefixtures("lent_cluster")]
+pytestmark = [one_kind, pytest.mark.usefixtures("lent_cluster")]
 
 
 def clicks(bpm: float, seconds: float = 40.0, rate: int = 22050) -> bytes:
@@ -60,18 +61,8 @@ def test_from_music_to_dance(client: TestClient, database: Database) -> None:
 
 
 def test_what_is_no_music_is_refused(client: TestClient) -> None:
-    cases = {
-        "text.mp3": (b"no sound", "music-undecodable"),
-        "cut.wav": (clicks(120)[:40], "music-undecodable"),
-        "silence.wav": (clicks(120, seconds=0.02), "music-no-beats"),
-    }
-    said = {}
-    for name, (content, code) in cases.items():
-        answer = client.post(f"{API}/music", files={"file": (name, content)})
-        assert answer.status_code == 422, (name, answer.text)
-        assert answer.json()["code"] == code
-        assert answer.json()["remedy"]
-        said[name] = answer.json()["detail"]
-    assert said["text.mp3"] == "text.mp3 is no WAV, FLAC or MP3."
-    assert said["cut.wav"] == "cut.wav begins as sound does, but is cut off or damaged."
-    assert "0 beats" in said["silence.wav"]
+    """By the process that reads it; what else is refused, tests of the analysis say."""
+    answer = client.post(f"{API}/music", files={"file": ("cut.wav", clicks(120)[:40])})
+    assert (answer.status_code, answer.json()["code"]) == (422, "music-undecodable"), answer.text
+    assert answer.json()["detail"] == "cut.wav begins as sound does, but is cut off or damaged."
+    assert answer.json()["remedy"]

@@ -10,7 +10,7 @@ from fastapi.testclient import TestClient
 
 from service.mcml.dtd import violations
 from service.settings import Settings
-from tests.builders import MCML, bvh, upload
+from tests.builders import MCML, bvh, one_kind, upload
 
 API = "/api/v1"
 WALK = "걸음"
@@ -99,6 +99,7 @@ def test_uploaded_mcml_is_stored_readable_or_refused(client: TestClient, text: s
             assert again.status_code == 201
 
 
+@one_kind
 @pytest.mark.parametrize("time", ["1_0", "１", " 0.1", "1e-320", "0." + "0" * 80 + "1", "0x1", "nan", "1e9", ""])
 def test_times_that_are_none_are_refused(client: TestClient, time: str) -> None:
     done = upload(client, {"a.bvh": bvh(3)})
@@ -112,7 +113,7 @@ def test_times_that_are_none_are_refused(client: TestClient, time: str) -> None:
         assert client.get(f"{API}/documents").status_code == 200
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_more_bones_than_the_limit_are_refused(client: TestClient) -> None:
     bones = "".join(f"<bone><name>b{number}</name></bone>" for number in range(Settings().max_joints))
     document = MCML.replace(b"</skeleton>", f"{bones}</skeleton>".encode())

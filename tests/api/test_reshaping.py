@@ -10,8 +10,11 @@ from fastapi.testclient import TestClient
 
 from service.demo import body
 from service.formats import FORMATS
+from tests.builders import one_kind
 
 API = "/api/v1"
+
+pytestmark = one_kind
 ANY = {"if-match": "*"}
 
 
@@ -83,7 +86,6 @@ def test_resampling_keeps_what_is_at_common_times(client: TestClient, uuid: str)
     assert np.array_equal(values(client, uuid, space="positions"), before)
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
 def test_what_cannot_be(client: TestClient, uuid: str) -> None:
     for what in (
         {"do": "smooth", "first": 1, "last": 5, "bones": ["tail"]},

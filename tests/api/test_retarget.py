@@ -13,9 +13,11 @@ from fastapi.testclient import TestClient
 from service.demo import body
 from service.formats import FORMATS
 from service.motion.resizing import turn_up
-from tests.builders import bvh, c3d_file
+from tests.builders import bvh, c3d_file, one_kind
 
 API = "/api/v1"
+
+pytestmark = one_kind
 
 
 def person(client: TestClient, height: float, up: str = "Y") -> str:
@@ -113,7 +115,6 @@ def test_many_at_once(client: TestClient) -> None:
         assert client.post(f"{API}/retarget", json=request | wrong).status_code in (404, 422)
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
 def test_what_cannot_be_retargeted(client: TestClient) -> None:
     walk = person(client, 170.0)
     markers = client.post(f"{API}/documents", files=[("file", ("a.c3d", c3d_file()))]).json()["documents"][0]["id"]

@@ -16,7 +16,7 @@ from fastapi.testclient import TestClient
 from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import ASF, SECRET, amc, bvh, served, upload
+from tests.builders import ASF, SECRET, amc, bvh, one_kind, served, upload
 
 API = "/api/v1"
 HOME = "http://127.0.0.1:8000"
@@ -59,6 +59,7 @@ def test_a_token_becomes_a_cookie(database: Database, token: str) -> None:
         assert client.get(f"{API}/documents").status_code == 401
 
 
+@one_kind
 def test_a_session_ends_with_its_token_and_over_https_is_secure(database: Database, token: str) -> None:
     app = create_app(Settings(), database, lambda: SECRET)
     with TestClient(app, base_url="https://lab.example", client=("10.0.0.7", 1)) as client:
@@ -92,6 +93,7 @@ def test_a_link_opens_once(database: Database, token: str) -> None:
         assert other.post("/login", data={"link": link}).status_code == 403
 
 
+@one_kind
 def test_people_are_asked_for_a_token_and_programs_told(database: Database, token: str) -> None:
     with browser(database) as client:
         page = client.get("/docs", headers={"accept": "text/html,*/*"})
@@ -109,6 +111,7 @@ def test_people_are_asked_for_a_token_and_programs_told(database: Database, toke
 # -- other origins -----------------------------------------------------------------------------------------------------
 
 
+@one_kind
 def test_pages_of_named_origins_may_ask(database: Database, token: str) -> None:
     friend = {"origin": "https://lab.example"}
     bearer = {"authorization": f"Bearer {token}"}
@@ -218,6 +221,7 @@ def table(content: bytes, form: str) -> Any:
     return pa.ipc.open_stream(content).read_all() if form == "arrow" else pq.read_table(io.BytesIO(content))
 
 
+@one_kind
 def test_frames_with_their_columns(client: TestClient, walk: str) -> None:
     url = f"{API}/documents/{walk}/frames"
     plain = np.load(io.BytesIO(client.get(url, params={"format": "npy"}).content))
@@ -235,6 +239,7 @@ def test_frames_with_their_columns(client: TestClient, walk: str) -> None:
         assert places.column_names[3:] == ["Head.x", "Head.y", "Head.z"]
 
 
+@one_kind
 def test_names_of_columns_stand_in_a_header_where_they_are_short(client: TestClient) -> None:
     many = upload(client, {"leg.asf": ASF, "leg.amc": amc(4)})["documents"][0]["id"]  # type: ignore[index]
     few = client.get(f"{API}/documents/{many}/frames", params={"format": "npy"})
@@ -252,6 +257,7 @@ def test_names_of_columns_stand_in_a_header_where_they_are_short(client: TestCli
     assert len(np.load(io.BytesIO(npz.content))["columns"]) == 243
 
 
+@one_kind
 @pytest.mark.parametrize("form", ["arrow", "parquet"])
 def test_answers_and_labels_as_columns(client: TestClient, walk: str, form: str) -> None:
     question = {"q": "//frame[position() < 4]/frame_bone[@name='Root']/@Tx", "as": form, "document": walk}
@@ -265,6 +271,7 @@ def test_answers_and_labels_as_columns(client: TestClient, walk: str, form: str)
     assert labels.to_pylist() == [{"document": walk, "label": "walk", "first": 5, "last": 9}]
 
 
+@one_kind
 def test_a_selection_as_one_zip(client: TestClient, walk: str) -> None:
     upload(client, {"walk.bvh": bvh(3, seed=5)})
     answer = client.post(f"{API}/exports", json={"selection": {"xpath": "//frame"}, "format": "bvh"})
@@ -292,6 +299,7 @@ def test_nothing_is_kept_of_a_stream_that_nobody_reads(database: Database) -> No
         assert client.get(f"{API}/documents/{uuid}").status_code == 200
 
 
+@one_kind
 def test_the_front_page_offers_what_works(client: TestClient, walk: str) -> None:
     trc = (
         "PathFileType\t4\t(X/Y/Z)\tm.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\t"

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import json
-import socket
-import subprocess
+import shutil
 import sys
-import time
-import urllib.request
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -15,26 +12,35 @@ import pytest
 
 import service.cli
 from service.actions.importing.load_demo import REACHES, add_clips
+from service.app import create_app
 from service.demo.dance_clips import dance_clip
 from service.demo.reach_clips import reach_clips
 from service.settings import Settings
 from service.storage.database import Database
-from tests.cli.test_cli import environment
+from tests.api.test_doors import listening
 
 Run = Callable[..., tuple[int, str, str]]
 WISH = ("attributes.age=40", "attributes.height=172", "attributes.hbp=320")
 
 
-@pytest.fixture
-def mcml(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs `mcml` in this process on twelve reaches and two dances; answers (exit code, output, errors)."""
-    database = Database(f"sqlite:///{tmp_path / 'store.db'}")
-    database.migrate()
+@pytest.fixture(scope="module")
+def library(sqlite_template: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A store with twelve reaches and two dances."""
+    path = tmp_path_factory.mktemp("library") / "store.db"
+    shutil.copy(sqlite_template, path)
+    database = Database(f"sqlite:///{path}")
     reaches = [item.clip for item in reach_clips(3, young=(2, 2, 2), old=(2, 2, 2))]
     add_clips(database, Settings(), REACHES, reaches, (), "")
     dances = [dance_clip("groove", tempo=tempo, bars=8, name=f"dance_{tempo}").clip for tempo in (110, 120)]
     add_clips(database, Settings(), "dances", dances, (), "")
     database.close()
+    return path
+
+
+@pytest.fixture
+def mcml(library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs `mcml` in this process on a copy of the library; answers (exit code, output, errors)."""
+    shutil.copy(library, tmp_path / "store.db")
     monkeypatch.setenv("MCML_DATABASE", f"sqlite:///{tmp_path / 'store.db'}")
     monkeypatch.chdir(tmp_path)
 
@@ -51,26 +57,11 @@ def mcml(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 
 
 @pytest.fixture
-def server(mcml: Run, tmp_path: Path) -> Iterator[str]:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "service.cli", "serve", "--port", str(port)],
-        env=environment(tmp_path) | {"MCML_DATABASE": f"sqlite:///{tmp_path / 'store.db'}"},
-    )
-    address = f"http://127.0.0.1:{port}"
-    try:
-        while process.poll() is None:
-            try:
-                urllib.request.urlopen(f"{address}/readyz")
-                break
-            except OSError:
-                time.sleep(0.05)
-        yield address
-    finally:
-        process.terminate()
-        assert process.wait(30) is not None
+def server(mcml: Run, lent_cluster: None, tmp_path: Path) -> Iterator[str]:
+    database = Database(f"sqlite:///{tmp_path / 'store.db'}")
+    with listening(create_app(Settings(host="127.0.0.1"), database)) as port:
+        yield f"http://127.0.0.1:{port}"
+    database.close()
 
 
 def fitted(mcml: Run, *where: str) -> str:

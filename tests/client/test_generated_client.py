@@ -17,7 +17,7 @@ from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
 from tests.api.test_doors import listening
-from tests.builders import SECRET, bvh, description
+from tests.builders import SECRET, bvh, description, one_kind
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def test_no_operation_is_left_out(generated: Path) -> None:
     assert modules == names
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_a_script_uploads_asks_and_downloads(generated: Path, database: Database) -> None:
     def module(name: str) -> Any:
         return importlib.import_module(f"lab_client.{name}")

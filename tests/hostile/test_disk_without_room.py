@@ -17,6 +17,7 @@ from sqlalchemy.exc import OperationalError
 
 from service.storage.database import Database
 from service.storage.reserve import TO_OPEN
+from tests.builders import one_kind
 
 ALONE = ["unshare", "-rm"]
 """What a program mounts, it alone sees."""
@@ -132,7 +133,7 @@ def test_deleting_and_purging_work_where_no_byte_is_left(tmp_path: Path, reserve
     assert on_a_small_disk(tmp_path, reserve) == MEASURED[reserve]
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_a_store_that_cannot_be_opened_spends_a_little(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where no file system may be mounted: the driver says what it says on a full disk, until the file gave."""
     database.reserve.keep()

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import pytest
 from fastapi import FastAPI
 
 from schemas.queries import QueryRequest
 from service.storage.database import Database
-from tests.builders import served
+from tests.builders import one_kind, served
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_no_model_of_ours_is_a_failure_of_the_server(database: Database) -> None:
     """An endpoint that makes one by itself, as those that gather a request from parameters do."""
     with served(database) as client:

@@ -24,7 +24,7 @@ from service.settings import Settings
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
 from service.storage.jobs import ENDED
-from tests.builders import served
+from tests.builders import one_kind, served
 
 API = "/api/v1"
 SETTINGS = Settings(job_workers=1)
@@ -148,7 +148,7 @@ def test_progress_arrives_as_events(server: TestClient) -> None:
     assert shares[-1] == 1.0
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_what_does_not_fit_is_said_before_the_job(server: TestClient) -> None:
     def refused(body: dict[str, Any], name: str = "reach") -> dict[str, Any]:
         answer = server.post(f"{API}/analyses/{name}", json=body)
@@ -166,7 +166,7 @@ def test_what_does_not_fit_is_said_before_the_job(server: TestClient) -> None:
     assert server.get(f"{API}/jobs").json()["items"] == []
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_what_only_the_analysis_can_see_fails_the_job(server: TestClient) -> None:
     failed = wait(server, start(server, attributes=["shoe"]))
     assert failed["state"] == "failed"
@@ -175,7 +175,7 @@ def test_what_only_the_analysis_can_see_fails_the_job(server: TestClient) -> Non
     assert server.get(f"{API}/results").json()["items"] == []
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_selections_by_property_and_xpath(server: TestClient) -> None:
     young = {"inputs": {"project": REACHES, "property": ["age:..40"]}, "parameters": {}}
     assert len(server.post(f"{API}/analyses/reach", json=young).json()["inputs"]) == 6
@@ -218,7 +218,7 @@ def test_a_running_job_is_cancelled(server: TestClient, monkeypatch: pytest.Monk
     assert server.get(f"{API}/results").json()["items"] == []
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_a_worker_that_does_not_listen_is_killed(own_server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(service.jobs.runner, "KILL_SECONDS", 0.5)
     instead(monkeypatch, deaf)
@@ -243,7 +243,7 @@ def dying(times: int, place: str) -> Callable[..., Any]:
     return work
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_a_lost_worker_is_replaced(own_server: TestClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     instead(monkeypatch, dying(1, str(tmp_path / "marks")))
     done = wait(own_server, start(own_server))
@@ -251,7 +251,7 @@ def test_a_lost_worker_is_replaced(own_server: TestClient, monkeypatch: pytest.M
     assert own_server.get(f"{API}/results/{done['result']}/numbers").json()["data"] == {"value": 1}
 
 
-@pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
+@one_kind
 def test_a_job_that_kills_its_workers_is_given_up(
     own_server: TestClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -14,15 +14,12 @@ from service.demo.dance_clips import dance_clip
 from service.jobs.worker import Refused, perform
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import bvh, upload
+from tests.builders import bvh, one_kind, upload
 from tests.jobs.test_jobs import wait
 
 API = "/api/v1"
 
 pytestmark = pytest.mark.usefixtures("lent_cluster")
-
-one_kind = pytest.mark.parametrize("kind", ["sqlite"], indirect=True)
-"""Of database, where what is tested asks it for nothing of its own."""
 
 
 @pytest.fixture

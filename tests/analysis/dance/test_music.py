@@ -119,9 +119,27 @@ def clicks(bpm: float, seconds: float) -> io.BytesIO:
     return file
 
 
-@pytest.mark.skipif(
+needs_librosa = pytest.mark.skipif(
     importlib.util.find_spec("librosa") is None, reason="librosa, of the extra `audio`, is not installed"
 )
+
+
+@needs_librosa
+@pytest.mark.parametrize(
+    ("name", "content", "code", "said"),
+    [
+        ("text.mp3", b"no sound", "music-undecodable", "text.mp3 is no WAV, FLAC or MP3."),
+        ("silence.wav", clicks(120.0, 0.02).getvalue(), "music-no-beats", "0 beats"),
+    ],
+)
+def test_what_librosa_cannot_use_is_refused(name: str, content: bytes, code: str, said: str) -> None:
+    with pytest.raises(AnalysisError, match=said) as error:
+        music.track_beats(io.BytesIO(content), name)
+    assert error.value.code == code
+    assert error.value.remedy
+
+
+@needs_librosa
 def test_clicks_give_their_tempo() -> None:
     tempo = music.fit_tempo(music.track_beats(clicks(128.0, 30.0)).tolist())
     assert abs(tempo.bpm - 128) < 0.2
