@@ -118,7 +118,10 @@ def list_documents(
     page: Page,
     sort: Annotated[Literal["name", "newest"], Field(description="In which order")] = "name",
     offset: Annotated[
-        int, Field(ge=0, le=MOST, description="Documents to leave out first: for who jumps within a long list")
+        int,
+        Field(
+            ge=0, le=MOST, description="Documents to leave out first: for who jumps within a long list", examples=[120]
+        ),
     ] = 0,
     with_: Annotated[
         str | None,

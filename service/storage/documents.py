@@ -206,7 +206,7 @@ class Documents:
         newest_first: bool = False,
         offset: int = 0,
     ) -> list[StoredDocument]:
-        """Documents by name and key after (name, key), or newest first after (_, key); `offset` of them are left out."""
+        """Documents by name and key after (name, key), or newest first after (_, key), without the first `offset`."""
         query = filtered(all_documents(past=self._past), wanted, self._tx)
         if newest_first:
             query = query.order_by(document.c.id.desc())
@@ -217,7 +217,9 @@ class Documents:
             if after is not None:
                 name, key = after
                 query = query.where((document.c.name > name) | (document.c.name == name) & (document.c.id > key))
-        found = self._tx.checked_once(checked(query.limit(limit).offset(offset), document, content), {"at": self._tx.at})
+        found = self._tx.checked_once(
+            checked(query.limit(limit).offset(offset), document, content), {"at": self._tx.at}
+        )
         return [_stored(row) for row in found]
 
     def count(self, wanted: DocumentFilter) -> int:

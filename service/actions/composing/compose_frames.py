@@ -18,6 +18,7 @@ from service.actions.reading.edit_header import seconds_of
 from service.actions.reading.read_clip import read_clip
 from service.errors import DocumentError
 from service.motion.clip import ClipHead, ClipStream, FrameBlock
+from service.motion.composing import Composed as Composing
 from service.motion.composing import Piece, compose, layered
 from service.motion.frames import eased, joined, rows_of
 from service.motion.resampling import resampled
@@ -51,6 +52,17 @@ class _Source:
         return f"{self.stored.uuid} {self.stored.revision}"
 
 
+@dataclass(frozen=True)
+class Composition:
+    """What a request makes, before anything is stored."""
+
+    stream: ClipStream
+    made: Composing
+    sources: list[_Source]
+    frame_time: float
+    notices: list[str]
+
+
 def compose_frames(
     database: Database, queries: Queries, settings: Settings, request: ComposeRequest, author: str
 ) -> Composed:
@@ -58,6 +70,50 @@ def compose_frames(
 
     Raises DocumentError where skeletons do not fit or a frame time is not known, NotFoundError for frames not there.
     """
+    found = composition_of(database, queries, request)
+    uuid = None
+    if not request.preview:
+        sources = [
+            {"document": s.stored.uuid, "revision": s.stored.revision, "first": s.first + 1, "frames": len(s)}
+            for s in found.sources
+        ]
+        provenance = {
+            "analysis": "compose",
+            "sources": sources,
+            "parameters": request.model_dump(mode="json", exclude_defaults=True),
+        }
+        uuid = store_stream(
+            database,
+            found.stream,
+            settings,
+            name=request.name,
+            project=request.project,
+            author=author,
+            provenance=provenance,
+        )
+    return Composed(
+        document=uuid,
+        frames=found.stream.frames or 0,
+        seconds_per_frame=found.frame_time,
+        segments=[_segment(found.sources[piece], first, last) for piece, first, last in found.made.spans],
+        seams=[
+            ComposedSeam(
+                segment=found.sources[seam.piece].segment,
+                first=seam.first + 1,
+                transition=seam.frames,
+                degrees=float(np.degrees(seam.turn)),
+                shift=seam.shift.tolist(),
+                root_step=seam.root_step,
+                angle_step=seam.angle_step,
+            )
+            for seam in found.made.seams
+        ],
+        notices=found.notices,
+    )
+
+
+def composition_of(database: Database, queries: Queries, request: ComposeRequest) -> Composition:
+    """The clip that a request makes, in memory."""
     segments = list(_resolved(queries, request.segments))
     with database.read() as tx:
         sources = [_source(tx, request.project, number, segment) for number, segment in segments]
@@ -84,39 +140,9 @@ def compose_frames(
         reading=reading_of(head),
     )
     block = made.block if request.labels else replace(made.block, motion_names=None)
-    uuid = None
-    if not request.preview:
-        stream = ClipStream(_timed(head, frame_time, sources), lambda: iter([block]), len(block))
-        provenance = {
-            "analysis": "compose",
-            "sources": [
-                {"document": s.stored.uuid, "revision": s.stored.revision, "first": s.first + 1, "frames": len(b)}
-                for s, b in zip(sources, blocks, strict=True)
-            ],
-            "parameters": request.model_dump(mode="json", exclude_defaults=True),
-        }
-        uuid = store_stream(
-            database, stream, settings, name=request.name, project=request.project, author=author, provenance=provenance
-        )
-    return Composed(
-        document=uuid,
-        frames=len(block),
-        seconds_per_frame=frame_time,
-        segments=[_segment(sources[piece], first, last) for piece, first, last in made.spans],
-        seams=[
-            ComposedSeam(
-                segment=sources[seam.piece].segment,
-                first=seam.first + 1,
-                transition=seam.frames,
-                degrees=float(np.degrees(seam.turn)),
-                shift=seam.shift.tolist(),
-                root_step=seam.root_step,
-                angle_step=seam.angle_step,
-            )
-            for seam in made.seams
-        ],
-        notices=[*fitting.notices, *(notice.what for notice in made.shortfall.notices(head.skeleton))],
-    )
+    stream = ClipStream(_timed(head, frame_time, sources), lambda: iter([block]), len(block))
+    notices = [*fitting.notices, *(notice.what for notice in made.shortfall.notices(head.skeleton))]
+    return Composition(stream, made, sources, frame_time, notices)
 
 
 def _segment(source: _Source, first: int, last: int) -> ComposedSegment:

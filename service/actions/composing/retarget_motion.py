@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
 
 from schemas.retarget import (
     BoneError,
@@ -29,9 +29,11 @@ from service.motion.retarget import Retargeted as Result
 from service.motion.retarget import retarget
 from service.motion.skeleton import Skeleton
 from service.settings import Settings
-from service.storage.database import Database
+from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 from service.xpath.run import Queries
+
+_Stored: TypeAlias = tuple[StoredDocument, Whole]
 
 
 def retarget_motion(
@@ -42,10 +44,21 @@ def retarget_motion(
     Raises DocumentError for markers and for names that are not there, ConversionError where no joints match.
     """
     with database.read() as tx:
-        stored, other = tx.documents.get(uuid), tx.documents.get(request.skeleton)
-        source, target = read_whole(tx, stored), read_whole(tx, other, 1, 1)
-        mapping = mapping_of(tx, request.project or stored.project, request.mapping)
-    return _retarget(database, settings, (stored, source), (other, target), mapping, request, request.name, author)
+        motion, body, mapping = _read(tx, uuid, request)
+    return _retarget(database, settings, motion, body, mapping, request, request.name, author)
+
+
+def retargeted_clip(database: Database, uuid: str, request: RetargetRequest) -> ClipStream:
+    """The clip that a request makes, in memory."""
+    with database.read() as tx:
+        motion, body, mapping = _read(tx, uuid, request)
+    return _fitted(motion, body, mapping, request).stream
+
+
+def _read(tx: Transaction, uuid: str, request: RetargetRequest) -> tuple[_Stored, _Stored, JointMapping | None]:
+    stored, other = tx.documents.get(uuid), tx.documents.get(request.skeleton)
+    mapping = mapping_of(tx, request.project or stored.project, request.mapping)
+    return (stored, read_whole(tx, stored)), (other, read_whole(tx, other, 1, 1)), mapping
 
 
 def retarget_many(
@@ -68,7 +81,7 @@ def _each(
     database: Database,
     settings: Settings,
     documents: list[str],
-    body: tuple[StoredDocument, Whole],
+    body: _Stored,
     request: RetargetMany,
     author: str,
 ) -> Iterator[RetargetedOne]:
@@ -88,17 +101,18 @@ def _each(
             yield RetargetedOne(source=uuid, name=name, problem=problem_of(error))
 
 
-def _retarget(
-    database: Database,
-    settings: Settings,
-    motion: tuple[StoredDocument, Whole],
-    body: tuple[StoredDocument, Whole],
-    mapping: JointMapping | None,
-    request: Retargeting,
-    name: str | None,
-    author: str,
-) -> Retargeted:
-    (stored, source), (other, target) = motion, body
+@dataclass(frozen=True)
+class _Fitted:
+    """A motion on another body, before anything is stored."""
+
+    stream: ClipStream
+    made: Result
+    skeletons: tuple[Skeleton, Skeleton]
+    notices: list[str]
+
+
+def _fitted(motion: _Stored, body: _Stored, mapping: JointMapping | None, request: Retargeting) -> _Fitted:
+    (stored, source), (_, target) = motion, body
     seconds = seconds_of(stored)
     if are_markers(source.head.skeleton) or are_markers(target.head.skeleton):
         raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
@@ -115,27 +129,35 @@ def _retarget(
         clean=request.clean_feet,
         up=target.up,
     )
+    head = replace(with_body(source.head, target.head), frame_time=stored.frame_time)
+    block = made.block
+    return _Fitted(ClipStream(head, lambda: iter([block]), len(block)), made, (one, two), notices)
+
+
+def _retarget(
+    database: Database,
+    settings: Settings,
+    motion: _Stored,
+    body: _Stored,
+    mapping: JointMapping | None,
+    request: Retargeting,
+    name: str | None,
+    author: str,
+) -> Retargeted:
+    fitted = _fitted(motion, body, mapping, request)
     document = None
     if not request.preview:
-        head = replace(with_body(source.head, target.head), frame_time=stored.frame_time)
-        block = made.block
+        sources = [{"document": stored.uuid, "revision": stored.revision} for stored, _ in (motion, body)]
         document = store_stream(
             database,
-            ClipStream(head, lambda: iter([block]), len(block)),
+            fitted.stream,
             settings,
-            name=name or stored.name,
-            project=request.project or stored.project,
+            name=name or motion[0].name,
+            project=request.project or motion[0].project,
             author=author,
-            provenance={
-                "analysis": "retarget",
-                "sources": [
-                    {"document": stored.uuid, "revision": stored.revision},
-                    {"document": other.uuid, "revision": other.revision},
-                ],
-                "parameters": _parameters(request, mapping),
-            },
+            provenance={"analysis": "retarget", "sources": sources, "parameters": _parameters(request, mapping)},
         )
-    return _told(document, made, one, two, notices)
+    return _told(document, fitted.made, *fitted.skeletons, fitted.notices)
 
 
 def _parameters(request: Retargeting, mapping: JointMapping | None) -> dict[str, Any]:

@@ -71,5 +71,5 @@ export const en = {
   newName: "Name of the new clip", composed: "Stored as {name}", total: "{time} in {n} pieces", seam: "Seam", seamOk: "smooth", seamRough: "rough", composeEmpty: "Make a new clip of stored ones", fitOnAdd: "Pieces of other skeletons are retargeted.", blend: "Blend over {n} frames", cut: "Cut", align: "Aligned", inProject: "In project",
 
   // Retarget
-  sourceClip: "Motion", targetClip: "Onto the body of", choose: "Choose a clip", mapping: "Mapping", mappedOf: "{n} of {total} joints", notMapped: "not mapped", reasonWord: "Why", retargetNow: "Make the clip", retargeting: "Retargeting", retargetEmpty: "Put a motion on another body", retargetHelp: "Choose the motion, and a clip with the body it shall move.", report: "Report", mappingName: "Save this mapping as", retargeted: "Stored as {name}",
+  sourceClip: "Motion", targetClip: "Onto the body of", choose: "Choose a clip", mapping: "Mapping", mappedOf: "{n} of {total} joints", notMapped: "not mapped", reasonWord: "Why", retargetNow: "Make the clip", retargeting: "Retargeting", retargetEmpty: "Put a motion on another body", retargetHelp: "Choose the motion, and a clip with the body it shall move.", report: "Report", mappingName: "Save this mapping as", retargeted: "Stored as {name}", cleanFeet: "Hold feet where they stand", slides: "{foot} slides",
 };

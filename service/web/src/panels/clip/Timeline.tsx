@@ -13,7 +13,7 @@ import { nameColour } from "../../motion/colours";
 import { timelineTall } from "../../state/panes";
 import { w } from "../../words";
 import { naming, newSpan } from "./actions";
-import { clock } from "./Transport";
+import { clock } from "../../motion/clock";
 import { NameSpan } from "./NameSpan";
 import { Suggestions, suggested } from "./Suggestions";
 

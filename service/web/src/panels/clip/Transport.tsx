@@ -1,6 +1,7 @@
 /** Play, step, speed, and the time in words. The time writes its own text nodes: no component renders per frame. */
 import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
+import { clock } from "../../motion/clock";
 import type { Clip } from "../../state/clip";
 import { timeAs } from "../../state/settings";
 import { Icon } from "../../ui/icons";
@@ -8,15 +9,6 @@ import { Menu } from "../../ui/Menu";
 import { number, w } from "../../words";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
-
-/** A frame (from 0) as 0:02.167, or as timecode 00:00:02:05. */
-export function clock(frame: number, perSecond: number, code = false): string {
-  const seconds = frame / perSecond;
-  const whole = Math.floor(seconds);
-  const two = (value: number) => String(Math.floor(value)).padStart(2, "0");
-  if (code) return `${two(whole / 3600)}:${two((whole / 60) % 60)}:${two(whole % 60)}:${two(frame - whole * perSecond + 1e-6)}`;
-  return `${Math.floor(whole / 60)}:${(seconds % 60).toFixed(3).padStart(6, "0")}`;
-}
 
 export function Transport({ clip }: { clip: Clip }) {
   const { player } = clip;

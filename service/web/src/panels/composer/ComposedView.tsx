@@ -1,47 +1,61 @@
-/** The composition as it will move: its frames are asked of the server, which makes them without storing. */
+/** The composition as it will move: the server makes its positions without storing anything. */
 import { signal } from "@preact/signals";
-import { useEffect, useMemo, useState } from "preact/hooks";
-import { motionOf, type Motion } from "../../motion/source";
-import { pieceAt, type Piece } from "../../state/composition";
+import { useEffect, useMemo } from "preact/hooks";
+import { previewOf } from "../../motion/preview";
+import { motionOf } from "../../motion/source";
+import type { Piece } from "../../state/composition";
 import { Player } from "../../state/player";
 import { Icon } from "../../ui/icons";
 import { MotionView, type Actor } from "../../ui/MotionView";
-import { number, w } from "../../words";
+import { Trouble } from "../../ui/Trouble";
+import { useAsync } from "../../ui/useAsync";
+import { w } from "../../words";
+import { Scrubber } from "../../ui/Scrubber";
 import type { Composed } from "./ComposerPage";
 
-export function ComposedView({ pieces, composed, selected, onPlace }: {
+export function ComposedView({ pieces, composed, request, selected, onPlace }: {
   pieces: readonly Piece[];
-  composed: Composed | null;
+  composed: Composed;
   request: object;
   selected: number;
-  onPlace: (sourceFrame: number) => void;
+  /** The frame (from 0) of its own clip that the selected piece shows. */
+  onPlace: (frame: number) => void;
 }) {
-  const [motion, setMotion] = useState<Motion | null>(null);
+  const made = useAsync(async (stop) => {
+    const body = await motionOf(pieces[0].document);
+    return previewOf("/compose/motion", request, body.skeleton, composed.frames, 1 / composed.seconds_per_frame, stop);
+  }, [composed]);
+  const preview = made.value;
   const frame = useMemo(() => signal(0), []);
-  const piece = pieces[Math.min(selected, pieces.length - 1)];
+  const player = useMemo(() => new Player(composed.frames, 1 / composed.seconds_per_frame), [composed]);
+  const spans = composed.segments;
+
   useEffect(() => {
-    let alive = true;
-    if (piece) void motionOf(piece.document).then((found) => alive && setMotion(found), () => undefined);
-    return () => { alive = false; };
-  }, [piece?.document]);
-  const total = pieces.reduce((sum, one) => sum + Math.max(0, one.last - one.first + 1), 0);
-  const player = useMemo(() => new Player(Math.max(1, piece?.frames ?? 1), motion?.perSecond ?? 30), [motion, piece?.frames]);
+    player.seek(Math.min(frame.peek(), composed.frames - 1));
+    const stop = player.frame.subscribe((now) => {
+      frame.value = now;
+      const here = spans.find((one) => now + 1 >= one.first && now + 1 <= one.last);
+      if (here) onPlace(here.source_first - 1 + now + 1 - here.first);
+    });
+    return () => { stop(); player.pause(); };
+  }, [player]);
+  // The piece that is picked is gone to.
   useEffect(() => {
-    if (!piece || !motion) return;
-    player.loop.value = [piece.first - 1, piece.last - 1];
-    if (player.frame.peek() < piece.first - 1 || player.frame.peek() > piece.last - 1) player.seek(piece.first - 1);
-    const stop = player.frame.subscribe((now) => { frame.value = now; onPlace(now); motion.blocks.want(now, player.playing.peek() ? 1 : 0, motion.perSecond); });
-    return () => { stop(); };
-  }, [player, piece?.first, piece?.last]);
-  useEffect(() => { player.play(1); return () => player.pause(); }, [player]);
-  const actors = useMemo<Actor[]>(() => motion ? [{ skeleton: motion.skeleton, positions: () => { motion.blocks.arrived.value; return motion.blocks.frame(frame.value); } }] : [], [motion]);
-  void composed; void total; void pieceAt;
+    const span = spans.find((one) => one.segment === selected + 1);
+    if (span && !player.playing.peek()) player.seek(span.first - 1);
+  }, [selected]);
+  const actors = useMemo<Actor[]>(() => (preview ? [{ skeleton: preview.skeleton, positions: () => preview.frame(frame.value) }] : []), [preview]);
+  const bands = useMemo(() => [
+    ...spans.map((one) => ({ from: one.first - 1, to: one.last, ink: one.segment === selected + 1 ? "select" : "accent", alpha: one.segment === selected + 1 ? 0.35 : 0.16 })),
+  ], [composed, selected]);
   return (
     <div class="composed-view">
-      <MotionView actors={actors} label={piece?.name ?? ""} />
+      {made.busy && <div class="busy" />}
+      <Trouble error={made.error} retry={made.again} />
+      <MotionView actors={actors} label={w("previewWord")} />
       <div class="transport row">
         <button type="button" class="button quiet icon play" aria-label={w(player.playing.value ? "pause" : "play")} onClick={() => player.toggle()}><Icon name={player.playing.value ? "pause" : "play"} /></button>
-        <span class="cut">{w("piece", { n: selected + 1 })}: {piece?.name} <span class="dim">{piece && `${number(piece.first)}–${number(piece.last)}`}</span></span>
+        <Scrubber player={player} bands={bands} />
       </div>
     </div>
   );

@@ -133,7 +133,7 @@ export function ComposerPage() {
         {(preview.value?.notices ?? []).map((one) => <p key={one} class="dim notice">{one}</p>)}
         {pieces.value.length ? (
           <>
-            <ComposedView pieces={pieces.value} composed={preview.value ?? null} request={request} selected={selected.value} onPlace={(frame) => (playhead.value = frame)} />
+            {preview.value ? <ComposedView pieces={pieces.value} composed={preview.value} request={request} selected={selected.value} onPlace={(frame) => (playhead.value = frame)} /> : <div class="composed-view">{preview.busy && <div class="busy" />}</div>}
             <Storyboard pieces={pieces.value} composed={preview.value ?? null} selected={selected.value} onSelect={(index) => (selected.value = index)} onChange={change} onDropClip={add} />
           </>
         ) : (

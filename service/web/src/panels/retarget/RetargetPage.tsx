@@ -1,1 +1,129 @@
-export function RetargetPage() { return <div class="empty" />; }
+/** Motion put on another body: both side by side, the joints that belong together, how well it fits. */
+import { useSignal } from "@preact/signals";
+import { useEffect, useMemo, useState } from "preact/hooks";
+import { ask, get, type Schemas } from "../../api/client";
+import { subject } from "../../shell/Bar";
+import { previewOf } from "../../motion/preview";
+import { motionOf } from "../../motion/source";
+import { note, refuse } from "../../state/notes";
+import { Player } from "../../state/player";
+import { go, param, setParams } from "../../state/route";
+import { Icon } from "../../ui/icons";
+import { Menu } from "../../ui/Menu";
+import { MotionView, type Actor } from "../../ui/MotionView";
+import { Scrubber } from "../../ui/Scrubber";
+import { Trouble } from "../../ui/Trouble";
+import { useAsync } from "../../ui/useAsync";
+import { number, w } from "../../words";
+import { ClipChooser } from "./ClipChooser";
+import { MappingTable, type Pair } from "./MappingTable";
+import { Report } from "./Report";
+import "../../styles/retarget.css";
+
+const APART = 1.3; // metres between the two bodies
+
+export function RetargetPage() {
+  const [from, to] = [param("from"), param("to")];
+  useEffect(() => { subject.value = null; }, []);
+  const source = useAsync(async () => (from ? motionOf(from) : null), [from]);
+  const target = useAsync(async () => (to ? motionOf(to) : null), [to]);
+  return (
+    <div class="retarget">
+      <h1 class="unseen">{w("retarget")}</h1>
+      <div class="retarget-choose row wrap">
+        <ClipChooser label={w("sourceClip")} chosen={source.value?.name} onChoose={(id) => setParams({ from: id }, true)} />
+        <Icon name="right" />
+        <ClipChooser label={w("targetClip")} chosen={target.value?.name} onChoose={(id) => setParams({ to: id }, true)} />
+      </div>
+      <Trouble error={source.error ?? target.error} />
+      {source.value && target.value ? <Fitting key={`${from} ${to}`} source={source.value} target={target.value} /> : <div class="empty"><h2>{w("retargetEmpty")}</h2><p>{w("retargetHelp")}</p></div>}
+    </div>
+  );
+}
+
+type Motion = Awaited<ReturnType<typeof motionOf>>;
+
+function Fitting({ source, target }: { source: Motion; target: Motion }) {
+  /** null: as the server suggests. */
+  const pairs = useSignal<Pair[] | null>(null);
+  const before = useSignal<(Pair[] | null)[]>([]);
+  const [cleanFeet, setCleanFeet] = useState(false);
+  const [saving, setSaving] = useState(false);
+  const selected = useSignal<string | null>(null);
+  const request = useMemo(() => ({ skeleton: target.id, mapping: pairs.value?.length ? pairs.value : null, clean_feet: cleanFeet }), [pairs.value, cleanFeet]);
+  const mappings = useAsync((signal) => get("/mappings", { signal }), []);
+  const fit = useAsync(async (signal) => {
+    await new Promise((resolve) => setTimeout(resolve, 150));
+    signal.throwIfAborted();
+    return ask("post", "/documents/{id}/retarget", { path: { id: source.id }, body: { ...request, preview: true } as Schemas["RetargetRequest"], signal });
+  }, [request]);
+  const moved = useAsync(async (signal) => (fit.value ? previewOf(`/documents/${source.id}/retarget/motion`, request, target.skeleton, source.frames, source.perSecond, signal) : null), [fit.value]);
+  const player = useMemo(() => new Player(source.frames, source.perSecond), [source]);
+  useEffect(() => {
+    const stop = player.frame.subscribe((frame) => source.blocks.want(frame, player.playing.peek() ? 1 : 0, source.perSecond));
+    player.play(1);
+    return () => { stop(); player.pause(); };
+  }, [player]);
+  const actors = useMemo<Actor[]>(() => [
+    { skeleton: source.skeleton, shift: -APART / 2, positions: () => { source.blocks.arrived.value; return source.blocks.frame(player.frame.value); } },
+    ...(moved.value ? [{ skeleton: target.skeleton, shift: APART / 2, positions: () => moved.value!.frame(player.frame.value) }] : []),
+  ], [source, target, moved.value]);
+  const marked = useMemo(() => ({ get value() { const point = selected.value === null ? undefined : source.skeleton.byName.get(selected.value); return point === undefined ? [] : [point]; } }), [source]);
+  const shown: Pair[] = pairs.value ?? (fit.value?.matches ?? []).map(({ source: one, target: other }) => ({ source: one, target: other }));
+  const change = (next: Pair[] | null) => { before.value = [...before.peek(), pairs.peek()]; pairs.value = next; };
+  const save = async () => {
+    setSaving(true);
+    try {
+      const made = await ask("post", "/documents/{id}/retarget", { path: { id: source.id }, body: { ...request, name: `${source.name} on ${target.name}` } as Schemas["RetargetRequest"] });
+      note(w("retargeted", { name: `${source.name} on ${target.name}` }));
+      go(`/clips/${made.document}`);
+    } catch (error) {
+      refuse(error);
+    } finally {
+      setSaving(false);
+    }
+  };
+  const keep = async () => {
+    const name = prompt(w("mappingName"), `${source.name} to ${target.name}`);
+    if (!name) return;
+    try {
+      await ask("put", "/mappings/{name}" as never, { path: { name } as never, body: { pairs: shown } as never });
+      note(w("savedAs", { name }));
+      mappings.again();
+    } catch (error) {
+      refuse(error);
+    }
+  };
+  return (
+    <div class="retarget-work">
+      <section class="retarget-view">
+        {(fit.busy || moved.busy) && <div class="busy" />}
+        <Trouble error={moved.error} retry={moved.again} />
+        <MotionView actors={actors} selected={marked as never} label={`${source.name}, ${target.name}`} onPick={(actor, point) => (selected.value = actor === 0 ? source.skeleton.view.bones[point]?.name ?? null : shown.find((one) => one.target === target.skeleton.view.bones[point]?.name)?.source ?? null)} />
+        <div class="transport row">
+          <button type="button" class="button quiet icon play" aria-label={w(player.playing.value ? "pause" : "play")} onClick={() => player.toggle()}><Icon name={player.playing.value ? "pause" : "play"} /></button>
+          <Scrubber player={player} />
+        </div>
+      </section>
+      <aside class="retarget-map" aria-label={w("mapping")}>
+        <div class="row wrap map-tools">
+          <strong>{w("mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</strong><span class="grow" />
+          <button type="button" class="button quiet icon dense" aria-label={w("undo")} disabled={!before.value.length} onClick={() => { pairs.value = before.peek().at(-1) ?? null; before.value = before.peek().slice(0, -1); }}><Icon name="undo" /></button>
+          <Menu label={w("mapping")} className="button dense" side="right" items={[
+            { text: w("mappingName"), icon: "plus", run: () => void keep() },
+            ...(mappings.value?.items ?? []).map((one) => ({ text: one.name, detail: one.project, run: () => change(one.pairs) })),
+          ]}>{w("mapping")}<Icon name="down" /></Menu>
+        </div>
+        <Trouble error={fit.error} retry={fit.again} />
+        <MappingTable source={source.skeleton} target={target.skeleton} pairs={shown} matches={fit.value?.matches ?? []} selected={selected.value} onSelect={(name) => (selected.value = name)} onChange={change} />
+        {fit.value && <Report fit={fit.value} />}
+        <div class="row wrap map-tools">
+          <label class="row"><input type="checkbox" checked={cleanFeet} onChange={(event) => setCleanFeet(event.currentTarget.checked)} />{w("cleanFeet")}</label>
+          <span class="grow" />
+          <span class="dim">{fit.value ? `× ${number(fit.value.scale, 3)}` : ""}</span>
+          <button type="button" class="button primary" disabled={!fit.value || saving} onClick={() => void save()}>{saving ? w("retargeting") : w("retargetNow")}</button>
+        </div>
+      </aside>
+    </div>
+  );
+}
