@@ -105,6 +105,76 @@ class ElementEdits(BaseModel):
     message: str = Field("", max_length=4096, description="Why, for the history")
 
 
+class Child(BaseModel):
+    """An element without what is in it."""
+
+    address: str = Field(description="A canonical XPath that finds it")
+    name: str
+    attributes: dict[str, str]
+    text: str
+    children: int = Field(description="How many elements are in it")
+
+
+class ChildPage(BaseModel):
+    """Children of an element, from number `first` on. total: how many it has."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "address": "/mcml/motion",
+                "total": 1199,
+                "first": 3,
+                "items": [
+                    {
+                        "address": "/mcml/motion/frame[1]",
+                        "name": "frame",
+                        "attributes": {"id": "1"},
+                        "text": "",
+                        "children": 31,
+                    }
+                ],
+            }
+        )
+    )
+
+    address: str
+    total: int
+    first: int
+    items: list[Child]
+
+
+class TextPlace(BaseModel):
+    """Where a text stands in a document's own text. line, column: from 1."""
+
+    line: int
+    column: int
+    address: str = Field(description="Of the element whose line it is")
+    frame: int | None = Field(None, description="Position of the frame that it is in")
+    text: str = Field(description="What stands around it")
+
+
+class TextFound(BaseModel):
+    """The next place of a text; null where there is none any more, or where time was up before it was found."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown(
+            {
+                "place": {
+                    "line": 4711,
+                    "column": 19,
+                    "address": "/mcml/motion/frame[100]/frame_bone[3]",
+                    "frame": 100,
+                    "text": FRAME_BONE,
+                },
+                "next": None,
+            }
+        )
+    )
+
+    place: TextPlace | None = None
+    next: int | None = Field(None, description="Line to go on from, where time was up")
+
+
 class ElementEdited(BaseModel):
     """What an edit did: the address of the (first) element, how many there were, and the revision that it made."""
 

@@ -48,6 +48,9 @@ _ROWS = [
     # files of documents
     Operation("get_mcml", "GET /documents/{id}/mcml", STREAMS, READ,
               "The document as MCML, valid against `mcml.dtd`.", "exports"),
+    Operation("find_text", "GET /documents/{id}/find", READS, READ,
+              "The next place of a text in a document: its line, and the address of the element there.", "exports",
+              "find ID TEXT"),
     Operation("export_document", "GET /documents/{id}/export", STREAMS, READ,
               "The document in a motion-capture format.", "exports"),
     Operation("export_documents", "POST /exports", STREAMS, READ,
@@ -88,6 +91,8 @@ _ROWS = [
               "Add labels from a CSV table, as the export writes it.", "labels", "labels import TABLE"),
 
     # elements
+    Operation("list_children", "GET /documents/{id}/children", READS, READ,
+              "The children of an element, a window at a time.", "elements", "element children ID [ADDRESS]"),
     Operation("get_element", "GET /documents/{id}/elements", READS, READ,
               "One element of a document as XML, or the value of one attribute as text.", "elements",
               "element get ID XPATH"),

@@ -3,23 +3,36 @@
 from __future__ import annotations
 
 import re
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from schemas.elements import ChangeEdit, DeleteEdit, ElementChange, ElementEdited, ElementEdits, MoveEdit, ReplaceEdit
+from schemas.elements import (
+    ChangeEdit,
+    Child,
+    ChildPage,
+    DeleteEdit,
+    ElementChange,
+    ElementEdited,
+    ElementEdits,
+    MoveEdit,
+    ReplaceEdit,
+)
 from schemas.elements import Edit as AnyEdit
 from schemas.examples import ADDRESS, FRAME_BONE, NODE
 from schemas.queries import QueryRequest
 from service.actions.checking.describe_problem import PreconditionError
 from service.actions.editing import edit_elements as editing
-from service.actions.editing.edit_element import Change, read_element
+from service.actions.editing.edit_element import Change
 from service.actions.editing.edit_elements import Deletion, ElementEdit, Insertion, Replacement
+from service.actions.reading import list_children as listing
+from service.actions.reading.read_element import read_element
 from service.errors import DocumentError, LimitError, NotFoundError
 from service.mcml.fragment import MOST_BYTES, read_fragment
-from service.operations.arguments import AtRevision, DocumentId, IfMatch, at_revision, checked_for_write, tag
+from service.operations.arguments import MOST, AtRevision, DocumentId, IfMatch, at_revision, checked_for_write, tag
 from service.operations.call import Call, Content
 from service.operations.operation import Body, gives
 from service.storage.database import Transaction
@@ -81,6 +94,33 @@ def get_element(call: Call, id: DocumentId, xpath: One, revision: AtRevision = N
         content = read_element(then, stored, address)
     call.tag = tag(stored, "element")
     return Content(iter([content]), "text/plain; charset=utf-8" if "/@" in address else "application/xml")
+
+
+def list_children(
+    call: Call,
+    id: DocumentId,
+    address: Annotated[
+        str,
+        Field(min_length=1, max_length=1000, description="Of the element, canonical", examples=["/mcml/motion"]),
+    ] = "/mcml",
+    first: Annotated[int, Field(ge=1, le=MOST, description="Number of the first child", examples=[3])] = 1,
+    limit: Annotated[int, Field(ge=1, description="Most children", examples=[20])] = 100,
+    revision: AtRevision = None,
+) -> ChildPage:
+    """Of a motion of any length only those that are asked are read. Frames are the last children of `/mcml/motion`,
+    behind `frames` and, where it is there, `frametime`. With a `revision` the answer never changes, and says so.
+    """
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        asked = zlib.crc32(address.encode())
+        call.tagged(tag(stored, f"children-{asked}-{first}-{limit}"), lasting=revision is not None)
+        most = min(limit, call.settings.page_limit)
+        total, found = listing.list_children(then, stored, address, first, most)
+    items = [
+        Child(address=one.address, name=one.tag, attributes=one.attributes, text=one.text, children=one.children)
+        for one in found
+    ]
+    return ChildPage(address=address, total=total, first=first, items=items)
 
 
 def change_element(

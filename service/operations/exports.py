@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from itertools import chain
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
+from schemas.elements import TextFound, TextPlace
 from schemas.examples import MCML
 from schemas.exports import ExportRequest
 from service.actions.exporting.export_motion import ExportOptions
 from service.actions.exporting.export_motion import export_document as exported
+from service.actions.exporting.text_windows import find_text as find
+from service.actions.exporting.text_windows import frames_window, head_window
 from service.formats import FORMATS
-from service.operations.arguments import AtRevision, DocumentId, First, Last, at_revision, tag
+from service.mcml.writer import Layout
+from service.operations.arguments import MOST, AtRevision, DocumentId, First, Last, at_revision, tag
 from service.operations.call import Call, Content
 from service.operations.operation import gives
 
@@ -27,7 +31,16 @@ def get_mcml(
     pretty: Annotated[bool, Field(description="Every element on a line of its own")] = False,
     first: First = 1,
     last: Last = None,
+    part: Annotated[
+        Literal["head", "frames"] | None,
+        Field(description="Only the lines before the first frame, or only those of frames first to last"),
+    ] = None,
 ) -> Content:
+    """A part of it is text of the whole: the headers `x-mcml-first-line`, `x-mcml-lines` and `x-mcml-total-lines` say
+    which lines of how many it is. With a `revision` it never changes, and says so.
+    """
+    if part is not None:
+        return _window(call, id, revision, part, first, last, Layout.PRETTY if pretty else Layout.LINES)
     options = ExportOptions("mcml", first=first, last=last, pretty=pretty)
     answer = _content(call, id, revision, options)
     answer.shown = True
@@ -79,3 +92,35 @@ def _content(call: Call, uuid: str, revision: int | None, options: ExportOptions
     # A conversion looks through the motion before its first block, and says then what the target cannot hold.
     content = chain((next(export.content, b""),), export.content)
     return Content(content, export.media_type, export.file_name, export.size, notices=export.notices)
+
+
+def _window(
+    call: Call, uuid: str, revision: int | None, part: str, first: int, last: int | None, layout: Layout
+) -> Content:
+    then, stored = at_revision(call.read(), uuid, revision)
+    call.tagged(tag(stored, f"mcml-{part}-{first}-{last}-{layout.value}"), lasting=revision is not None)
+    if part == "head":
+        window = head_window(then, stored, layout)
+    else:
+        window = frames_window(then, stored, first, stored.frames if last is None else last, layout)
+    facts = {"first-line": window.first, "lines": window.lines, "total-lines": window.total}
+    said = {name: str(number) for name, number in facts.items()}
+    return Content(window.content, "application/xml", f"{stored.name}.{part}.xml", facts=said, shown=True)
+
+
+def find_text(
+    call: Call,
+    id: DocumentId,
+    text: Annotated[str, Field(min_length=1, max_length=1000, description="What is looked for", examples=['Rx="45.'])],
+    from_: Annotated[int, Field(alias="from", ge=1, le=MOST, description="Line to begin with", examples=[1])] = 1,
+    revision: AtRevision = None,
+    pretty: Annotated[bool, Field(description="In the text with every element on a line of its own")] = False,
+) -> TextFound:
+    """In the text that the document has as MCML, within lines. Where a long document takes longer than a question may,
+    `next` says where to go on.
+    """
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        layout = Layout.PRETTY if pretty else Layout.LINES
+        place, following = find(then, stored, text, from_, layout, call.settings.query_seconds)
+    return TextFound(place=None if place is None else TextPlace(**vars(place)), next=following)

@@ -183,6 +183,12 @@ class Tracks:
             first, last = max(slot, start), min(slot + count, end)
             yield first, last - first, unpack_shape(packed)
 
+    def frame_bones(self, document_key: int, first: int, last: int) -> Iterator[tuple[int, int]]:
+        """(frames, frame_bones of each) of frames first to last, in runs."""
+        for piece in self.pieces(document_key, first, last):
+            for _, count, found in self._shape_runs(document_key, piece.slot, piece.slot + piece.count):
+                yield count, len(found)
+
     def shape_at(self, document_key: int, slot: int) -> Shape:
         """The shape of the frame in a slot."""
         return self._shapes(document_key, slot, slot + 1, None)[0][0]

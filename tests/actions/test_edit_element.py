@@ -8,8 +8,9 @@ import pytest
 from lxml import etree
 from sqlalchemy import func, select
 
-from service.actions.editing.edit_element import Change, read_element
+from service.actions.editing.edit_element import Change
 from service.actions.exporting.export_motion import ExportOptions, export_document
+from service.actions.reading.read_element import read_element
 from service.errors import DocumentError, NotFoundError
 from service.mcml.dtd import violations
 from service.storage.database import Database

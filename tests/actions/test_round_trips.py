@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from service.actions.editing.edit_element import Change, read_element
+from service.actions.editing.edit_element import Change
 from service.actions.exporting.convert_files import convert_files
 from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.actions.importing.import_motion import import_files
 from service.actions.reading.import_options import ImportOptions
 from service.actions.reading.read_clip import read_clip
+from service.actions.reading.read_element import read_element
 from service.errors import ConversionError, NotFoundError
 from service.formats import FORMATS
 from service.formats.format import ReadOptions, SourceFile

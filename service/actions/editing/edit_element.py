@@ -6,31 +6,24 @@ beyond it do not allow is refused (DocumentError): required elements and attribu
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from service.actions.checking.check_names import check_frame_time, check_head
-from service.actions.editing.edit_frames import delete_frame, frame_at, rename_frame, rewrite_frame_bone
+from service.actions.editing.edit_frames import delete_frame, rename_frame, rewrite_frame_bone
 from service.actions.editing.edit_names import rewrite_motion_name
-from service.errors import DocumentError, NotFoundError, Place
+from service.actions.reading.read_element import HEAD, LEAF, missing_at
+from service.errors import DocumentError, Place
 from service.mcml.addresses import MOTION, read_frame_address, split_attribute
 from service.mcml.dtd import validate_by_shapes
 from service.mcml.elements import Element, addresses, check_counts, joint_names, refresh_counts, to_head
 from service.mcml.lexical import escape, is_decimal, unescape
-from service.mcml.vocabulary import FRAME_BONE, FRAMES, FRAMETIME, MOTION_NAME
-from service.mcml.writer import write_element
+from service.mcml.vocabulary import FRAME_BONE, FRAMES, MOTION_NAME
 from service.motion.skeleton import CHANNEL_INDEX
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.rows import skeleton_rows
-
-_LEAF = re.compile(r"/mcml/motion/(frames|frametime)(?:/@[A-Za-z]+)?")
-_HEAD = re.compile(
-    r"(?P<element>/mcml(?:/(?:header|root|skeleton)(?:/[a-z_]+(?:\[\d{1,9}\])?)*)?)(?:/@(?P<attribute>[A-Za-z_]+))?"
-)
-
 
 MAX_JOINTS = 65_535
 """Numbers of bones have 16 bits."""
@@ -44,20 +37,9 @@ class Change:
     text: str | None = None
 
 
-def read_element(tx: Transaction, stored: StoredDocument, address: str) -> bytes:
-    """The element as XML, or the value of an attribute. NotFoundError."""
-    element = _element(tx, stored, address)
-    _, attribute = split_attribute(address)
-    if attribute is None:
-        return write_element(element)
-    if attribute not in element.attributes:
-        raise _missing(address)
-    return element.attributes[attribute].encode()
-
-
 def apply_change(tx: Transaction, stored: StoredDocument, address: str, change: Change) -> None:
     """Change attributes or text of the element at an address; the caller makes the revision."""
-    leaf, place = _LEAF.fullmatch(address), read_frame_address(address)
+    leaf, place = LEAF.fullmatch(address), read_frame_address(address)
     if leaf:
         _change_motion_leaf(tx, stored, leaf[1], change)
     elif place is None:
@@ -77,7 +59,7 @@ def apply_change(tx: Transaction, stored: StoredDocument, address: str, change: 
 
 def apply_deletion(tx: Transaction, stored: StoredDocument, address: str) -> None:
     """Delete the element or attribute at an address; the caller makes the revision."""
-    leaf, place = _LEAF.fullmatch(address), read_frame_address(address)
+    leaf, place = LEAF.fullmatch(address), read_frame_address(address)
     if leaf:
         if leaf[1] == FRAMES:
             raise DocumentError("motion needs its frames element.", at=Place(element=address), remedy="Delete frames.")
@@ -98,37 +80,6 @@ def apply_deletion(tx: Transaction, stored: StoredDocument, address: str) -> Non
         fresh = refresh_counts(document, current.frames)
         if fresh.children[0] != document.children[0]:
             tx.heads.write_header(stored.key, fresh.children[0], tx.commit)
-
-
-def _missing(address: str) -> NotFoundError:
-    return NotFoundError("The document has nothing at this address.", at=Place(element=address))
-
-
-def _element(tx: Transaction, stored: StoredDocument, address: str) -> Element:
-    leaf, place = _LEAF.fullmatch(address), read_frame_address(address)
-    if leaf:
-        if leaf[1] == FRAMES:
-            return Element(FRAMES, {}, str(stored.frames))
-        if stored.frame_time is None:
-            raise _missing(address)
-        return Element(FRAMETIME, {}, stored.frame_time)
-    if place is None:
-        return _head_element(tx, stored, address)
-    frame = frame_at(tx, stored, place.frame)
-    if not place.tag:
-        return frame
-    of_tag = frame.all(place.tag)
-    if not 1 <= place.number <= len(of_tag):
-        raise _missing(address)
-    return of_tag[place.number - 1]
-
-
-def _head_element(tx: Transaction, stored: StoredDocument, address: str) -> Element:
-    match = _HEAD.fullmatch(address)
-    for here, element in addresses(tx.heads.document(stored)):
-        if match is not None and here == match["element"]:
-            return element
-    raise _missing(address)
 
 
 def _channel(name: str, address: str) -> int:
@@ -190,7 +141,7 @@ def _edit_head(tx: Transaction, stored: StoredDocument, address: str, change: Ch
             del children[next(index for index, child in enumerate(children) if child is target)]
         elif change is None and attribute is not None:
             if target.attributes.pop(attribute, None) is None:
-                raise _missing(address)
+                raise missing_at(address)
         elif change is not None:
             for name, value in change.attributes.items():
                 if value is None:
@@ -216,12 +167,12 @@ def edit_head(
     edit: is given the head and the element at the address, and changes them. counts_stated: the edit may have set the
     counts that the header repeats, so they must be right; else they are made right.
     """
-    match = _HEAD.fullmatch(address)
+    match = HEAD.fullmatch(address)
     document = tx.heads.document(stored)
     before = joint_names(document)
     found = dict(addresses(document))
     if match is None or match["element"] not in found:
-        raise _missing(address)
+        raise missing_at(address)
     edit(document, found[match["element"]])
     shapes = tx.tracks.shapes_in_use(stored.key)
     bones = tx.heads.bone_names(stored.key)

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.actions.editing.edit_element import Change, apply_change, apply_deletion, read_element
+from service.actions.editing.edit_element import Change, apply_change, apply_deletion
 from service.actions.editing.insert_elements import Where, insert_elements, replace_element
 from service.actions.editing.splice_frames import check_range, counts_up, splice_frames
+from service.actions.reading.read_element import read_element
 from service.errors import ConflictError, DocumentError, NotFoundError, Place
 from service.mcml.addresses import (
     MOTION,

@@ -6,42 +6,19 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-import orjson
 
 from service.errors import DocumentError, NotFoundError, Place
 from service.mcml.addresses import address_attribute, address_child, address_frame
-from service.mcml.elements import Element, leaf
-from service.mcml.lexical import ILLEGAL, escape
+from service.mcml.lexical import ILLEGAL
 from service.mcml.vocabulary import FRAME_BONE
 from service.motion.clip import Shape
 from service.motion.skeleton import CHANNELS
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
-from service.storage.motion_names import names_of_frames
 from service.storage.runs import without_position
 from service.storage.schema import CHUNK
 from service.storage.tables import shape_run, timeline
 from service.storage.tracks import Piece
-
-
-def frame_at(tx: Transaction, stored: StoredDocument, position: int) -> Element:
-    """The frame element at a position, with all it holds. NotFoundError."""
-    if not 1 <= position <= stored.frames:
-        raise NotFoundError(f"The document has {stored.frames} frames.", at=Place(element=address_frame(position)))
-    names = tx.heads.bone_names(stored.key)
-    block = next(tx.tracks.blocks(stored.key, position, position))
-    shape = block.shapes[0 if block.shape_of is None else int(block.shape_of[0])]
-    place = {column: index for index, column in enumerate(block.columns)}
-    frame = Element("frame", {"id": str(block.ids[0])})
-    labels = names_of_frames(tx.spans.of(stored.key, position, position), range(position, position + 1))
-    frame.children += [leaf("motion_name", escape(name)) for name in (labels[0] if labels else ())]
-    for bone, bits in shape:
-        attributes = {"name": escape(names[bone])}
-        for channel, name in enumerate(CHANNELS):
-            if bits >> channel & 1:
-                attributes[name] = orjson.dumps(float(block.values[0, place[bone, channel]])).decode()
-        frame.children.append(Element("frame_bone", attributes))
-    return frame
 
 
 def rewrite_frame_bone(

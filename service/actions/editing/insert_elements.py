@@ -10,8 +10,8 @@ from dataclasses import replace
 from typing import Literal
 
 from service.actions.editing.edit_element import Change, apply_change, edit_head, parent_of
-from service.actions.editing.edit_frames import frame_at
 from service.actions.editing.splice_frames import check_range, splice_frames
+from service.actions.reading.read_element import frame_at
 from service.errors import DocumentError, NotFoundError, Place
 from service.mcml.addresses import MOTION, FrameAddress, read_frame_address
 from service.mcml.element import Element
