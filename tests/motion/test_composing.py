@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -18,6 +18,7 @@ from service.motion.frames import in_columns
 from service.motion.hub import HubReader
 from service.motion.skeleton import Array, Convention, Joint, Skeleton
 from service.motion.units import Reading, reading_of
+from tests import fuzz
 from tests.formats.test_real_files import opened
 from tests.motion.random_clips import random_clip
 from tests.motion.test_frames import same_bits, whole
@@ -32,7 +33,7 @@ def cut(block: FrameBlock, first: int, end: int) -> FrameBlock:
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-@settings(max_examples=30)
+@fuzz.examples(30)
 @given(seed=st.integers(0, 10_000), cuts=st.lists(st.integers(1, 19), max_size=4), transition=st.integers(0, 3))
 def test_pieces_in_order_are_the_clip(convention: Convention, seed: int, cuts: list[int], transition: int) -> None:
     clip = random_clip(convention, seed, moving=True)
@@ -139,7 +140,7 @@ def smooth_clip(seed: int, convention: Convention = Convention.LISTED) -> tuple[
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-@settings(max_examples=12)
+@fuzz.examples(12)
 @given(seed=st.integers(0, 10_000), transition=st.integers(1, 9))
 def test_seams_of_generated_clips(convention: Convention, seed: int, transition: int) -> None:
     skeleton, blocks, reading = smooth_clip(seed, convention)
@@ -278,7 +279,7 @@ def test_what_cannot_be_composed_is_refused() -> None:
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-@settings(max_examples=12)
+@fuzz.examples(12)
 @given(seed=st.integers(0, 10_000))
 def test_layers_take_bones_of_another_clip(convention: Convention, seed: int) -> None:
     clip: ClipStream = random_clip(convention, seed, moving=True)

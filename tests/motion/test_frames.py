@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 
@@ -19,6 +19,7 @@ from service.motion.rotation_vectors import angle_between
 from service.motion.skeleton import Array, Convention, Joint, Skeleton
 from service.motion.smoothing import smoothed
 from service.motion.units import reading_of
+from tests import fuzz
 from tests.formats.test_real_files import opened
 from tests.motion.random_clips import random_clip
 from tests.poses import chosen_frames, global_positions, rest_height
@@ -133,7 +134,7 @@ def test_places_of_another_rate() -> None:
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-@settings(max_examples=40)
+@fuzz.examples(40)
 @given(seed=st.integers(0, 10_000), rate=st.sampled_from([(0.01, 0.005), (0.01, 0.02), (0.03, 0.02), (0.01, 0.0123)]))
 def test_resampling_is_scipys_slerp(convention: Convention, seed: int, rate: tuple[float, float]) -> None:
     clip = random_clip(convention, seed, moving=convention is not Convention.FIXED, partial=False)
@@ -215,7 +216,7 @@ def slow_mean(rotations: list[Rotation], weights: Array) -> Rotation:
     return mean
 
 
-@settings(max_examples=20)
+@fuzz.examples(20)
 @given(seed=st.integers(0, 10_000), deviation=st.floats(0.4, 3))
 def test_smoothing_is_the_weighted_mean(seed: int, deviation: float) -> None:
     clip = random_clip(Convention.BASE, seed, moving=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
@@ -18,6 +18,7 @@ from service.motion.rotation_vectors import angle_between, from_vector, to_vecto
 from service.motion.rotations import from_euler
 from service.motion.skeleton import Array, Convention, Joint, Skeleton
 from service.motion.units import reading_of
+from tests import fuzz
 from tests.formats.test_real_files import opened
 from tests.motion.random_clips import ORDERS, random_clip
 
@@ -91,7 +92,7 @@ def test_real_files_lose_nothing(shared: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize("letters", ["X", "Y", "Z", "XY", "YX", "YZ", "ZY", "ZX", "XZ"])
-@settings(max_examples=12)
+@fuzz.examples(12)
 @given(seed=st.integers(0, 100_000))
 def test_fewer_channels_come_as_near_as_they_can(letters: str, seed: int) -> None:
     """Against SciPy's search for the nearest rotation that the channels can say."""

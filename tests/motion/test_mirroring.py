@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from service.errors import ConversionError
@@ -19,6 +19,7 @@ from service.motion.rotation_vectors import angle_between
 from service.motion.sides import Sagittal, is_left, partners, sagittal
 from service.motion.skeleton import Array, Convention, Joint, Skeleton
 from service.motion.units import reading_of
+from tests import fuzz
 from tests.builders import assign
 from tests.formats.test_real_files import opened
 from tests.poses import global_positions, rest_height
@@ -123,7 +124,7 @@ def test_twice_is_no_change(shared: Path, name: str) -> None:
     assert np.abs(before.translations - after.translations).max() < 1e-9 * size
 
 
-@settings(max_examples=30)
+@fuzz.examples(30)
 @given(seed=st.integers(0, 100_000))
 def test_sides_with_axes_of_their_own(seed: int) -> None:
     """A rig whose right side is built along opposite axes, turned at rest any way it likes."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -22,6 +22,7 @@ from service.motion.lexemes import triple
 from service.motion.movement_names import CIRCLING, Suggestion, suggest_movements
 from service.motion.skeleton import Array, Convention, EndSite, Joint, Skeleton
 from service.motion.units import reading_of
+from tests import fuzz
 from tests.builders import assign
 from tests.formats.test_real_files import opened
 
@@ -273,7 +274,7 @@ def test_a_walk_does_not_turn_the_reference() -> None:
     assert named(skeleton, made(skeleton, False, 0.0, "Root", path)) == [("pelvis", "", "anterior-tilt")]
 
 
-@settings(max_examples=15)
+@fuzz.examples(15)
 @given(seed=st.integers(0, 100_000))
 def test_no_impossible_name_is_made(seed: int) -> None:
     rng = np.random.default_rng(seed)

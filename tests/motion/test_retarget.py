@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -26,6 +26,7 @@ from service.motion.rotation_vectors import angle_between
 from service.motion.rotations import from_euler, inverse, multiply
 from service.motion.skeleton import Array, Convention, Joint, Skeleton, numbers
 from service.motion.units import Reading, reading_of
+from tests import fuzz
 from tests.builders import assign
 from tests.formats.test_real_files import opened
 from tests.poses import chosen_frames, global_positions
@@ -247,7 +248,7 @@ def tree(seed: int) -> tuple[Skeleton, Skeleton]:
     return made(), made()
 
 
-@settings(max_examples=60)
+@fuzz.examples(60)
 @given(seed=st.integers(0, 100_000))
 def test_chains_of_any_rest_pose_point_alike(seed: int) -> None:
     source, target = tree(seed)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import orjson
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
@@ -19,6 +19,7 @@ from service.analysis.interface import MadeClip, Motion, Parts, silent
 from service.motion.hub import walked
 from service.motion.rotations import from_euler, inverse, multiply, rotate
 from service.motion.skeleton import numbers
+from tests import fuzz
 from tests.analysis.dance.motions import enlarged, generated, moved
 
 PAIR = [
@@ -92,7 +93,7 @@ def test_the_order_of_clips_changes_nothing(analysis: Any, parameters: Any) -> N
         assert np.array_equal(made(one).translations, made(other).translations)
 
 
-@settings(max_examples=5)
+@fuzz.examples(5)
 @given(heading=st.floats(-3, 3), x=st.floats(-500, 500), z=st.floats(-500, 500))
 def test_a_rigid_motion_of_a_clip_changes_nothing(heading: float, x: float, z: float) -> None:
     """Each clip may stand elsewhere: beats, distances and path stay; the dance starts where its first bar stands."""
@@ -105,7 +106,7 @@ def test_a_rigid_motion_of_a_clip_changes_nothing(heading: float, x: float, z: f
     assert np.allclose(np.abs(np.sum(made(one).rotations[:, 1:] * made(other).rotations[:, 1:], axis=-1)), 1)
 
 
-@settings(max_examples=5)
+@fuzz.examples(5)
 @given(factor=st.sampled_from([0.01, 0.3937, 10.0, 1000.0]))
 def test_the_unit_of_length_changes_nothing(factor: float) -> None:
     scaled = [enlarged(motion, factor) for motion in PAIR]

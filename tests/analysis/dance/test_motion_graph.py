@@ -6,10 +6,11 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from service.analysis.dance import motion_graph as graph
+from tests import fuzz
 
 
 def clouds(seed: int, bars: int = 5, points: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -29,7 +30,7 @@ def distance(end: np.ndarray, start: np.ndarray, weights: np.ndarray, transform:
     return float(np.sqrt((weights * ((end - turned(start, *transform)) ** 2).sum(axis=1)).sum()))
 
 
-@settings(max_examples=20)
+@fuzz.examples(20)
 @given(seed=st.integers(0, 9999))
 def test_alignment_is_the_best_turn_and_shift(seed: int) -> None:
     ends, starts, weights = clouds(seed)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from service.actions.importing.store_clip import clip_file
@@ -26,6 +26,7 @@ from service.formats.format import ReadOptions, SourceFile
 from service.motion.hub import HubReader
 from service.motion.rotations import to_euler
 from service.motion.skeleton import Skeleton
+from tests import fuzz
 from tests.analysis.reach.reach_motions import fitted, generated, on_grid
 
 WISH = Wish({"age": 25.0, "height": 168.0, "hbp": 270.0})
@@ -37,7 +38,7 @@ def same(first: dict[str, np.ndarray], second: dict[str, np.ndarray], tolerance:
     )
 
 
-@settings(max_examples=5)
+@fuzz.examples(5)
 @given(st.integers(0, 1000), st.sampled_from(["robust", "paper"]))
 def test_order_of_clips_changes_nothing(seed: int, method: str) -> None:
     motions = generated()[0]
@@ -47,7 +48,7 @@ def test_order_of_clips_changes_nothing(seed: int, method: str) -> None:
     assert same(to_arrays(again.model), to_arrays(fitted(method=method, **options).model))
 
 
-@settings(max_examples=5)
+@fuzz.examples(5)
 @given(st.integers(0, 1000), st.sampled_from(["robust", "paper"]), st.sampled_from([None, "global"]))
 def test_signs_of_quaternions_change_nothing(seed: int, method: str, space: str | None) -> None:
     rng = np.random.default_rng(seed)
@@ -190,7 +191,7 @@ def test_made_motions_are_sound(method: str, fps: float) -> None:
             assert np.allclose(clip.translations[:, index], [float(text) for text in joint.offset or ()])
 
 
-@settings(max_examples=40)
+@fuzz.examples(40)
 @given(st.floats(0, 120), st.floats(50, 250), st.floats(0, 2000), st.sampled_from(["robust", "global"]))
 def test_any_wish_gives_unit_rotations_and_ordered_times(age: float, height: float, hbp: float, way: str) -> None:
     model = fitted(**({"space": "global"} if way == "global" else {})).model
