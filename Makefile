@@ -13,7 +13,7 @@ STAMP := $(VENV)/.installed
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help install run test check fix bench fuzz docs migration dist clean
+.PHONY: help install web run test check fix bench fuzz docs migration dist clean
 
 help: ## Print this list
 	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -27,10 +27,13 @@ $(STAMP): pyproject.toml
 
 install: $(STAMP) ## Make .venv with the program and what its tests need
 
-run: $(STAMP) ## Serve the repository on 127.0.0.1:8000, with a demo library on first start
+web: $(STAMP) ## Build the studio, where its sources changed
+	@$(BIN)/python service/web/build.py
+
+run: web ## Serve the repository on 127.0.0.1:8000, with a demo library on first start
 	$(BIN)/mcml serve --demo
 
-test: $(STAMP) ## Run all tests, on SQLite and PostgreSQL
+test: web ## Run all tests, on SQLite and PostgreSQL, and in the browser
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
 check: $(STAMP) ## Style, types, layers, spelling
@@ -51,8 +54,9 @@ bench: $(STAMP) ## Measure speed against named peers (installs them)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group bench
 	$(BIN)/python -m benchmarks
 
-docs: $(STAMP) ## Make the tables in docs/ that come from catalogues again
+docs: $(STAMP) ## Make again what comes from catalogues: tables in docs/, the studio's types of the API
 	$(BIN)/python -m tests.docs.generate
+	$(BIN)/python -m tests.web.types
 
 migration: $(STAMP) ## Make a migration from the difference of tables.py and a fresh store: make migration NAME=what_changed
 	MCML_DATABASE=sqlite:///$(VENV)/migration.db $(BIN)/mcml db upgrade
@@ -62,4 +66,4 @@ dist: $(STAMP) ## Build wheel and sdist into dist/; the version is the git tag's
 	$(BIN)/python -m hatchling build
 
 clean: ## Remove the environment and everything that is made
-	rm -rf .venv .venv-* .pytest_cache .mypy_cache .ruff_cache .hypothesis dist
+	rm -rf .venv .venv-* service/web/node_modules service/web/static .pytest_cache .mypy_cache .ruff_cache .hypothesis dist

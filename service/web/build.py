@@ -72,21 +72,27 @@ def _is_new_enough(node: str) -> bool:
     return (20, 19) <= version < (21, 0) or version >= (22, 12)
 
 
-def build() -> None:
-    """Install what package-lock.json names, check the types, write `static/`. SystemExit with words where Node is
-    missing or refuses."""
-    if is_current():
-        return
+def install() -> tuple[list[str], dict[str, str]]:
+    """Have the packages of package-lock.json; (node, the environment that programs run in). SystemExit with words where
+    Node is missing or refuses."""
     commands = node_commands()
     if commands is None:
         raise SystemExit(NO_NODE)
     node, npm, folder = commands
     environment = {**os.environ, "PATH": folder + os.pathsep + os.environ.get("PATH", "")}
-    sources = fingerprint()
-    installed, lock = WEB / "node_modules/.package-lock.json", WEB / "package-lock.json"
-    if not installed.is_file() or installed.stat().st_mtime < lock.stat().st_mtime:
+    done, lock = WEB / "node_modules/.package-lock.json", WEB / "package-lock.json"
+    if not done.is_file() or done.stat().st_mtime < lock.stat().st_mtime:
         _run([*npm, "ci", "--ignore-scripts", "--loglevel=error"], environment)
-        installed.touch()
+        done.touch()
+    return node, environment
+
+
+def build() -> None:
+    """Install, check the types, write `static/`; nothing where nothing changed. SystemExit as `install`."""
+    if is_current():
+        return
+    node, environment = install()
+    sources = fingerprint()
     _run([*node, "node_modules/typescript-native/bin/tsc", "--noEmit"], environment)
     _run([*node, "node_modules/vite/bin/vite.js", "build", "--logLevel", "warn"], environment)
     STAMP.write_text(sources)

@@ -10,7 +10,7 @@ from typing import Any
 
 from service.app import create_app
 from service.settings import Settings
-from service.web.build import WEB, node_commands
+from service.web.build import WEB, install
 
 TYPES = WEB / "src/api/types.gen.ts"
 WORDS = {"description", "example", "examples", "title", "summary", "deprecated"}
@@ -30,16 +30,15 @@ def without_words(part: Any, *, names: bool = False) -> Any:
 
 
 def types() -> str:
-    """What openapi-typescript makes of the description. RuntimeError where Node is missing."""
-    commands = node_commands()
-    if commands is None:
-        raise RuntimeError("Node is missing.")
+    """What openapi-typescript makes of the description. RuntimeError with its words where it refuses."""
+    node, environment = install()
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder, "openapi.json"), Path(folder, "types.ts")
         app = create_app(Settings(database_url=f"sqlite:///{folder}/types.db"))
         source.write_text(json.dumps(without_words(app.openapi())))
         tool = WEB / "node_modules/openapi-typescript/bin/cli.js"
-        done = subprocess.run([*commands[0], str(tool), str(source), "-o", str(target)], capture_output=True, text=True, check=False)
+        command = [*node, str(tool), str(source), "-o", str(target)]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         if done.returncode:
             raise RuntimeError(done.stderr or done.stdout)
         return target.read_text()

@@ -164,6 +164,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/documents/{id}/find": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["find_text"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/export": {
         parameters: {
             query?: never;
@@ -302,6 +318,22 @@ export interface paths {
         get: operations["export_labels"];
         put: operations["import_labels"];
         post: operations["label_by_query"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/documents/{id}/children": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["list_children"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -1291,6 +1323,21 @@ export interface components {
         };
         ChangedDocuments: {
             items: components["schemas"]["ChangedDocument"][];
+        };
+        Child: {
+            address: string;
+            name: string;
+            attributes: {
+                [key: string]: string;
+            };
+            text: string;
+            children: number;
+        };
+        ChildPage: {
+            address: string;
+            total: number;
+            first: number;
+            items: components["schemas"]["Child"][];
         };
         ClipBeats: {
             document: string;
@@ -2830,6 +2877,17 @@ export interface components {
             project?: string | null;
             parameters: components["schemas"]["ReachWish"];
         };
+        TextFound: {
+            place?: components["schemas"]["TextPlace"] | null;
+            next?: number | null;
+        };
+        TextPlace: {
+            line: number;
+            column: number;
+            address: string;
+            frame?: number | null;
+            text: string;
+        };
         Tip: {
             bone: number;
             name: string;
@@ -3474,6 +3532,7 @@ export interface operations {
                 pretty?: boolean;
                 first?: number;
                 last?: number | null;
+                part?: ("head" | "frames") | null;
             };
             header?: never;
             path: {
@@ -3489,6 +3548,56 @@ export interface operations {
                 };
                 content: {
                     "application/xml": unknown;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    find_text: {
+        parameters: {
+            query: {
+                text: string;
+                from?: number;
+                revision?: number | null;
+                pretty?: boolean;
+            };
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TextFound"];
                 };
             };
             503: {
@@ -4261,6 +4370,56 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ChangedDocuments"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_children: {
+        parameters: {
+            query?: {
+                address?: string;
+                first?: number;
+                limit?: number;
+                revision?: number | null;
+            };
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChildPage"];
                 };
             };
             503: {

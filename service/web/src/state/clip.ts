@@ -174,7 +174,7 @@ export class Clip {
         path: { id: this.id },
         query: { merge },
         match: this.detail.revision,
-        body: { ...requested(draft, this.detail.labels), message },
+        body: drafts.asChanges(draft, message),
       });
       batch(() => {
         this.trouble.value = null;
@@ -235,16 +235,6 @@ export class Clip {
     this.channels.close();
     this.compared.peek()?.blocks.close();
   }
-}
-
-/** A draft as the repository takes it. */
-export function requested(draft: Draft, stored: readonly Schemas["Label"][]): Schemas["DocumentChanges"] {
-  const frames = [...draft.samples].map(([track, values]) => {
-    const dot = track.lastIndexOf(".");
-    return { bone: track.slice(0, dot), channel: track.slice(dot + 1), values: [...values].sort((a, b) => a[0] - b[0]) };
-  });
-  const labels = draft.labels && drafts.labelEdits(stored, draft.labels);
-  return { frames, labels, elements: [...draft.elements.values()] } as unknown as Schemas["DocumentChanges"];
 }
 
 /** Open a document at a revision, or as it is. */

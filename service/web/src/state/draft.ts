@@ -17,6 +17,8 @@ export interface ElementChange {
   address: string;
   attributes: Record<string, string | null>;
   text?: string;
+  /** Other elements, as XML, in its place. */
+  fragment?: string;
 }
 
 export interface Draft {
@@ -61,27 +63,25 @@ export function touched(draft: Draft): [number, number] | null {
   return first <= last ? [first, last] : null;
 }
 
-export interface LabelEdits {
-  added: Span[];
-  changed: Span[];
-  removed: number[];
-}
-
-/** What makes of stored labels those of a draft. */
-export function labelEdits(stored: readonly Schemas["Label"][], wanted: readonly Span[]): LabelEdits {
-  const before = new Map(stored.map((label) => [label.id, label]));
-  const added: Span[] = [];
-  const changed: Span[] = [];
-  const left = new Set<number>();
-  for (const span of wanted) {
-    const label = before.get(span.id);
-    if (!label) added.push(span);
-    else {
-      left.add(span.id);
-      if (label.name !== span.name || label.first !== span.first || label.last !== span.last) changed.push(span);
+/** A draft as the repository takes it: samples as blocks of consecutive frames, labels as they all shall be. */
+export function asChanges(draft: Draft, message = ""): Schemas["ChangeSet"] {
+  const frames: Schemas["ChangeSet"]["frames"] = [];
+  for (const [track, samples] of draft.samples) {
+    const sorted = [...samples].sort((a, b) => a[0] - b[0]);
+    for (let at = 0; at < sorted.length; ) {
+      const first = sorted[at][0];
+      const values: number[][] = [];
+      while (at < sorted.length && sorted[at][0] === first + values.length) values.push([sorted[at++][1]]);
+      frames.push({ first, columns: [track], values });
     }
   }
-  return { added, changed, removed: stored.map((label) => label.id).filter((id) => !left.has(id)) };
+  const elements = [...draft.elements.values()].map((one): Schemas["ChangeSet"]["elements"][number] =>
+    one.fragment === undefined
+      ? { do: "change", xpath: one.address, attributes: one.attributes, text: one.text ?? null }
+      : { do: "replace", xpath: one.address, fragment: one.fragment },
+  );
+  const labels = draft.labels && draft.labels.map(({ name, first, last }) => ({ name, first, last }));
+  return { frames, elements, labels, message, many: false, renumber: true };
 }
 
 /** As text that survives a reload; `revived` reads it. */

@@ -30,7 +30,7 @@ class Branch {
   total: number;
   readonly items = new Map<number, Element>();
   readonly opened = new Map<number, Branch>();
-  readonly asked = new Set<number>();
+  readonly asked = new Map<number, Promise<void>>();
 
   constructor(readonly element: Element) {
     this.total = element.children;
@@ -101,22 +101,26 @@ export class Outline {
     return null;
   }
 
-  private async fetch(branch: Branch, window: number): Promise<void> {
-    if (branch.asked.has(window)) return;
-    branch.asked.add(window);
-    try {
-      const answer = await get("/documents/{id}/children", {
-        path: { id: this.id },
-        query: { address: branch.element.address, first: window * WINDOW + 1, limit: WINDOW, revision: this.revision },
-      });
-      branch.total = answer.total;
-      answer.items.forEach((item, index) => branch.items.set(window * WINDOW + index, item as Element));
-      if (branch === this.root && window === 0) this.openFirst();
-      this.version.value++;
-    } catch (error) {
+  private fetch(branch: Branch, window: number): Promise<void> {
+    const before = branch.asked.get(window);
+    if (before) return before;
+    const asking = this.load(branch, window).catch((error: unknown) => {
       branch.asked.delete(window);
       this.trouble.value = error;
-    }
+    });
+    branch.asked.set(window, asking);
+    return asking;
+  }
+
+  private async load(branch: Branch, window: number): Promise<void> {
+    const answer = await get("/documents/{id}/children", {
+      path: { id: this.id },
+      query: { address: branch.element.address, first: window * WINDOW + 1, limit: WINDOW, revision: this.revision },
+    });
+    branch.total = answer.total;
+    answer.items.forEach((item, index) => branch.items.set(window * WINDOW + index, item));
+    if (branch === this.root && window === 0) this.openFirst();
+    this.version.value++;
   }
 
   /** Of a fresh tree the skeleton and the motion stand open. */
@@ -148,6 +152,7 @@ export class Outline {
 
   /** The row of a frame (from 1) in the motion, which is opened with that frame for it. */
   async rowOfFrame(frame: number, bone: string | null): Promise<number> {
+    await this.fetch(this.root, 0);
     const motion = [...this.root.items].find(([, item]) => item.name === "motion");
     if (!motion) return -1;
     const [place, element] = motion;

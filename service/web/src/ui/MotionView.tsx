@@ -12,6 +12,8 @@ export interface Actor {
   positions: () => Float32Array | null;
   shift?: number;
   dim?: boolean;
+  /** Stay on the spot: what two bodies do is compared, not where they go. */
+  inPlace?: boolean;
 }
 
 export function MotionView({ actors, selected, onPick, label, names = false }: {
@@ -35,6 +37,7 @@ export function MotionView({ actors, selected, onPick, label, names = false }: {
     stage.current = made;
     made.shown = { follow: true, ghosts: false, trails: false, names, axes: false };
     let framed = false;
+    const floors: number[] = [];
     const numbers = actors.map((one) => made.add(one.skeleton, { shift: one.shift, dim: one.dim }));
     const stops = [
       effect(() => {
@@ -44,14 +47,14 @@ export function MotionView({ actors, selected, onPick, label, names = false }: {
       effect(() => {
         let there = true;
         actors.forEach((one, index) => {
-          const positions = one.positions();
+          const positions = one.inPlace ? standing(one, one.positions(), floors, index) : one.positions();
           there &&= positions !== null;
           made.pose(numbers[index], { positions, before: [], trail: [] });
         });
         made.selected = new Set(selected?.value ?? []);
         if (there && !framed) {
           framed = true;
-          made.setFloor(lowest(actors), 0.5);
+          made.setFloor(actors.some((one) => one.inPlace) ? 0 : lowest(actors), 0.5);
           made.frame("persp");
         }
       }),
@@ -72,6 +75,20 @@ export function MotionView({ actors, selected, onPick, label, names = false }: {
       {!actors.length && <div class="empty dim">{w("nothingFound")}</div>}
     </div>
   );
+}
+
+/** The pose over the origin, its feet on the ground as they stood when it was seen first. */
+function standing({ skeleton }: Actor, positions: Float32Array | null, floors: number[], index: number): Float32Array | null {
+  if (!positions) return null;
+  const up = skeleton.zUp ? 2 : 1;
+  if (floors[index] === undefined) {
+    let least = Infinity;
+    for (let at = up; at < positions.length; at += 3) least = Math.min(least, positions[at]);
+    floors[index] = Number.isFinite(least) ? least : 0;
+  }
+  const base = [positions[0], positions[1], positions[2]];
+  base[up] = floors[index];
+  return positions.map((value, at) => value - base[at % 3]);
 }
 
 function lowest(actors: Actor[]): number {

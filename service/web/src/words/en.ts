@@ -61,6 +61,7 @@ export const en = {
   merge: "Merge", openNewest: "Open the newest", textWindow: "Lines {first}–{last}", textChanged: "The text has changes that are not in the draft yet.", check: "Check", noFaults: "No fault found.", faults: "1 fault|{n} faults", putInDraft: "Save as revision", exportAs: "as {format}", kept: "as it came",
 
   // XPath
+  head: "Head", framesOf: "Frames {first}–{last}", sameFrames: "Frames are added and removed in the timeline or the tree, not here.",
   run: "Run", askHelp: "Ask the library", scope: "Scope", wholeLibrary: "the whole library", answerAs: "Answer as", runs: "runs", nodes: "nodes", explain: "Explain", savedQueries: "Saved", queryHistory: "History", saveQuery: "Save this query",
   asCurl: "as curl", asCommand: "as mcml", resultRuns: "{frames} frames in {runs} runs, {ms} ms", resultNodes: "1 item, {ms} ms|{n} items, {ms} ms", moreResults: "More", incomplete: "incomplete", complete: "complete", document: "Document", from: "From", last: "To", address: "Address", playResults: "Plays the runs one after the other",
   exportAll: "Export all", saveAsClip: "Save as clip", toComposer: "To composer", noAnswer: "Nothing in the library answers this.", xpathStart: "Ask for frames by motion name, any element, in any clip",

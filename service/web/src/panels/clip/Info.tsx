@@ -5,7 +5,7 @@ import { copyText } from "../../shell/App";
 import type { Clip } from "../../state/clip";
 import { refuse } from "../../state/notes";
 import { Icon } from "../../ui/icons";
-import { duration, number, rate, w, when } from "../../words";
+import { duration, number, w, when } from "../../words";
 
 const UNITS = ["mm", "cm", "m", "inch"];
 const AXES = ["Y", "Z", "X"];
@@ -50,7 +50,7 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
       <label class="info-row"><span>{w("description")}</span><textarea class="field" rows={2} value={detail.description} disabled={locked} onChange={(event) => void change({ description: event.currentTarget.value })} /></label>
       {fact(w("unit"), detail.unit, skeleton.view.likely_unit, "unit", UNITS)}
       {fact(w("up"), detail.up, skeleton.view.likely_up, "up", AXES)}
-      <div class="info-row"><span>{w("rateWord")}</span><span>{rate(detail.seconds_per_frame)} <span class="dim">{skeleton.view.frame_time}</span></span></div>
+      <div class="info-row"><span>{w("rateWord")}</span><span class="row"><input class="field number" type="number" min="0" step="any" aria-label={w("frameRate")} placeholder="120" disabled={locked} value={detail.seconds_per_frame ? Number((1 / detail.seconds_per_frame).toFixed(4)) : ""} onChange={(event) => { const hertz = Number(event.currentTarget.value); if (hertz > 0) void change({ frame_time: String(Number((1 / hertz).toPrecision(12))) }); }} /> Hz {skeleton.view.frame_time && <span class="dim">{skeleton.view.frame_time} s</span>}</span></div>
       <div class="info-row"><span>{w("length")}</span><span>{w("frames", { n: detail.frames })}, {duration(detail.duration)}</span></div>
       <div class="info-row"><span>{w("joints")}</span><span>{skeleton.view.markers ? number(detail.bones.length) : w("mapped", { mapped, n: detail.bones.length })}</span></div>
       <h3>{w("properties")}</h3>

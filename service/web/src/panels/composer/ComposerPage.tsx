@@ -130,7 +130,7 @@ export function ComposerPage() {
           <button type="button" class="button primary" disabled={!ready || saving || !name.trim()} onClick={() => void save()}>{w("saveAsClip")}</button>
         </div>
         <Trouble error={preview.error} retry={preview.again} />
-        {(preview.value?.notices ?? []).map((one) => <p key={one} class="dim notice">{one}</p>)}
+        {(preview.value?.notices.length ?? 0) > 0 && <details class="notice dim"><summary>{w("notices")} ({preview.value!.notices.length})</summary>{preview.value!.notices.map((one) => <p key={one}>{one}</p>)}</details>}
         {pieces.value.length ? (
           <>
             {preview.value ? <ComposedView pieces={pieces.value} composed={preview.value} request={request} selected={selected.value} onPlace={(frame) => (playhead.value = frame)} /> : <div class="composed-view">{preview.busy && <div class="busy" />}</div>}

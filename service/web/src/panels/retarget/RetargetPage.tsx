@@ -65,8 +65,8 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
     return () => { stop(); player.pause(); };
   }, [player]);
   const actors = useMemo<Actor[]>(() => [
-    { skeleton: source.skeleton, shift: -APART / 2, positions: () => { source.blocks.arrived.value; return source.blocks.frame(player.frame.value); } },
-    ...(moved.value ? [{ skeleton: target.skeleton, shift: APART / 2, positions: () => moved.value!.frame(player.frame.value) }] : []),
+    { skeleton: source.skeleton, inPlace: true, shift: -APART / 2, positions: () => { source.blocks.arrived.value; return source.blocks.frame(player.frame.value); } },
+    ...(moved.value ? [{ skeleton: target.skeleton, inPlace: true, shift: APART / 2, positions: () => moved.value!.frame(player.frame.value) }] : []),
   ], [source, target, moved.value]);
   const marked = useMemo(() => ({ get value() { const point = selected.value === null ? undefined : source.skeleton.byName.get(selected.value); return point === undefined ? [] : [point]; } }), [source]);
   const shown: Pair[] = pairs.value ?? (fit.value?.matches ?? []).map(({ source: one, target: other }) => ({ source: one, target: other }));
