@@ -26,7 +26,12 @@ from tests.builders import served
 StoreOf: TypeAlias = Callable[[str, Callable[[TestClient], Any]], tuple[TestClient, Any]]
 
 settings.register_profile(
-    "default", deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), print_blob=True
+    "default",
+    deadline=None,
+    max_examples=50,
+    derandomize=True,
+    suppress_health_check=list(HealthCheck),
+    print_blob=True,
 )
 settings.register_profile(
     "fuzz", deadline=None, max_examples=1000, suppress_health_check=list(HealthCheck), print_blob=True
