@@ -1,0 +1,311 @@
+"""What a newcomer does, in a real browser: on an open personal server, and with a session."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.web.conftest import Served, Visit, walk
+
+expect: Any = pytest.importorskip("playwright.sync_api").expect
+
+
+def drop(page: Any, path: Path) -> None:
+    """Drop a file on the window, as a hand does."""
+    data = page.evaluate_handle(
+        """([name, text]) => { const data = new DataTransfer(); data.items.add(new File([text], name)); return data; }""",
+        [path.name, path.read_text()],
+    )
+    page.dispatch_event("body", "dragenter", {"dataTransfer": data})
+    page.dispatch_event(".drop-field >> nth=0", "dragover", {"dataTransfer": data})
+    page.dispatch_event(".drop-field >> nth=0", "drop", {"dataTransfer": data})
+
+
+def ready(page: Any) -> None:
+    """Until the clip's first frame is drawn."""
+    page.wait_for_function("() => performance.getEntriesByName('first-frame').length > 0")
+
+
+def test_dropped_files_are_stored_and_seen(visit: Visit, studio: Served, tmp_path: Path) -> None:
+    file = tmp_path / "stride.bvh"
+    file.write_bytes(walk())
+    page = visit.open("/")
+    expect(page.get_by_role("heading", name="Nothing is stored yet")).to_be_visible()
+    drop(page, file)
+    tray = page.get_by_role("region", name="Import")
+    expect(tray.get_by_text("stored", exact=True)).to_be_visible()
+    expect(tray.get_by_text(re.compile("4 of 4 mapped"))).to_be_visible()
+    tray.get_by_role("button", name="cm").click()
+    expect(page.get_by_role("gridcell", name=re.compile("stride"))).to_be_visible()
+    document = studio.get("/documents")["items"][0]
+    expect(tray.get_by_role("button", name="cm")).to_have_count(0)
+    assert studio.get(f"/documents/{document['id']}")["unit"] == "cm"
+    tray.get_by_role("link", name="Open").click()
+    ready(page)
+    expect(page.get_by_role("heading", name="stride", include_hidden=True).first).to_be_attached()
+    assert len(colours_of(page)) > 50, "the viewer is not blank"
+
+
+def colours_of(page: Any) -> set[tuple[int, ...]]:
+    """The colours of the viewer as they are on the screen."""
+    import io
+
+    from PIL import Image
+
+    picture = Image.open(io.BytesIO(page.locator(".stage").screenshot())).convert("RGB")
+    return {tuple(colour) for _, colour in picture.getcolors(1 << 24) or []}
+
+
+def test_a_refused_file_says_why_and_stops_no_other(visit: Visit, studio: Served, tmp_path: Path) -> None:
+    visit.wanted = {422}
+    bad, good = tmp_path / "bad.bvh", tmp_path / "good.bvh"
+    bad.write_text("HIERARCHY\nROOT Hips\n{\n OFFSET 0 0\n}\n")
+    good.write_bytes(walk())
+    page = visit.open("/library")
+    drop(page, bad)
+    drop(page, good)
+    tray = page.get_by_role("region", name="Import")
+    expect(tray.get_by_text("refused", exact=True)).to_be_visible()
+    expect(tray.get_by_text("stored", exact=True)).to_be_visible()
+    expect(tray.locator(".refusal")).to_contain_text("line")
+    assert studio.get("/documents")["total"] == 1
+
+
+def test_frames_are_found_by_name_and_played(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk(), label="left-leg-flexion:10-25")
+    page = visit.open("/xpath")
+    page.keyboard.type("//frame[motion_name='left-leg-flexion']", delay=1)
+    page.keyboard.press("Escape")
+    page.keyboard.press("Control+Enter")
+    expect(page.get_by_role("status").filter(has_text="16 frames in 1 runs")).to_be_visible()
+    page.get_by_role("option").first.dblclick()
+    page.wait_for_url(re.compile(f"/clips/{uuid}"))
+    ready(page)
+    assert "in=10" in page.url
+    assert "out=25" in page.url
+
+
+def test_a_value_is_changed_in_the_tree_seen_and_taken_back(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk())
+    page = visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg")
+    ready(page)
+    tree = page.get_by_role("tree", name="Tree")
+    row = tree.get_by_role("treeitem").filter(has_text=re.compile(r"^Rx"))
+    row.dblclick()
+    field = tree.get_by_role("textbox", name="Rx")
+    field.fill("77.5")
+    before = page.locator(".stage").screenshot()
+    field.press("Enter")
+    expect(page.get_by_text("Draft: 1 change")).to_be_visible()
+    expect(row).to_contain_text("77.5")
+    expect_other_picture(page, before)
+    page.keyboard.press("Control+s")
+    expect(page.get_by_text("Saved as revision 2")).to_be_visible()
+    value = "string(/mcml/motion/frame[5]/frame_bone[@name='left_up_leg']/@Rx)"
+    assert float(studio.get("/xpath", q=value, document=uuid)["items"][0]["value"]) == 77.5
+    page.get_by_role("status").get_by_role("button", name="Undo").click()
+    expect(page.locator(".bar .chip").first).to_have_text("revision 3")
+    assert float(studio.get("/xpath", q=value, document=uuid)["items"][0]["value"]) != 77.5
+
+
+def expect_other_picture(page: Any, before: bytes) -> None:
+    for _ in range(100):
+        if page.locator(".stage").screenshot() != before:
+            return
+        page.wait_for_timeout(50)
+    raise AssertionError("the body did not move")
+
+
+def test_a_curve_is_changed_and_undone_before_it_is_saved(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk())
+    page = visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg&tab=graph")
+    ready(page)
+    expect(page.locator(".uplot")).to_be_visible()
+    field = page.get_by_role("group", name="Value at frame 5").get_by_label("Rx")
+    expect(field).not_to_have_value("")
+    old = field.input_value()
+    field.fill("33.25")
+    field.press("Enter")
+    expect(page.get_by_text("Draft: 1 change")).to_be_visible()
+    page.get_by_role("button", name="Offset", exact=True).last.click()
+    expect(page.get_by_text("Draft: 2 changes")).to_be_visible()
+    expect(field).to_have_value("38.25")
+    page.get_by_role("button", name="Undo").click()
+    expect(field).to_have_value("33.25")
+    page.reload()
+    ready(page)
+    expect(page.get_by_text("Draft: 1 change")).to_be_visible(), "nothing is lost on reload"
+    page.get_by_role("button", name="Discard").click()
+    expect(field).to_have_value(old)
+
+
+def test_text_is_checked_where_it_is_wrong_and_saved_where_it_is_right(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk())
+    page = visit.open(f"/clips/{uuid}?tab=text&f=3")
+    ready(page)
+    editor = page.get_by_role("textbox", name="MCML")
+    expect(editor).to_contain_text("<frame")
+    editor.click()
+    page.keyboard.press("Control+Home")
+    line = editor.locator(".cm-line").filter(has_text="left_up_leg").first
+    line.click()
+    page.keyboard.press("Home")
+    page.keyboard.type("<wrong/>")
+    page.get_by_role("button", name="Check").click()
+    expect(page.get_by_role("status").filter(has_text="1 fault")).to_be_visible()
+    expect(page.locator(".cm-lint-marker-error")).to_be_visible()
+    page.keyboard.press("Control+z")
+    text = line.inner_text()
+    line.click()
+    page.keyboard.press("Home")
+    page.keyboard.press("Shift+End")
+    page.keyboard.type(re.sub(r'Rx="[^"]*"', 'Rx="12.5"', text).strip())
+    page.get_by_role("button", name="Apply", exact=True).click()
+    expect(page.get_by_text("Draft: 1 change")).to_be_visible()
+    page.get_by_role("button", name="Save", exact=True).click()
+    expect(page.get_by_text("Saved as revision 2")).to_be_visible()
+    found = studio.get("/xpath", q="//frame_bone[@name='left_up_leg'][@Rx='12.5']", document=uuid)
+    assert len(found["items"]) == 1
+
+
+def test_two_windows_meet_and_merge(visit: Visit, visit_of: Any, studio: Served) -> None:
+    visit.wanted = {409, 412}
+    uuid = studio.upload("kick.bvh", walk())
+    page, other = visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg&tab=graph"), visit_of(studio).open(f"/clips/{uuid}?f=9&sel=Root&tab=graph")
+    ready(page)
+    ready(other)
+    for window, frame, bone in ((page, 5, "Rx"), (other, 9, "Rx")):
+        field = window.get_by_role("group", name=f"Value at frame {frame}").get_by_label(bone)
+        expect(field).not_to_have_value("")
+        field.fill("11.5")
+        field.press("Enter")
+    other.get_by_role("button", name="Save", exact=True).click()
+    expect(other.get_by_text("Saved as revision 2")).to_be_visible()
+    page.get_by_role("button", name="Save", exact=True).click()
+    expect(page.get_by_text("Someone saved another revision meanwhile.")).to_be_visible()
+    page.get_by_role("button", name="Merge").click()
+    expect(page.get_by_text("Saved as revision 3")).to_be_visible()
+    for frame, bone in ((5, "left_up_leg"), (9, "Root")):
+        value = studio.get("/xpath", q=f"string(/mcml/motion/frame[{frame}]/frame_bone[@name='{bone}']/@Rx)", document=uuid)
+        assert float(value["items"][0]["value"]) == 11.5
+
+
+def test_two_clips_are_composed(visit: Visit, studio: Served) -> None:
+    one, two = studio.upload("one.bvh", walk(40)), studio.upload("two.bvh", walk(30, seed=3))
+    page = visit.open("/compose")
+    page.get_by_role("button", name="Add one").click()
+    page.get_by_role("button", name="Add two").click()
+    expect(page.get_by_role("option")).to_have_count(2)
+    expect(page.get_by_role("status").filter(has_text="in 2 pieces")).to_be_visible()
+    assert f"s={one},{two}" in page.url.replace("%2C", ",")
+    page.get_by_label("to", exact=True).fill("20")
+    page.get_by_label("to", exact=True).press("Enter")
+    page.get_by_label("Name of the new clip").fill("both")
+    page.get_by_role("button", name="Save as clip").click()
+    page.wait_for_url(re.compile("/clips/"))
+    ready(page)
+    both = next(item for item in studio.get("/documents")["items"] if item["name"] == "both")
+    assert both["frames"] > 20 + 40 - 1
+
+
+def test_a_motion_is_put_on_another_body(visit: Visit, studio: Served) -> None:
+    one, body = studio.upload("one.bvh", walk(40)), studio.upload("body.bvh", walk(1, seed=3))
+    page = visit.open(f"/retarget?from={one}&to={body}")
+    expect(page.get_by_text("4 of 4 joints")).to_be_visible()
+    page.get_by_label("left_foot", exact=True).select_option("not mapped")
+    expect(page.get_by_text("3 of 4 joints")).to_be_visible()
+    page.get_by_role("button", name="Undo").click()
+    expect(page.get_by_text("4 of 4 joints")).to_be_visible()
+    page.get_by_role("button", name="Make the clip").click()
+    page.wait_for_url(re.compile("/clips/"))
+    ready(page)
+    assert "one on body" in {item["name"] for item in studio.get("/documents")["items"]}
+
+
+def test_what_is_exported_comes_back_equal(visit: Visit, studio: Served, tmp_path: Path) -> None:
+    content = walk()
+    uuid = studio.upload("there.bvh", content)
+    page = visit.open(f"/clips/{uuid}")
+    ready(page)
+    page.get_by_role("button", name="Export").click()
+    with page.expect_download() as download:
+        page.get_by_role("menuitem", name=re.compile("^BVH")).click()
+    assert Path(download.value.path()).read_bytes() == content
+    assert download.value.suggested_filename == "there.bvh"
+
+
+def test_deleted_clips_come_back(visit: Visit, studio: Served) -> None:
+    for name in ("a.bvh", "b.bvh", "c.bvh"):
+        studio.upload(name, walk(5))
+    page = visit.open("/library?sort=name")
+    cards = page.get_by_role("gridcell")
+    expect(cards).to_have_count(3)
+    cards.nth(0).click(modifiers=["Control"])
+    cards.nth(2).click(modifiers=["Control"])
+    page.get_by_role("toolbar", name="2 picked").get_by_role("button", name="Delete").click()
+    expect(cards).to_have_count(1)
+    page.get_by_role("status").get_by_role("button", name="Undo").click()
+    expect(cards).to_have_count(3)
+
+
+def test_stretches_are_named_drawn_and_split(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk(60))
+    page = visit.open(f"/clips/{uuid}?f=20")
+    ready(page)
+    lane = page.get_by_role("list", name="names")
+    box = lane.bounding_box()
+    page.mouse.move(box["x"] + box["width"] * 0.25, box["y"] + 10)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] * 0.7, box["y"] + 10, steps=5)
+    page.mouse.up()
+    page.get_by_role("combobox", name="Motion name").fill("stretch")
+    page.keyboard.press("Enter")
+    expect(lane.get_by_role("listitem")).to_have_count(1)
+    page.keyboard.press("s")
+    expect(lane.get_by_role("listitem")).to_have_count(2)
+    page.keyboard.press("Control+s")
+    expect(page.get_by_text("Saved as revision 2")).to_be_visible()
+    labels = studio.get(f"/documents/{uuid}")["labels"]
+    assert [(label["name"], label["first"], label["last"]) for label in labels] == [("stretch", 16, 19), ("stretch", 20, 43)]
+
+
+def test_keys_alone(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk(60))
+    page = visit.open("/library")
+    expect(page.get_by_role("gridcell")).to_have_count(1)
+    page.keyboard.press("?")
+    expect(page.get_by_role("dialog", name="Keys of this page")).to_be_visible()
+    page.keyboard.press("Escape")
+    page.keyboard.press("Control+k")
+    page.keyboard.type("kick")
+    expect(page.get_by_role("option", name=re.compile("kick"))).to_be_visible()
+    page.keyboard.press("Enter")
+    page.wait_for_url(re.compile(uuid))
+    ready(page)
+    page.keyboard.press("End")
+    expect(page.get_by_label("Frame", exact=True)).to_have_value("60")
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("Shift+ArrowLeft")
+    expect(page.get_by_label("Frame", exact=True)).to_have_value("49")
+    page.keyboard.press("i")
+    page.keyboard.press("End")
+    page.keyboard.press("o")
+    expect(page.get_by_text("loop 49–60 (12)")).to_be_visible()
+    page.keyboard.press("g")
+    page.keyboard.press("x")
+    page.wait_for_url(re.compile("/xpath"))
+
+
+def test_korean(visit: Visit, studio: Served) -> None:
+    studio.upload("걷기.bvh", walk(20), label="walk")
+    page = visit.open("/library")
+    page.get_by_role("button", name="Language").click()
+    page.get_by_role("menuitemcheckbox", name="한국어").click()
+    expect(page.locator("html")).to_have_attribute("lang", "ko")
+    expect(page.get_by_role("button", name="추가")).to_be_visible()
+    page.get_by_role("gridcell", name=re.compile("걷기")).click()
+    ready(page)
+    expect(page.get_by_role("tab", name="변경 이력")).to_be_visible()
