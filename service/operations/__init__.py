@@ -109,6 +109,10 @@ _ROWS = [
               "Change, delete, replace, insert and move elements as one revision: all, or none.", "elements",
               "element batch ID EDITS"),
 
+    Operation("make_changes", "POST /documents/{id}/changes", WRITES, EDIT,
+              "Make values of frames, elements, labels and facts of a document one revision: all, or none.", "changes",
+              "change ID CHANGES"),
+
     # questions
     Operation("get_query", "GET /xpath", STREAMS, READ,
               "Ask one document or all an XPath question, such as `//frame[motion_name='left-arm-abduction']`.",

@@ -165,7 +165,11 @@ def insert_elements(
 
 def edit_elements(call: Call, id: DocumentId, request: ElementEdits, edit: Edit) -> ElementEdited:
     """Every expression means the document as it was before the first edit."""
-    edits = [made for item in request.edits for made in _made(call, id, edit, item, request)]
+    edits = [
+        made
+        for item in request.edits
+        for made in made_edits(call, id, item, edit.base, many=request.many, renumber=request.renumber)
+    ]
     return _edit(call, id, edit, edits, request.message)
 
 
@@ -182,22 +186,26 @@ def _edit(call: Call, uuid: str, edit: Edit, edits: Sequence[ElementEdit], messa
     return ElementEdited(address=edits[0].address, elements=len(edits), revision=changed.revision)
 
 
-def _made(call: Call, uuid: str, edit: Edit, item: AnyEdit, request: ElementEdits) -> list[ElementEdit]:
-    found = _addresses(call, uuid, item.xpath, request.many and item.do != "move", edit.base)
+def made_edits(
+    call: Call, uuid: str, item: AnyEdit, base: int | None, *, many: bool, renumber: bool
+) -> list[ElementEdit]:
+    """An edit by an expression, as edits by canonical addresses. base: the revision that it is said of; default the
+    current one."""
+    found = _addresses(call, uuid, item.xpath, many and item.do != "move", base)
     if isinstance(item, ChangeEdit):
         return [ElementEdit(address, Change(item.attributes, item.text)) for address in found]
     if isinstance(item, DeleteEdit):
         return [ElementEdit(address, Deletion(item.renumber)) for address in found]
     if isinstance(item, MoveEdit):
         with call.database.read() as tx:
-            then, stored = at_revision(tx, uuid, edit.base)
+            then, stored = at_revision(tx, uuid, base)
             moved = tuple(read_fragment(read_element(then, stored, found[0])))
-        (to,) = _addresses(call, uuid, item.to, False, edit.base)
-        return [ElementEdit(to, Insertion(item.where, moved, request.renumber)), ElementEdit(found[0], Deletion())]
+        (to,) = _addresses(call, uuid, item.to, False, base)
+        return [ElementEdit(to, Insertion(item.where, moved, renumber)), ElementEdit(found[0], Deletion())]
     elements = tuple(read_fragment(item.fragment.encode()))
     if isinstance(item, ReplaceEdit):
         return [ElementEdit(address, Replacement(elements)) for address in found]
-    return [ElementEdit(address, Insertion(item.where, elements, request.renumber)) for address in found]
+    return [ElementEdit(address, Insertion(item.where, elements, renumber)) for address in found]
 
 
 def _addresses(call: Call, uuid: str, xpath: str, many: bool, revision: int | None = None) -> list[str]:

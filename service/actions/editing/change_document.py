@@ -42,6 +42,36 @@ def change_document(
     frame_time: str | None = None,
 ) -> StoredDocument:
     """Apply what is given (None leaves a fact as it is) as one revision; answers the document as it then is."""
+    what = set_facts(
+        tx,
+        stored,
+        name=name,
+        project=project,
+        description=description,
+        properties=properties,
+        unit=unit,
+        up=up,
+        frame_time=frame_time,
+    )
+    if not what:
+        return stored
+    tx.documents.add_revision(stored, "change", message or f"changed {', '.join(what)}")
+    return tx.documents.get(stored.uuid)
+
+
+def set_facts(
+    tx: Transaction,
+    stored: StoredDocument,
+    *,
+    name: str | None = None,
+    project: str | None = None,
+    description: str | None = None,
+    properties: Iterable[tuple[str, str, str]] | None = None,
+    unit: str | None = None,
+    up: str | None = None,
+    frame_time: str | None = None,
+) -> list[str]:
+    """As `change_document`, but the caller makes the revision; answers which facts were given."""
     if name is not None:
         tx.documents.rename(stored.key, given_name(name, "document"))
     if project is not None and stored_form(given_name(project, "project")) != stored.project:
@@ -68,11 +98,7 @@ def change_document(
             frame_time=stored.frame_time if frame_time is None else frame_time,
             intact=stored.intact and not touched,
         )
-    what = sorted(changed | ({"name"} if name is not None else set()) | ({"project"} if project is not None else set()))
-    if not what:
-        return stored
-    tx.documents.add_revision(stored, "change", message or f"changed {', '.join(what)}")
-    return tx.documents.get(stored.uuid)
+    return sorted(changed | ({"name"} if name is not None else set()) | ({"project"} if project is not None else set()))
 
 
 def move_to_project(tx: Transaction, stored: StoredDocument, project: str) -> None:

@@ -127,17 +127,24 @@ def _turned_span(span: StoredSpan, first: int, last: int) -> list[dict[str, Any]
 
 
 def write_values(
-    tx: Transaction, stored: StoredDocument, first: int, columns: list[tuple[str, str]], values: Array
+    tx: Transaction,
+    stored: StoredDocument,
+    first: int,
+    columns: list[tuple[str, str]],
+    values: Array,
+    *,
+    some: bool = False,
 ) -> int:
     """Set channels of consecutive frames; only the tracks that hold them are written. Answers how many tracks.
 
     columns: (bone, channel) of each column of values, (n, D). Frames that lack such a channel are refused: the document
-    says which samples there are.
+    says which samples there are. some: where values are NaN, samples stay as they are.
     """
     count = len(values)
     check_range(stored, first, first + count - 1)
-    if not np.isfinite(values).all():
-        row, column = np.argwhere(~np.isfinite(values))[0]
+    wrong = np.isinf(values) if some else ~np.isfinite(values)
+    if wrong.any():
+        row, column = np.argwhere(wrong)[0]
         raise DocumentError(
             f"Frame {first + int(row)}, {'.'.join(columns[int(column)])}: not a finite number.",
             remedy="Delete the attribute of that frame to say that a sample is missing.",
@@ -171,12 +178,15 @@ def _write_track(
     place = slice(offset, offset + len(rows))
     changed = False
     for channel, index in wanted.items():
-        here = columns[channels.index(channel), place] if channel in channels else np.array([np.nan])
-        if np.isnan(here).any():
+        said = ~np.isnan(rows[:, index])
+        if not said.any():
+            continue
+        here = columns[channels.index(channel), place] if channel in channels else np.full(len(rows), np.nan)
+        if np.isnan(here[said]).any():
             raise DocumentError(
                 "Some of these frames have no such sample.", remedy="Add the attribute to their frame_bone first."
             )
-        new = rows[:, index]
+        new = np.where(said, rows[:, index], here)
         if not np.array_equal(here.view(np.int64), np.ascontiguousarray(new).view(np.int64)):
             columns[channels.index(channel), place] = new
             changed = True

@@ -72,14 +72,19 @@ def edit_elements(
     """
     if not edits:
         raise NotFoundError("The expression selects nothing.", remedy="Try it with GET /xpath first.")
+    make_edits(tx, stored, edits)
+    if gapless:
+        _check_ids(tx, tx.documents.get(stored.uuid))
+    tx.documents.add_revision(stored, "edit", message or told_edits(edits))
+    return tx.documents.get(stored.uuid)
+
+
+def make_edits(tx: Transaction, stored: StoredDocument, edits: Sequence[ElementEdit]) -> None:
+    """Make all edits; the caller makes the revision."""
     counting = counts_up(tx, stored)
     order = {address: place for place, (address, _) in enumerate(addresses(tx.heads.document(stored)))}
     for edit in sorted(edits, key=lambda edit: _place(edit.address, order), reverse=True):
         _make(tx, tx.documents.get(stored.uuid), edit, counting)
-    if gapless:
-        _check_ids(tx, tx.documents.get(stored.uuid))
-    tx.documents.add_revision(stored, "edit", message or _told(edits))
-    return tx.documents.get(stored.uuid)
 
 
 def _make(tx: Transaction, stored: StoredDocument, edit: ElementEdit, counting: bool) -> None:
@@ -116,7 +121,8 @@ def _check_ids(tx: Transaction, stored: StoredDocument) -> None:
         )
 
 
-def _told(edits: Sequence[ElementEdit]) -> str:
+def told_edits(edits: Sequence[ElementEdit]) -> str:
+    """What a history says of edits."""
     words = {Change: "changed", Insertion: "inserted at", Replacement: "replaced", Deletion: "deleted"}
     told = ", ".join(f"{words[type(edit.what)]} {edit.address}" for edit in edits[:3])
     return told + (f" and {len(edits) - 3} more" if len(edits) > 3 else "")
