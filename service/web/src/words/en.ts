@@ -19,7 +19,7 @@ export const en = {
   // Library
   clips: "1 clip|{n} clips", grid: "Grid", list: "List", sort: "Order", newest: "newest first", byName: "by name",
   project: "Project", motionName: "Motion name", format: "Format", skeleton: "Skeleton", length: "Length", frameRate: "Frame rate",
-  property: "Property", properties: "Properties", filters: "Filters", clearFilters: "Clear all filters",
+  properties: "Properties", filters: "Filters", clearFilters: "Clear all filters",
   emptyLibrary: "Nothing is stored yet", emptyLibraryHelp: "Drop BVH, ASF and AMC, HTR, C3D or TRC files, folders or a zip anywhere in this window. Nothing is lost: what you drop comes back out byte for byte.",
   noneMatch: "No clip matches", noneMatchHelp: "Take a filter away, or search for other words.",
   chooseFiles: "Choose files", picked: "1 picked|{n} picked", pickNone: "Pick none", preview: "Preview", unit: "Unit", rateWord: "Rate",
@@ -70,7 +70,7 @@ export const en = {
 
   // Composer
   untitled: "untitled", bridge: "Bridge", crossfade: "Crossfade", bin: "Clips", pieces: "Pieces", dragHere: "Drag clips or runs here, or press + on one.", piece: "Piece {n}", transition: "Transition", trimFrom: "from", trimTo: "to", moveLeft: "Move left", moveRight: "Move right", split: "Split", previewWord: "Preview",
-  newName: "Name of the new clip", composed: "Stored as {name}", total: "{time} in 1 piece|{time} in {n} pieces", seam: "Seam", composeEmpty: "Make a new clip of stored ones", fitOnAdd: "Pieces of other skeletons are retargeted.", cut: "Cut",
+  newName: "Name of the new clip", composed: "Stored as {name}", total: "{time} in 1 piece|{time} in {n} pieces", seam: "Seam", composeEmpty: "Make a new clip of stored ones", fitOnAdd: "Pieces of other skeletons are retargeted.",
 
   // Retarget
   sourceClip: "Motion", targetClip: "Onto the body of", choose: "Choose a clip", mapping: "Mapping", mappedOf: "{n} of {total} joints", notMapped: "not mapped", retargetNow: "Make the clip", retargeting: "Retargeting", retargetEmpty: "Put a motion on another body", retargetHelp: "Choose the motion, and a clip with the body it shall move.", report: "Report", mappingName: "Save this mapping as", retargeted: "Stored as {name}", cleanFeet: "Hold feet where they stand", slides: "{foot} slides",
