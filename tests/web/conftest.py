@@ -89,7 +89,9 @@ def serve(folder: Path, *, closed: bool) -> Iterator[Served]:
             token = tx.tokens.add("tester")
     listener = socket.socket()
     listener.bind(("127.0.0.1", 0))
-    server = uvicorn.Server(uvicorn.Config(create_app(settings, database), log_level="error", timeout_graceful_shutdown=1))
+    server = uvicorn.Server(
+        uvicorn.Config(create_app(settings, database), log_level="error", timeout_graceful_shutdown=1)
+    )
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
     thread.start()
     served = Served(f"http://127.0.0.1:{listener.getsockname()[1]}", database, token)
@@ -135,7 +137,9 @@ def visit_of(browser: Any) -> Iterator[Any]:
     visits: list[tuple[Any, Visit]] = []
 
     def made(served: Served, **more: Any) -> Visit:
-        context = browser.new_context(**{"viewport": {"width": 1280, "height": 800}, "locale": "en", "accept_downloads": True, **more})
+        context = browser.new_context(
+            **{"viewport": {"width": 1280, "height": 800}, "locale": "en", "accept_downloads": True, **more}
+        )
         context.set_default_timeout(PATIENCE)
         context.add_init_script(WATCH)
         if served.token:

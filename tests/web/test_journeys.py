@@ -175,7 +175,10 @@ def test_text_is_checked_where_it_is_wrong_and_saved_where_it_is_right(visit: Vi
 def test_two_windows_meet_and_merge(visit: Visit, visit_of: Any, studio: Served) -> None:
     visit.wanted = {409, 412}
     uuid = studio.upload("kick.bvh", walk())
-    page, other = visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg&tab=graph"), visit_of(studio).open(f"/clips/{uuid}?f=9&sel=Root&tab=graph")
+    page, other = (
+        visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg&tab=graph"),
+        visit_of(studio).open(f"/clips/{uuid}?f=9&sel=Root&tab=graph"),
+    )
     ready(page)
     ready(other)
     for window, frame, bone in ((page, 5, "Rx"), (other, 9, "Rx")):
@@ -270,7 +273,10 @@ def test_stretches_are_named_drawn_and_split(visit: Visit, studio: Served) -> No
     page.keyboard.press("Control+s")
     expect(page.get_by_text("Saved as revision 2")).to_be_visible()
     labels = studio.get(f"/documents/{uuid}")["labels"]
-    assert [(label["name"], label["first"], label["last"]) for label in labels] == [("stretch", 16, 19), ("stretch", 20, 43)]
+    assert [(label["name"], label["first"], label["last"]) for label in labels] == [
+        ("stretch", 16, 19),
+        ("stretch", 20, 43),
+    ]
 
 
 def test_keys_alone(visit: Visit, studio: Served) -> None:

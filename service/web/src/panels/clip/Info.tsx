@@ -69,7 +69,7 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
       <div class="info-row"><span>{w("original")}</span><span>{detail.files.map((one) => <span key={one.part}>{one.name} <span class="dim">{number(one.bytes)} B</span><br /></span>)}</span></div>
       <div class="info-row"><span>{w("created")}</span><span>{when(detail.created)}</span></div>
       <h3>{w("commandLines")}</h3>
-      {lines.map((line) => <div key={line} class="row code-line"><code class="grow">{line}</code><button type="button" class="button quiet icon dense" aria-label={w("copy")} onClick={() => void copyText(line, w("copied"))}><Icon name="list" /></button></div>)}
+      {lines.map((line) => <div key={line} class="row code-line"><code class="grow" tabIndex={0}>{line}</code><button type="button" class="button quiet icon dense" aria-label={w("copy")} onClick={() => void copyText(line, w("copied"))}><Icon name="list" /></button></div>)}
     </div>
   );
 }

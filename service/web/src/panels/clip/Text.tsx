@@ -97,6 +97,7 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
       }),
     });
     view.current = made;
+    made.scrollDOM.tabIndex = 0; // What scrolls is reached by keys.
     return () => made.destroy();
   }, []);
 

@@ -67,7 +67,7 @@ export function mountXPath(host: HTMLElement, text: string, onChange: (text: str
   const shadow = host.shadowRoot ?? host.attachShadow({ mode: "open" });
   const inner = document.createElement("div");
   shadow.replaceChildren(inner);
-  return new EditorView({
+  const made = new EditorView({
     parent: inner,
     root: shadow,
     state: EditorState.create({
@@ -82,4 +82,6 @@ export function mountXPath(host: HTMLElement, text: string, onChange: (text: str
       ],
     }),
   });
+  made.scrollDOM.tabIndex = 0; // What scrolls is reached by keys.
+  return made;
 }
