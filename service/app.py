@@ -29,7 +29,7 @@ from service.storage.database import Database
 
 EXPOSED = [
     *("ETag", "Link", "Location", "Retry-After", "Content-Disposition", "X-Total-Count"),
-    *("X-MCML-Columns", "X-MCML-Shape", "X-MCML-Origin"),
+    *("X-MCML-Columns", "X-MCML-Shape", "X-MCML-Origin", "X-MCML-Step"),
     *("X-MCML-First-Line", "X-MCML-Lines", "X-MCML-Total-Lines"),
 ]
 """Headers that pages of other origins may read."""

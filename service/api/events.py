@@ -1,19 +1,27 @@
-"""The progress of jobs, live. By hand: a stream of events waits between them, so it is async, as no operation is."""
+"""What happens, live: the progress of a job, and all that is new in the store.
+
+By hand: a stream of events waits between them, so it is async, as no operation is.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import re
+import time
 from collections.abc import AsyncIterator
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Path, Request
+from fastapi import APIRouter, Header, Path, Query, Request
 from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
-from schemas.examples import JOB
+from schemas.examples import DOCUMENT, JOB, PROJECT
 from schemas.jobs import Job
 from service.actions.analysing.describe_job import job_answer
+from service.actions.reading.read_news import LABELLING, News
+from service.errors import QueryError
 from service.storage.database import Database
+from service.storage.identifiers import now
 from service.storage.jobs import ENDED
 
 router = APIRouter(tags=["jobs"])
@@ -56,6 +64,100 @@ async def follow_job(
                 yield ": still there\n\n"
 
     return StreamingResponse(events(), media_type="text/event-stream", headers={"cache-control": "no-store"})
+
+
+EventKind = Literal["job", "document", "label"]
+_MARK = re.compile(r"(\d{1,18})@([0-9T:.Z-]{1,32})")
+_NEWS: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "Events `document` and `label`, each with a revision, and `job`, each with a job, as JSON",
+        "content": {"text/event-stream": {"schema": {"type": "string"}}},
+    }
+}
+
+
+@router.get("/events", operation_id="follow_events", response_class=StreamingResponse, responses=_NEWS)
+async def follow_events(
+    http: Request,
+    kind: Annotated[
+        list[EventKind] | None, Query(description="Only these kinds; may be repeated", examples=[["job"]])
+    ] = None,
+    project: Annotated[str | None, Query(description="Only of this project", examples=[PROJECT])] = None,
+    document: Annotated[str | None, Query(description="Only of this document", examples=[DOCUMENT])] = None,
+    since: Annotated[
+        str | None, Query(description="Id of the last event that is known", examples=["412@2026-01-31T14:02:11.120Z"])
+    ] = None,
+    seconds: Annotated[
+        float | None, Query(ge=0, le=86_400, description="End after so long; default never", examples=[60])
+    ] = None,
+    last_event_id: Annotated[
+        str | None,
+        Header(description="As `since`; browsers send it by themselves", examples=["412@2026-01-31T14:02:11.120Z"]),
+    ] = None,
+) -> StreamingResponse:
+    """What happens in the store, as server-sent events, from now on or since an event.
+
+    `document` and `label` have a revision that was made, `job` a job that is further. `ready` comes first, `reset`
+    where so much was missed that lists are to be read anew.
+    """
+    database: Database = http.app.state.repository.database
+    mark = last_event_id or since
+    news = await run_in_threadpool(_begin, database, mark)
+    wanted = frozenset(kind or ("job", "document", "label"))
+
+    async def events() -> AsyncIterator[str]:
+        until = None if seconds is None else time.monotonic() + seconds
+        silent = 0.0
+        yield _said("ready", "{}", news)
+        while True:
+            found = await run_in_threadpool(_look, database, news, wanted, project, document)
+            for text in found:
+                yield text
+            silent = 0.0 if found else silent + NEWS_SECONDS
+            if (until is not None and time.monotonic() >= until) or await http.is_disconnected():
+                return
+            if silent >= SILENCE_SECONDS:
+                silent = 0.0
+                yield ": still there\n\n"
+            await asyncio.sleep(NEWS_SECONDS)
+
+    return StreamingResponse(events(), media_type="text/event-stream", headers={"cache-control": "no-store"})
+
+
+def _begin(database: Database, mark: str | None) -> News:
+    """What is known by the id of an event; without one, all that there is."""
+    with database.read() as tx:
+        if mark is None:
+            news = News(tx.newest_commit(), now())
+            news.changed_jobs(tx)
+            return news
+        found = _MARK.fullmatch(mark)
+        if found is None:
+            raise QueryError("This id of an event is none that was given here.", remedy="Begin without one.")
+        return News(min(int(found[1]), tx.newest_commit()), found[2])
+
+
+def _look(
+    database: Database, news: News, wanted: frozenset[str], project: str | None, document: str | None
+) -> list[str]:
+    texts = []
+    with database.read() as tx:
+        for event in news.revisions(tx):
+            kind = "label" if event.operation in LABELLING else "document"
+            here = project in (None, event.project) and document in (None, event.document)
+            if kind in wanted and here:
+                texts.append(_said(kind, event.model_dump_json(), news))
+        if news.missed:
+            texts.append(_said("reset", "{}", news))
+        if "job" in wanted and document is None:
+            for job in news.changed_jobs(tx):
+                if project in (None, job.project):
+                    texts.append(_said("job", job_answer(job).model_dump_json(exclude_none=True), news))
+    return texts
+
+
+def _said(kind: str, data: str, news: News) -> str:
+    return f"id: {news.commit}@{news.time}\nevent: {kind}\ndata: {data}\n\n"
 
 
 def _read(database: Database, uuid: str) -> Job:

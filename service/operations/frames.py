@@ -29,6 +29,7 @@ from service.actions.exporting.write_tables import (
 from service.actions.reading.read_clip import StoredClip, read_clip
 from service.actions.reading.read_numbers import Numbers, Space, chosen_bones, read_numbers
 from service.actions.reading.read_origin import origin_of
+from service.actions.reading.reduce_frames import reduce_frames
 from service.errors import DocumentError, RequestError
 from service.motion.skeleton import CHANNELS, Array
 from service.operations.arguments import (
@@ -90,6 +91,11 @@ def get_frames(
     tips: Annotated[
         bool, Field(description="After the bones' positions those of the ends of chains, as the skeleton lists them")
     ] = False,
+    reduce: Annotated[
+        Literal["minmax"] | None,
+        Field(description="Channels: the least and the greatest sample of stretches of frames"),
+    ] = None,
+    pixels: Annotated[int, Field(ge=1, le=100_000, description="Most stretches", examples=[800])] = 1000,
 ) -> FramePage | Content:
     """`npz` holds `values`, `columns` (their names), `ids` and `times` (seconds from the first frame, NaN where the
     rate is unknown). Values of channels are (frames, columns), missing samples NaN; positions (frames, bones, 3),
@@ -97,11 +103,20 @@ def get_frames(
     where they are few. `block` is `npy` without its head: numbers alone, little-endian, frame after frame; the header
     `x-mcml-shape` has the lengths of its axes. `arrow` (an IPC stream) and `parquet` are tables of frame, id, time and
     a column for each number; they need the extra `arrow`. With a `revision` the answer never changes, and says so.
+
+    `reduce=minmax` answers (stretches, columns, 2) as `npy` or `block`; the header `x-mcml-step` says how many frames a
+    stretch has (a multiple of 256 where that is 256 or more: then nothing is unpacked for it).
     """
     if origin == "subtract" and (space != "positions" or format == "json"):
         raise RequestError("Only positions have an origin.", remedy="Ask with space=positions, in a format of numbers.")
     if tips and (space != "positions" or format == "json"):
         raise RequestError("Only positions have tips.", remedy="Ask with space=positions, in a format of numbers.")
+    if reduce is not None:
+        if space != "channels" or format not in ("npy", "block") or step != 1:
+            raise RequestError(
+                "Extremes are those of channels, as npy or block.", remedy="Ask with format=block, without step."
+            )
+        return _reduced(call, id, revision, (first, last, pixels), bone, dtype, format)
     if format != "json":
         then, stored = at_revision(call.read(), id, revision)
         asked = f"{space}-{dtype}-{zlib.crc32(repr(bone).encode())}-{origin}-{missing}-{tips}"
@@ -132,6 +147,30 @@ def get_frames(
                 items.append(FrameRow(frame=start + len(items) * step, id=str(frame_id), values=values))
     following = start + len(items) * step
     return FramePage(items=items, next_cursor=encode_cursor(following) if following <= limit else None)
+
+
+def _reduced(
+    call: Call,
+    uuid: str,
+    revision: int | None,
+    which: tuple[int, int | None, int],
+    bone: list[str] | None,
+    dtype: str,
+    form: str,
+) -> Content:
+    """which: first frame, last frame, stretches."""
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, uuid, revision)
+        asked = zlib.crc32(repr(bone).encode())
+        call.tagged(
+            tag(stored, f"minmax-{form}-{'-'.join(map(str, which))}-{dtype}-{asked}"), lasting=revision is not None
+        )
+        found = reduce_frames(then, stored, *which, bone)
+    shape = found.values.shape
+    blocks = iter([found.values])
+    content = npy_blocks(blocks, shape, dtype) if form == "npy" else plain_blocks(blocks, dtype)
+    facts = _short(found.columns) | {"shape": ",".join(map(str, shape)), "step": str(found.step)}
+    return Content(content, TYPES[form], facts=facts)
 
 
 def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: str, form: str) -> Content:

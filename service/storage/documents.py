@@ -31,6 +31,11 @@ _WHOLE = checked(
 _IMPORTING = update(document).where(document.c.id == bindparam("key"), document.c.state == "importing")
 _RENEW = _IMPORTING.values(lease=bindparam("until"))
 _MADE = ("document", "number", "commit", "parent", "operation", "message")
+_REVISION = (
+    *(revision.c[name] for name in ("number", "commit", "parent", "operation", "message", "name")),
+    *(project.c.name, commit.c.time, commit.c.author),
+)
+"""The columns of a StoredRevision."""
 _BEGUN = select(document.c.uuid, document.c.name, document.c.format).where(document.c.id == bindparam("key"))
 _NAMED = select(document.c.name, document.c.project).where(document.c.id == bindparam("key"))
 _PUBLISH = _IMPORTING.values(
@@ -267,17 +272,7 @@ class Documents:
     def revisions(self, key: int, *, before: int | None = None, limit: int = 100) -> list[StoredRevision]:
         """Newest first, those with numbers below `before`."""
         query = (
-            select(
-                revision.c.number,
-                revision.c.commit,
-                revision.c.parent,
-                revision.c.operation,
-                revision.c.message,
-                revision.c.name,
-                project.c.name,
-                commit.c.time,
-                commit.c.author,
-            )
+            select(*_REVISION)
             .join(commit, commit.c.number == revision.c.commit)
             .join(project, project.c.id == revision.c.project)
             .where(revision.c.document == key)
@@ -287,6 +282,23 @@ class Documents:
         if before is not None:
             query = query.where(revision.c.number < before)
         return [StoredRevision(*row) for row in self._tx.checked_once(checked(query, revision, commit))]
+
+    def revisions_since(self, number: int, limit: int) -> list[tuple[int, tuple[str, StoredRevision]]]:
+        """(commit, (uuid of the document, revision)) after a commit, the oldest first; all or none of one commit."""
+        query = (
+            select(revision.c.commit, document.c.uuid, *_REVISION)
+            .join(commit, commit.c.number == revision.c.commit)
+            .join(project, project.c.id == revision.c.project)
+            .join(document, document.c.id == revision.c.document)
+            .where(revision.c.commit > number, document.c.state == "ready")
+            .order_by(revision.c.commit, revision.c.document)
+        )
+        rows = self._tx.checked_once(checked(query.limit(limit), revision, commit))
+        if len(rows) == limit:
+            last = rows[-1][0]
+            whole = query.where(revision.c.commit == last)
+            rows = [row for row in rows if row[0] < last] + [*self._tx.checked_once(checked(whole, revision, commit))]
+        return [(row[0], (row[1], StoredRevision(*row[2:]))) for row in rows]
 
     def commit_of(self, key: int, number: int) -> int:
         """The commit that made a revision; NotFoundError."""

@@ -112,6 +112,12 @@ class Jobs:
             query = query.where(job.c.id < before)
         return [_stored(row) for row in self._tx.connection.execute(query)]
 
+    def active_or_ended_since(self, time: str) -> list[StoredJob]:
+        """Jobs that wait or run, and those that ended at a time or later; the oldest first."""
+        going = job.c.state.not_in(ENDED)
+        query = _LISTED.where(going | (job.c.ended >= time)).order_by(job.c.id)
+        return [_stored(row) for row in self._tx.connection.execute(query)]
+
     def any_claimable(self) -> bool:
         """Whether `claim` would find a job; a cheap read."""
         return self._tx.connection.execute(_claimable().limit(1)).first() is not None

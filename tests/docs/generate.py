@@ -15,7 +15,7 @@ from tests.builders import description
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 BY_HAND = {"follow_job": "read", **dict.fromkeys(("healthz", "readyz", "open_session", "close_session"), "none")}
-BY_HAND["metrics"] = "read"
+BY_HAND |= dict.fromkeys(("metrics", "follow_events"), "read")
 """Rights of endpoints that are no operation."""
 
 MARK = re.compile(r"(<!-- generated: (?P<name>[a-z-]+) -->\n).*?(<!-- end -->)", re.DOTALL)

@@ -80,7 +80,7 @@ class Served:
 def serve(folder: Path, *, closed: bool) -> Iterator[Served]:
     """A server on an SQLite store in a folder. closed: it asks everybody for a token."""
     assert (STATIC / "index.html").is_file(), "the studio is not built: make web"
-    settings = Settings(database_url=f"sqlite:///{folder}/store.db", host="127.0.0.1", login="always" if closed else "auto")
+    settings = Settings(database=f"sqlite:///{folder}/store.db", host="127.0.0.1", login="always" if closed else "auto")
     database = Database(settings.database_url)
     database.migrate()
     token = None

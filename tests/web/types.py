@@ -34,7 +34,7 @@ def types() -> str:
     node, environment = install()
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder, "openapi.json"), Path(folder, "types.ts")
-        app = create_app(Settings(database_url=f"sqlite:///{folder}/types.db"))
+        app = create_app(Settings(database=f"sqlite:///{folder}/types.db"))
         source.write_text(json.dumps(without_words(app.openapi())))
         tool = WEB / "node_modules/openapi-typescript/bin/cli.js"
         command = [*node, str(tool), str(source), "-o", str(target)]

@@ -372,6 +372,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/documents/{id}/changes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["make_changes"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/xpath": {
         parameters: {
             query?: never;
@@ -1028,6 +1044,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/events": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["follow_events"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/session": {
         parameters: {
             query?: never;
@@ -1316,6 +1348,18 @@ export interface components {
             };
             text?: string | null;
         };
+        ChangeSet: {
+            frames?: components["schemas"]["FrameBlock"][];
+            elements?: (components["schemas"]["ChangeEdit"] | components["schemas"]["DeleteEdit"] | components["schemas"]["ReplaceEdit"] | components["schemas"]["InsertEdit"] | components["schemas"]["MoveEdit"])[];
+            /** @default false */
+            many: boolean;
+            /** @default true */
+            renumber: boolean;
+            labels?: components["schemas"]["LabelRequest"][] | null;
+            document?: components["schemas"]["DocumentChange"] | null;
+            /** @default  */
+            message: string;
+        };
         ChangedDocument: {
             id: string;
             name: string;
@@ -1323,6 +1367,15 @@ export interface components {
         };
         ChangedDocuments: {
             items: components["schemas"]["ChangedDocument"][];
+        };
+        ChangesMade: {
+            revision: number;
+            frames: number;
+            /** @default false */
+            merged: boolean;
+            faults?: components["schemas"]["Fault"][];
+            conflicts?: components["schemas"]["Conflict"][];
+            mergeable?: string[];
         };
         Child: {
             address: string;
@@ -1413,6 +1466,16 @@ export interface components {
             document: string;
             revision: number;
             source_first: number;
+        };
+        Conflict: {
+            /** @enum {string} */
+            kind: "element" | "frames" | "label" | "fact";
+            address: string;
+            first?: number | null;
+            last?: number | null;
+            base?: unknown;
+            theirs?: unknown;
+            mine?: unknown;
         };
         Count: {
             value: string;
@@ -1855,6 +1918,16 @@ export interface components {
             stated: boolean;
             why: string;
         };
+        Fault: {
+            /** @enum {string} */
+            part: "elements" | "frames" | "labels" | "document" | "all";
+            number?: number | null;
+            what: string;
+            line?: number | null;
+            column?: number | null;
+            address?: string | null;
+            remedy?: string | null;
+        };
         FileProblem: {
             file: string;
             problem: components["schemas"]["Problem"];
@@ -1883,6 +1956,12 @@ export interface components {
             name: string;
             title: string;
             extensions: string[];
+        };
+        FrameBlock: {
+            first: number;
+            columns: string[];
+            values?: (number | null)[][] | null;
+            data?: string | null;
         };
         FrameEdits: {
             edits: (components["schemas"]["DeleteFrames"] | components["schemas"]["KeepFrames"] | components["schemas"]["ReverseFrames"] | components["schemas"]["MoveFrames"] | components["schemas"]["InsertFrames"] | components["schemas"]["MirrorFrames"] | components["schemas"]["SmoothFrames"] | components["schemas"]["AdjustFrames"] | components["schemas"]["ResampleFrames"])[];
@@ -3841,6 +3920,8 @@ export interface operations {
                 origin?: "keep" | "subtract";
                 missing?: "hold" | "nan";
                 tips?: boolean;
+                reduce?: "minmax" | null;
+                pixels?: number;
             };
             header?: never;
             path: {
@@ -4746,6 +4827,60 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ElementEdited"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    make_changes: {
+        parameters: {
+            query?: {
+                merge?: boolean;
+                dry_run?: boolean;
+            };
+            header?: {
+                "if-match"?: string | null;
+            };
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ChangeSet"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangesMade"];
                 };
             };
             503: {
@@ -7089,6 +7224,57 @@ export interface operations {
             path: {
                 id: string;
             };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/event-stream": string;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    follow_events: {
+        parameters: {
+            query?: {
+                kind?: ("job" | "document" | "label")[] | null;
+                project?: string | null;
+                document?: string | null;
+                since?: string | null;
+                seconds?: number | null;
+            };
+            header?: {
+                "last-event-id"?: string | null;
+            };
+            path?: never;
             cookie?: never;
         };
         requestBody?: never;

@@ -65,7 +65,7 @@ export function touched(draft: Draft): [number, number] | null {
 
 /** A draft as the repository takes it: samples as blocks of consecutive frames, labels as they all shall be. */
 export function asChanges(draft: Draft, message = ""): Schemas["ChangeSet"] {
-  const frames: Schemas["ChangeSet"]["frames"] = [];
+  const frames: NonNullable<Schemas["ChangeSet"]["frames"]> = [];
   for (const [track, samples] of draft.samples) {
     const sorted = [...samples].sort((a, b) => a[0] - b[0]);
     for (let at = 0; at < sorted.length; ) {
@@ -75,7 +75,7 @@ export function asChanges(draft: Draft, message = ""): Schemas["ChangeSet"] {
       frames.push({ first, columns: [track], values });
     }
   }
-  const elements = [...draft.elements.values()].map((one): Schemas["ChangeSet"]["elements"][number] =>
+  const elements = [...draft.elements.values()].map((one): NonNullable<Schemas["ChangeSet"]["elements"]>[number] =>
     one.fragment === undefined
       ? { do: "change", xpath: one.address, attributes: one.attributes, text: one.text ?? null }
       : { do: "replace", xpath: one.address, fragment: one.fragment },

@@ -142,7 +142,8 @@ export async function removeDocuments(ids: string[]): Promise<void> {
   const gone: string[] = [];
   for (const id of ids) {
     try {
-      await ask("delete", "/documents/{id}", { path: { id } });
+      const match = cardOf(id)?.revision ?? (await get("/documents/{id}", { path: { id } })).revision;
+      await ask("delete", "/documents/{id}", { path: { id }, match });
       gone.push(id);
     } catch (error) {
       refuse(error);
@@ -154,7 +155,14 @@ export async function removeDocuments(ids: string[]): Promise<void> {
 }
 
 async function restore(ids: string[]): Promise<void> {
-  for (const id of ids) await ask("post", "/documents/{id}/restore", { path: { id } }).catch(refuse);
+  for (const id of ids) {
+    try {
+      const hidden = await get("/documents", { query: { id, deleted: true, limit: 1 } });
+      await ask("post", "/documents/{id}/restore", { path: { id }, match: hidden.items[0]?.revision });
+    } catch (error) {
+      refuse(error);
+    }
+  }
   refresh();
   note(w("restored"));
 }

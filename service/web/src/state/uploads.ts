@@ -128,7 +128,13 @@ export const cancelAll = (): void => uploads.peek().forEach((one) => /queued|sen
 /** Hide what an upload stored. */
 export async function undoImport(upload: Upload): Promise<void> {
   for (const one of upload.documents) {
-    if (!one.skipped) await ask("delete", "/documents/{id}", { path: { id: one.id } }).catch(refuse);
+    if (one.skipped) continue;
+    try {
+      const { revision } = await ask("get", "/documents/{id}", { path: { id: one.id } });
+      await ask("delete", "/documents/{id}", { path: { id: one.id }, match: revision });
+    } catch (error) {
+      refuse(error);
+    }
   }
   uploads.value = uploads.peek().filter((one) => one.id !== upload.id);
   refresh();

@@ -12,6 +12,7 @@ export function Trouble({ error, retry }: { error: unknown; retry?: () => void }
       <div class="grow">
         <strong>{problem?.title ?? (error as Error).message}</strong>
         {problem?.detail && problem.detail !== problem.title && <p>{problem.detail}</p>}
+        {problem?.where && <p class="dim">{[problem.where.file, problem.where.line && w("line", { n: problem.where.line }), problem.where.element].filter(Boolean).join(", ")}</p>}
         {problem?.remedy && <p>{problem.remedy}</p>}
       </div>
       {retry && <button type="button" class="button" onClick={retry}>{w("again")}</button>}

@@ -23,5 +23,5 @@ export function useAsync<T>(ask: (signal: AbortSignal) => Promise<T>, keys: unkn
     );
     return () => stop.abort();
   }, [...keys, turn]);
-  return { value: state.value, error: state.error, busy: state.busy, again: () => setTurn(turn + 1) };
+  return { value: state.value, error: state.error, busy: state.busy, again: () => setTurn((before) => before + 1) };
 }

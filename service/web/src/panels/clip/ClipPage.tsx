@@ -42,9 +42,9 @@ export function ClipPage({ id, revision }: { id: string; revision: string | null
     };
   }, [id, revision, turn]);
   useEffect(() => () => void (subject.value = null), []);
-  if (error) return <Trouble error={error} retry={() => setTurn(turn + 1)} />;
+  if (error) return <Trouble error={error} retry={() => setTurn((before) => before + 1)} />;
   if (!clip) return <div class="busy" role="presentation" />;
-  return <OpenClip key={clip.detail.revision} clip={clip} reload={() => setTurn(turn + 1)} />;
+  return <OpenClip key={clip.detail.revision} clip={clip} reload={() => setTurn((before) => before + 1)} />;
 }
 
 function OpenClip({ clip, reload }: { clip: Clip; reload: () => void }) {

@@ -116,7 +116,7 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
     const elements = found.map((one) => ({ do: "replace" as const, xpath: one.address, fragment: one.fragment }));
     try {
       const answer = await ask("post", "/documents/{id}/changes", { path: { id: clip.id }, query: { dry_run: true }, match: clip.detail.revision, body: { ...asChanges({ samples: new Map(), labels: null, elements: new Map(), steps: 0 }), elements } });
-      const marks = answer.faults.map((fault): Diagnostic => {
+      const marks = (answer.faults ?? []).map((fault): Diagnostic => {
         const base = fault.number === null || fault.number === undefined ? 1 : found[fault.number].line;
         const state = view.current!.state;
         const line = state.doc.line(Math.max(1, Math.min(state.doc.lines, base + (fault.line ?? 1) - 1)));

@@ -1,5 +1,5 @@
 /** The whole document as a tree. Values are changed in place; frames are gone to. */
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Clip } from "../../state/clip";
 import { Outline, type Element, type Row } from "../../state/outline";
 import { SIDE_TOKENS } from "../../motion/skeleton";
@@ -139,9 +139,18 @@ function write(clip: Clip, row: Row, text: string): void {
 }
 
 export function ValueField({ value, label, onDone }: { value: string; label: string; onDone: (text: string | null) => void }) {
+  const field = useRef<HTMLInputElement>(null);
+  const over = useRef(false);
+  useEffect(() => field.current?.select(), []);
+  // Enter takes the field away, which also blurs it.
+  const done = (text: string | null) => {
+    if (over.current) return;
+    over.current = true;
+    onDone(text);
+  };
   return (
-    <input class="field value-field tail" aria-label={label} value={value} ref={(element) => element?.select()}
-      onKeyDown={(event) => { if (event.key === "Enter") onDone(event.currentTarget.value); else if (event.key === "Escape") onDone(null); else return; event.stopPropagation(); event.preventDefault(); }}
-      onBlur={(event) => onDone(event.currentTarget.value)} onClick={(event) => event.stopPropagation()} />
+    <input class="field value-field tail" aria-label={label} defaultValue={value} ref={field}
+      onKeyDown={(event) => { if (event.key === "Enter") done(event.currentTarget.value); else if (event.key === "Escape") done(null); else return; event.stopPropagation(); event.preventDefault(); }}
+      onBlur={(event) => done(event.currentTarget.value)} onClick={(event) => event.stopPropagation()} onDblClick={(event) => event.stopPropagation()} />
   );
 }

@@ -5,7 +5,7 @@ import { addFiles, cancel, cancelAll, confirmFact, retry, trayOpen, undoImport, 
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { number, w } from "../../words";
-import type { Schemas } from "../../api/client";
+import type { Problem, Schemas } from "../../api/client";
 
 type Receipt = Schemas["Receipt"];
 
@@ -47,11 +47,22 @@ function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
         {first && <button type="button" class="button quiet dense" aria-expanded={open} onClick={() => setOpen(!open)}>{w("receipts")}</button>}
       </div>
       {upload.problems.map(({ file, problem }) => (
-        <div key={file} class="refusal"><strong>{problem.title}</strong> <span class="dim">{file}</span><p>{problem.detail !== problem.title && problem.detail}</p>{problem.remedy && <p>{problem.remedy}</p>}</div>
+        <Refusal key={file} file={file} problem={problem} />
       ))}
       {open && upload.documents.map((one) => <ReceiptView key={one.id} receipt={one.receipt} documents={[one.id]} />)}
       {open && first && !first.skipped && <p><button type="button" class="button dense" onClick={() => void undoImport(upload)}>{w("undoImport")}</button></p>}
     </li>
+  );
+}
+
+function Refusal({ file, problem }: { file: string; problem: Problem }) {
+  const place = [problem.where?.line && w("line", { n: problem.where.line }), problem.where?.element].filter(Boolean).join(", ");
+  return (
+    <div class="refusal">
+      <strong>{problem.title}</strong> <span class="dim">{[file, place].filter(Boolean).join(", ")}</span>
+      {problem.detail !== problem.title && <p>{problem.detail}</p>}
+      {problem.remedy && <p>{problem.remedy}</p>}
+    </div>
   );
 }
 
@@ -111,7 +122,7 @@ function LookedAt() {
         <section key={index}><h3>{clip.files.join(" + ")}</h3><ReceiptView receipt={clip.receipt} documents={[]} /></section>
       ))}
       {result.problems.map(({ file, problem }) => (
-        <div key={file} class="refusal"><strong>{problem.title}</strong> <span class="dim">{file}</span><p>{problem.detail}</p></div>
+        <Refusal key={file} file={file} problem={problem} />
       ))}
       <p class="row"><button type="button" class="button primary" onClick={() => { looked.value = null; addFiles(files); }}>{w("keep")}</button><span class="dim">{w("notStored")}</span></p>
     </Dialog>

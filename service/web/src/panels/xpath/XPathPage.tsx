@@ -104,7 +104,7 @@ export function XPathPage() {
       <Trouble error={error} />
       {answer && (
         <div class="xpath-status row wrap" role="status">
-          <span>{answer.as === "runs" ? w("resultRuns", { frames, runs: runs.length, ms: answer.ms }) : w("resultNodes", { n: answer.items.length, ms: answer.ms })}</span>
+          <span>{answer.as === "runs" ? w("resultRuns", { frames: w("frames", { n: frames }), runs: w("runCount", { n: runs.length }), ms: answer.ms }) : w("resultNodes", { n: answer.items.length, ms: answer.ms })}</span>
           {!answer.complete && <span class="chip">{w("incomplete")}</span>}
           {answer.warnings.map((one) => <span key={one} class="dim">{one}</span>)}
           <span class="grow" />

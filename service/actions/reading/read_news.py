@@ -1,0 +1,62 @@
+"""What happened since somebody last looked: revisions that were made, jobs that went on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from schemas.events import DocumentEvent
+from service.storage.database import Transaction
+from service.storage.identifiers import now
+from service.storage.jobs import StoredJob
+
+MOST_BEHIND = 10_000
+"""Commits that are told one by one; who has missed more reads anew."""
+
+AT_A_TIME = 500
+LABELLING = ("label", "unlabel")
+Told: TypeAlias = dict[str, tuple[str, str, float, bool]]
+"""State, stage, share and whether it shall end, of jobs by their ids."""
+
+
+@dataclass
+class News:
+    """What somebody knows. commit: the last one that was told. time: when jobs were last looked at.
+
+    jobs: how each was that was told. missed: more happened than is told.
+    """
+
+    commit: int
+    time: str
+    jobs: Told = field(default_factory=dict)
+    missed: bool = False
+
+    def revisions(self, tx: Transaction) -> list[DocumentEvent]:
+        """Those made since, the oldest first, some hundred at a time."""
+        newest = tx.newest_commit()
+        self.missed = newest - self.commit > MOST_BEHIND
+        if self.missed or newest == self.commit:
+            self.commit = newest
+            return []
+        found = tx.documents.revisions_since(self.commit, AT_A_TIME)
+        self.commit = max((number for number, _ in found), default=newest) if len(found) >= AT_A_TIME else newest
+        return [
+            DocumentEvent(
+                document=uuid,
+                revision=item.number,
+                operation=item.operation,
+                name=item.name,
+                project=item.project,
+                author=item.author,
+                time=item.time,
+            )
+            for _, (uuid, item) in found
+        ]
+
+    def changed_jobs(self, tx: Transaction) -> list[StoredJob]:
+        """Jobs that are in another state than was told, or further."""
+        time, known = now(), self.jobs
+        found = tx.jobs.active_or_ended_since(self.time)
+        seen: Told = {job.uuid: (job.state, job.stage, job.share, job.cancel) for job in found}
+        self.jobs, self.time = seen, time
+        return [job for job in found if known.get(job.uuid) != seen[job.uuid]]
