@@ -19,17 +19,24 @@ const ROOM = (((navigator as { deviceMemory?: number }).deviceMemory ?? 8) <= 4 
 const kept = new Map<string, { bytes: number; drop: () => void }>();
 let total = 0;
 
+let opened = 0;
+
 export const keptBytes = (): number => total;
 
 function keep(key: string, bytes: number, drop: () => void): void {
+  forget(key);
   kept.set(key, { bytes, drop });
   total += bytes;
   for (const [oldest, entry] of kept) {
     if (total <= ROOM || oldest === key) break;
-    kept.delete(oldest);
-    total -= entry.bytes;
+    forget(oldest);
     entry.drop();
   }
+}
+
+function forget(key: string): void {
+  total -= kept.get(key)?.bytes ?? 0;
+  kept.delete(key);
 }
 
 function touch(key: string): void {
@@ -41,9 +48,8 @@ function touch(key: string): void {
 
 type Numbers = Float32Array | Float64Array;
 
-/** What blocks hold: a name for the cache, numbers a frame, whether a coarse pass is worth it, and how they are fetched. */
+/** What blocks hold: numbers a frame, whether a coarse pass is worth it, and how they are fetched. */
 export interface Source<T extends Numbers> {
-  name: string;
   frames: number;
   stride: number;
   coarse: boolean;
@@ -67,6 +73,8 @@ export class Blocks<T extends Numbers = Float32Array> {
   private coarse: T | null = null;
   private readonly coarseStep: number;
   private closed = false;
+  /** Two views of one clip have their own blocks. */
+  private readonly number = ++opened;
 
   constructor(private readonly source: Source<T>) {
     const bytes = source.frames * source.stride * 4;
@@ -100,15 +108,12 @@ export class Blocks<T extends Numbers = Float32Array> {
   want(index: number, direction = 0, perSecond = 0, loopStart = index): void {
     if (this.closed) return;
     const here = Math.floor(index / BLOCK);
-    const order = [here];
-    if (!this.coarse && this.source.coarse && this.source.frames > BLOCK) order.push(OVERVIEW);
-    const ahead = perSecond ? Math.max(1, Math.ceil((AHEAD_SECONDS * perSecond) / BLOCK)) : 0;
-    for (let next = 1; next <= ahead; next++) order.push(here + next * (direction || 1));
-    order.push(Math.floor(loopStart / BLOCK));
     const last = Math.ceil(this.source.frames / BLOCK) - 1;
-    const wanted = [...new Set(order)].filter(
-      (block) => block === OVERVIEW || (block >= 0 && block <= last && !this.blocks.has(block)),
-    );
+    const ahead = perSecond ? Math.max(1, Math.ceil((AHEAD_SECONDS * perSecond) / BLOCK)) : 0;
+    const next = Array.from({ length: ahead }, (_, by) => here + (by + 1) * (direction || 1));
+    const inside = (blocks: number[]) => blocks.filter((block) => block >= 0 && block <= last && !this.blocks.has(block));
+    const overview = !this.coarse && this.source.coarse && last > 0 ? [OVERVIEW] : [];
+    const wanted = [...new Set([...inside([here]), ...overview, ...inside(next), ...inside([Math.floor(loopStart / BLOCK)])])];
     for (const [block, stop] of this.asked) {
       if (wanted.includes(block) || block === OVERVIEW) continue;
       stop.abort();
@@ -121,18 +126,15 @@ export class Blocks<T extends Numbers = Float32Array> {
 
   close(): void {
     this.closed = true;
+    this.queue = [];
     for (const stop of this.asked.values()) stop.abort();
-    for (const block of this.blocks.keys()) {
-      const entry = kept.get(this.key(block));
-      if (entry) total -= entry.bytes;
-      kept.delete(this.key(block));
-    }
+    for (const block of this.blocks.keys()) forget(this.key(block));
     this.blocks.clear();
     this.coarse = null;
   }
 
   private key(block: number): string {
-    return `${this.source.name}#${block}`;
+    return `${this.number}#${block}`;
   }
 
   private pump(): void {
@@ -169,7 +171,6 @@ export class Blocks<T extends Numbers = Float32Array> {
 
 /** Positions of joints and tips from the clip's origin: (frames, points, 3). NaN where nothing was recorded. */
 export const positionsOf = (id: string, revision: number, skeleton: Skeleton): Source<Float32Array> => ({
-  name: `${id}@${revision}`,
   frames: skeleton.view.frames,
   stride: skeleton.points * 3,
   coarse: true,
@@ -181,7 +182,6 @@ export const positionsOf = (id: string, revision: number, skeleton: Skeleton): S
 
 /** Channels as they are stored: (frames, channels of all bones). */
 export const channelsOf = (id: string, revision: number, skeleton: Skeleton): Source<Float64Array> => ({
-  name: `${id}@${revision} channels`,
   frames: skeleton.view.frames,
   stride: skeleton.view.bones.reduce((sum, bone) => sum + bone.channels.length, 0),
   coarse: false,

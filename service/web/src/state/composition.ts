@@ -22,8 +22,9 @@ export function parsePieces(text: string): Piece[] {
   });
 }
 
+/** Of a whole clip, or one whose frames are not known yet, no range is written. */
 export const writePieces = (pieces: readonly Piece[]): string =>
-  pieces.map((one) => (one.last && (one.first !== 1 || one.last !== one.frames) ? `${one.document}:${one.first}-${one.last}` : one.document)).join(",");
+  pieces.map(({ document, first, last, frames }) => (first === 1 && (!last || last === frames) ? document : `${document}:${first}-${last || ""}`)).join(",");
 
 /** Cut a piece before a frame; unchanged where the frame is no inner one. */
 export function splitPiece(pieces: readonly Piece[], index: number, frame: number): Piece[] {

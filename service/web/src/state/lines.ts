@@ -21,28 +21,30 @@ export async function readWindow(id: string, revision: number, frames: [number, 
 
 export interface Replacement { address: string; fragment: string; line: number }
 
-/** Frames of the window whose text is another now, each as one replacement. Error where frames were added or taken away
- * by text: that is done in the tree or the timeline. */
+/** Frames of the window whose text is another now, each as one replacement. RangeError where frames were added or taken
+ * away, or something between them was changed: that is done in the tree or the timeline. */
 export function changedFrames(before: string, after: string, first: number): Replacement[] {
-  const [old, now] = [frameTexts(before), frameTexts(after)];
-  if (old.length !== now.length) throw new RangeError(`${old.length} ${now.length}`);
-  return now.flatMap((one, index) => (one.text === old[index].text ? [] : [{ address: `/mcml/motion/frame[${first + index}]`, fragment: one.text, line: one.line }]));
+  const [old, now] = [partsOf(before, ["frame"]), partsOf(after, ["frame"])];
+  if (old.rest !== now.rest) throw new RangeError(`${old.parts.length} ${now.parts.length}`);
+  return now.parts.flatMap((one, index) => (one.text === old.parts[index].text ? [] : [{ address: `/mcml/motion/frame[${first + index}]`, fragment: one.text, line: one.line }]));
 }
 
-function frameTexts(text: string): { text: string; line: number }[] {
-  const found: { text: string; line: number }[] = [];
-  const frame = /<frame\b[^>]*?(?:\/>|>[\s\S]*?<\/frame\s*>)/g;
-  for (let match = frame.exec(text); match; match = frame.exec(text)) {
-    found.push({ text: match[0], line: text.slice(0, match.index).split("\n").length });
-  }
-  return found;
-}
-
-/** Parts of the head (header, root, skeleton) whose text is another now. */
+/** Parts of the head (header, root, skeleton) whose text is another now. RangeError where something beside them is. */
 export function changedParts(before: string, after: string): Replacement[] {
-  return ["header", "root", "skeleton"].flatMap((name) => {
-    const part = new RegExp(`<${name}\\b[^>]*?(?:/>|>[\\s\\S]*</${name}\\s*>)`);
-    const [old, now] = [part.exec(before)?.[0], part.exec(after)];
-    return now && old !== undefined && now[0] !== old ? [{ address: `/mcml/${name}`, fragment: now[0], line: after.slice(0, now.index).split("\n").length }] : [];
+  const names = ["header", "root", "skeleton"];
+  const [old, now] = [partsOf(before, names), partsOf(after, names)];
+  if (old.rest !== now.rest) throw new RangeError(names.join());
+  return now.parts.flatMap((one, index) => (one.text === old.parts[index].text ? [] : [{ address: `/mcml/${one.name}`, fragment: one.text, line: one.line }]));
+}
+
+/** Elements of these names, none of which is inside another, and what is left of the text without them and white space. */
+function partsOf(text: string, names: string[]): { parts: { name: string; text: string; line: number }[]; rest: string } {
+  const parts: { name: string; text: string; line: number }[] = [];
+  const element = new RegExp(`<!--[^]*?-->|<(${names.join("|")})(?=[\\s/>])(?:"[^"]*"|'[^']*'|[^>"'])*?(?:/>|>[^]*?</\\1\\s*>)`, "g");
+  const rest = text.replace(element, (found, name: string | undefined, at: number) => {
+    if (name === undefined) return found;
+    parts.push({ name, text: found, line: text.slice(0, at).split("\n").length });
+    return `<${name}/>`;
   });
+  return { parts, rest: rest.replace(/\s+/g, " ").replace(/> </g, "><").trim() };
 }

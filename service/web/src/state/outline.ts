@@ -25,6 +25,8 @@ export interface Row {
 }
 
 const WINDOW = 100;
+/** ms after which a window that could not be had is asked for again: whoever draws rows asks for them each time. */
+export const PAUSE = 3000;
 
 class Branch {
   total: number;
@@ -105,8 +107,11 @@ export class Outline {
     const before = branch.asked.get(window);
     if (before) return before;
     const asking = this.load(branch, window).catch((error: unknown) => {
-      branch.asked.delete(window);
       this.trouble.value = error;
+      setTimeout(() => {
+        branch.asked.delete(window);
+        this.version.value++;
+      }, PAUSE);
     });
     branch.asked.set(window, asking);
     return asking;
@@ -117,6 +122,7 @@ export class Outline {
       path: { id: this.id },
       query: { address: branch.element.address, first: window * WINDOW + 1, limit: WINDOW, revision: this.revision },
     });
+    this.trouble.value = null;
     branch.total = answer.total;
     answer.items.forEach((item, index) => branch.items.set(window * WINDOW + index, item));
     if (branch === this.root && window === 0) this.openFirst();

@@ -24,9 +24,9 @@ export const number = (value: number, digits?: number): string =>
 /** Seconds as 4.2 s, or 2:04.5 from a minute on. */
 export function duration(seconds: number | null | undefined): string {
   if (seconds === null || seconds === undefined) return "–";
-  if (seconds < 60) return `${number(seconds, seconds < 10 ? 2 : 1)} s`;
-  const minutes = Math.floor(seconds / 60);
-  return `${minutes}:${(seconds - minutes * 60).toFixed(1).padStart(4, "0")}`;
+  const tenths = Math.round(seconds * 10);
+  if (tenths < 600) return `${number(seconds, seconds < 10 ? 2 : 1)} s`;
+  return `${Math.floor(tenths / 600)}:${((tenths % 600) / 10).toFixed(1).padStart(4, "0")}`;
 }
 
 export function rate(secondsPerFrame: number | null | undefined): string {

@@ -1,0 +1,42 @@
+// @vitest-environment happy-dom
+import { describe, expect, it } from "vitest";
+import { language } from "../state/settings";
+import { duration, rate, w, type Word } from ".";
+import { en } from "./en";
+import { ko } from "./ko";
+
+const holes = (text: string) => [...new Set(text.match(/\{\w+\}/g) ?? [])].sort();
+
+describe("the words of both languages", () => {
+  it.each(Object.keys(en) as Word[])("%s: the same values stand in both sentences, one or two forms", (word) => {
+    expect(holes(ko[word])).toEqual(holes(en[word]));
+    for (const table of [en, ko]) {
+      const forms = table[word].split("|");
+      expect(forms.length).toBeLessThanOrEqual(2);
+      expect(forms.every((form) => form.trim() === form && form !== "")).toBe(true);
+      // What is one is said without its number, or with it; what is many shows every value.
+      if (forms.length === 2) expect(holes(forms[1])).toEqual(holes(table[word]));
+    }
+  });
+
+  it("are filled with numbers as each language writes them", () => {
+    language.value = "en";
+    expect(w("clips", { n: 1 })).toBe("1 clip");
+    expect(w("clips", { n: 12345 })).toBe("12,345 clips");
+    expect(w("clips", { n: 0 })).toBe("0 clips");
+    expect(w("deleted", { n: 2 })).toContain("2");
+  });
+});
+
+describe("durations and rates", () => {
+  it("are short, and a minute has sixty seconds", () => {
+    language.value = "en";
+    expect(duration(null)).toBe("–");
+    expect(duration(4.2)).toBe("4.2 s");
+    expect(duration(12.34)).toBe("12.3 s");
+    expect(duration(124.5)).toBe("2:04.5");
+    expect(duration(119.97)).toBe("2:00.0");
+    expect(duration(59.98)).toBe("1:00.0");
+    expect(rate(0.0083333)).toBe("120 Hz");
+  });
+});

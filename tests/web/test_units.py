@@ -1,0 +1,22 @@
+"""The studio's pure parts, tested in their own language: `vitest` over `service/web/src/**/*.test.ts`."""
+
+from __future__ import annotations
+
+import subprocess
+from typing import Any
+
+from service.web.build import WEB, install
+
+
+def vitest(*files: str, **environment: Any) -> str:
+    """What it says of the tests in these files, or in all. AssertionError with its words where one fails."""
+    node, usual = install()
+    command = [*node, "node_modules/vitest/vitest.mjs", "run", "--no-color", "--reporter=default", *files]
+    stated = {name: str(value) for name, value in environment.items()}
+    done = subprocess.run(command, cwd=WEB, env=usual | stated, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_units() -> None:
+    assert "passed" in vitest()
