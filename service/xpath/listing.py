@@ -80,6 +80,10 @@ class Scope:
         """The different names of bones, or the motion names, that occur."""
         return self._tx.columns.used_names(kind, self._narrowed())
 
+    def used_counts(self, kind: Kind) -> dict[str, int]:
+        """The same, by code point, with how many documents have each."""
+        return self._tx.columns.used_counts(kind, self._narrowed())
+
     def unused_names(self, tree: Expression) -> list[str]:
         """For each text that names are compared with and that none here equals, the nearest one that occurs."""
         asked = None if self.keys is None else tuple(self.keys)
