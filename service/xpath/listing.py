@@ -48,10 +48,12 @@ class Scope:
     """What a query is asked of. keys: of the documents, None for all. project: only documents of this one."""
 
     def __init__(self, tx: Transaction, listing: Listing, documents: Sequence[str] = (), project: str | None = None):
-        """documents: by their ids, all if none is given. NotFoundError for documents or projects that do not exist."""
+        """documents: by their ids, or collections of them; all if none is given. NotFoundError for documents or
+        projects that do not exist."""
         self._tx = tx
         self._listing = listing
-        self.keys = [self._key(uuid) for uuid in dict.fromkeys(documents)] if documents else None
+        named = tx.saved.expand(documents)
+        self.keys = [self._key(uuid) for uuid in dict.fromkeys(named)] if documents else None
         self.project = tx.projects.get(project) if project else None
 
     @cached_property
