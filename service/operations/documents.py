@@ -77,6 +77,10 @@ class Wanted:
         str | None,
         Field(max_length=10_000, description="Documents in which this finds something or is true", examples=[QUERY]),
     ] = None
+    collection: Annotated[
+        str | None,
+        Field(max_length=2048, description="Documents of a collection: NAME, or PROJECT/NAME", examples=["bent legs"]),
+    ] = None
     deleted: Annotated[bool, Field(description="List deleted documents instead, which can be restored")] = False
 
     def filter(self, call: Call) -> DocumentFilter:
@@ -84,7 +88,7 @@ class Wanted:
         return DocumentFilter(
             length=(None, None) if self.length is None else parse_range(self.length),
             rate=(None, None) if self.rate is None else _rate(self.rate),
-            among=None if self.xpath is None else self._with_hits(call, self.xpath),
+            among=self._among(call),
             project=self.project,
             text=self.q,
             name=self.name,
@@ -96,12 +100,17 @@ class Wanted:
             deleted=self.deleted,
         )
 
-    def _with_hits(self, call: Call, expression: str) -> tuple[int, ...] | None:
-        """Keys of the documents in which an expression is true or finds something; None for all."""
-        hits = call.queries.documents_with(expression, self.project, call.limits)
-        if hits is None:
+    def _among(self, call: Call) -> tuple[int, ...] | None:
+        """Keys of the documents of the collection in which the expression finds something; None for all."""
+        if self.xpath is None and self.collection is None:
             return None
+        hits = None if self.xpath is None else call.queries.documents_with(self.xpath, self.project, call.limits)
         with call.database.read() as tx:
+            if self.collection is not None:
+                members = set(tx.saved.members(tx.saved.collection(self.collection)))
+                hits = members if hits is None else members & hits
+            if hits is None:
+                return None
             return tuple(key for key, uuid, _ in tx.documents.everything() if uuid in hits)
 
 

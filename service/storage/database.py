@@ -5,7 +5,7 @@
 
 A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.heads`, `tx.tracks`,
 `tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`, `tx.jobs`, `tx.results`,
-`tx.mappings`, `tx.aliases`, `tx.thumbnails`, `tx.purging`,
+`tx.mappings`, `tx.aliases`, `tx.thumbnails`, `tx.saved`, `tx.purging`,
 `tx.pruning`.
 """
 
@@ -51,6 +51,7 @@ from service.storage.pruning import Pruning
 from service.storage.purging import Purging
 from service.storage.reserve import TO_OPEN, Reserve
 from service.storage.results import Results
+from service.storage.saved import Saved
 from service.storage.schema import CURRENT
 from service.storage.seals import Checked, sealed
 from service.storage.spans import Spans
@@ -242,6 +243,10 @@ class Transaction:
     @cached_property
     def mappings(self) -> Mappings:
         return Mappings(self)
+
+    @cached_property
+    def saved(self) -> Saved:
+        return Saved(self)
 
     @cached_property
     def tokens(self) -> Tokens:

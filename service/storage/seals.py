@@ -94,6 +94,7 @@ _COVERED: dict[Table, tuple[str, ...]] = {
     tables.document_upload: ("document", "part", "file_name", "upload"),
     work_tables.joint_mapping: ("project", "name", "version", "author", "changed", "pairs"),
     work_tables.joint_alias: ("project", "version", "author", "changed", "pairs"),
+    work_tables.saved: ("project", "kind", "name", "version", "author", "changed", "content"),
     work_tables.result: (
         *("uuid", "project", "parent", "analysis", "name", "owner", "inputs", "parameters", "made_with", "created"),
     ),

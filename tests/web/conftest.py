@@ -1,4 +1,5 @@
-"""A real server and a real browser. Chromium is Debian's; where it is missing, these tests are skipped, in CI they fail."""
+"""A real server and a real browser. Chromium is Debian's; where it is missing, these tests are skipped; in CI they
+fail."""
 
 from __future__ import annotations
 
@@ -25,7 +26,9 @@ FLAGS = ["--gaia-url=http://127.0.0.1:9", "--component-updater=url-source=http:/
 """Nothing leaves: Chromium's own questions to its maker."""
 PATIENCE = 15_000  # ms
 WATCH = """window.violations = [];
-addEventListener("securitypolicyviolation", event => violations.push(event.violatedDirective + " " + event.blockedURI));"""
+addEventListener("securitypolicyviolation", event => {
+  violations.push(event.violatedDirective + " " + event.blockedURI);
+});"""
 NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")
 
 
@@ -132,8 +135,8 @@ class Visit:
 
 @pytest.fixture
 def visit_of(browser: Any) -> Iterator[Any]:
-    """visit_of(served, **context): a new visitor, let in where a session is needed. At the end nothing may have gone wrong: no
-    error in the console, no breach of the policy, no request to elsewhere."""
+    """visit_of(served, **context): a new visitor, let in where a session is needed. At the end nothing may have gone
+    wrong: no error in the console, no breach of the policy, no request to elsewhere."""
     visits: list[tuple[Any, Visit]] = []
 
     def made(served: Served, **more: Any) -> Visit:

@@ -16,7 +16,11 @@ expect: Any = pytest.importorskip("playwright.sync_api").expect
 def drop(page: Any, path: Path) -> None:
     """Drop a file on the window, as a hand does."""
     data = page.evaluate_handle(
-        """([name, text]) => { const data = new DataTransfer(); data.items.add(new File([text], name)); return data; }""",
+        """([name, text]) => {
+            const data = new DataTransfer();
+            data.items.add(new File([text], name));
+            return data;
+        }""",
         [path.name, path.read_text()],
     )
     page.dispatch_event("body", "dragenter", {"dataTransfer": data})

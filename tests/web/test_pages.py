@@ -1,4 +1,4 @@
-"""Every page, in both themes and languages: no serious fault of accessibility, and a picture for a person to look at."""
+"""Every page, in both themes and languages: no serious fault of accessibility, and a picture for a person to see."""
 
 from __future__ import annotations
 
