@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+import zipfile
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.builders import TRC
 from tests.web.conftest import Served, Visit, walk
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
@@ -259,6 +261,64 @@ def test_deleted_clips_come_back(visit: Visit, studio: Served) -> None:
     expect(cards).to_have_count(3)
 
 
+def test_picked_clips_are_named_collected_and_exported(visit: Visit, studio: Served) -> None:
+    ids = [studio.upload(name, walk(5)) for name in ("a.bvh", "b.bvh", "c.bvh")]
+    page = visit.open("/library?sort=name")
+    cards = page.get_by_role("gridcell")
+    expect(cards).to_have_count(3)
+    cards.nth(0).click(modifiers=["Control"])
+    cards.nth(1).click(modifiers=["Shift"])
+    bar = page.get_by_role("toolbar", name="2 picked")
+    bar.get_by_role("button", name="Name", exact=True).click()
+    page.get_by_role("combobox", name="Motion name").fill("standing")
+    page.keyboard.press("Enter")
+    expect(page.get_by_text("2 clips named standing")).to_be_visible()
+    assert [len(studio.get(f"/documents/{uuid}")["labels"]) for uuid in ids] == [1, 1, 0]
+    bar.get_by_role("button", name="Collect").click()
+    page.get_by_role("textbox", name="Name").fill("stills")
+    page.keyboard.press("Enter")
+    page.get_by_role("button", name="stills").click()
+    expect(cards).to_have_count(2)
+    assert sorted(studio.get("/collections/stills")["documents"]) == sorted(ids[:2])
+    bar.get_by_role("button", name="Export").click()
+    with page.expect_download() as download:
+        page.get_by_role("menuitem", name="as bvh").click()
+    with zipfile.ZipFile(download.value.path()) as found:
+        assert sorted(found.namelist()) == ["a.bvh", "b.bvh"]
+
+
+def test_markers_are_offered_as_what_holds_markers(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("m.trc", TRC)
+    page = visit.open(f"/clips/{uuid}")
+    ready(page)
+    page.get_by_role("button", name="Export").click()
+    items = page.get_by_role("menuitem")
+    offered = [item.get_attribute("href") for item in items.all() if item.get_attribute("href")]
+    assert any("format=c3d" in address for address in offered)
+    assert not any("format=bvh" in address for address in offered)
+    with studio.client() as client:
+        for address in offered:
+            assert client.get(address.removeprefix("/api/v1")).status_code == 200, address
+
+
+def test_a_question_is_saved_and_its_answer_becomes_a_clip(visit: Visit, studio: Served) -> None:
+    studio.upload("kick.bvh", walk(), label="kick:10-25")
+    page = visit.open("/xpath?q=//frame[motion_name='kick']")
+    expect(page.get_by_role("status").filter(has_text="16 frames in 1 run")).to_be_visible()
+    page.get_by_role("button", name="Saved").click()
+    page.get_by_role("menuitem", name="Save this query").click()
+    page.get_by_role("textbox", name="Name").fill("kicks")
+    page.keyboard.press("Enter")
+    expect(page.get_by_text("Saved as kicks")).to_be_visible()
+    assert studio.get("/queries/kicks")["q"] == "//frame[motion_name='kick']"
+    page.get_by_role("button", name="Save as clip").click()
+    page.get_by_role("status").get_by_role("button", name="Open").click()
+    page.wait_for_url(re.compile("/clips/"))
+    ready(page)
+    made = next(item for item in studio.get("/documents")["items"] if item["name"] != "kick")
+    assert made["frames"] == 16
+
+
 def test_stretches_are_named_drawn_and_split(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(60))
     page = visit.open(f"/clips/{uuid}?f=20")
@@ -291,6 +351,7 @@ def test_keys_alone(visit: Visit, studio: Served) -> None:
     expect(page.get_by_role("dialog", name="Keys of this page")).to_be_visible()
     page.keyboard.press("Escape")
     page.keyboard.press("Control+k")
+    expect(page.get_by_role("combobox", name="Find anything")).to_be_focused()
     page.keyboard.type("kick")
     expect(page.get_by_role("option", name=re.compile("kick"))).to_be_visible()
     page.keyboard.press("Enter")

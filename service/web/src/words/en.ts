@@ -28,6 +28,7 @@ export const en = {
   confirm: "Confirm", confirmAs: "Confirm {value}", deleted: "1 clip deleted|{n} clips deleted", restored: "Restored", delete: "Delete",
   nameThese: "Name", exportWord: "Export", composeThese: "Compose", labelPicked: "Name these clips",
   labelPickedHelp: "The motion name stands on all frames of each.", labelled: "1 clip named {name}|{n} clips named {name}",
+  collect: "Collect", collectHelp: "A collection is a list of clips under a name, for every list and command.", collections: "Collections", newer: "{who} saved revision {n}.",
   revision: "revision {n}",
   openClip: "Open the clip", pickClip: "Pick {name}", moveToComposer: "To the composer",
 

@@ -29,6 +29,7 @@ export const ko: typeof en = {
   confirm: "확인", confirmAs: "{value} 확인", deleted: "클립 {n}개를 삭제했습니다", restored: "복원했습니다", delete: "삭제",
   nameThese: "이름 붙이기", exportWord: "내보내기", composeThese: "이어붙이기", labelPicked: "이 클립들에 이름 붙이기",
   labelPickedHelp: "동작 이름이 각 클립의 모든 프레임에 붙습니다.", labelled: "클립 {n}개에 이름을 붙였습니다: {name}",
+  collect: "모음 만들기", collectHelp: "모음은 이름 붙인 클립 목록이며, 모든 목록과 명령에서 쓸 수 있습니다.", collections: "모음", newer: "{who} 님이 리비전 {n}을 저장했습니다.",
   revision: "리비전 {n}",
   openClip: "클립 열기", pickClip: "{name} 선택", moveToComposer: "이어붙이기로 보내기",
 
