@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { afterEach, expect, it, vi } from "vitest";
-import { forget, motionOf } from "./source";
+import { forget, motionOf, type Motion } from "./source";
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -12,7 +12,7 @@ it("keeps what is shown, however many clips a page shows", async () => {
     const bone = { name: "Root", parent: -1, side: "centre", offset: [0, 0, 0], channels: ["Tx"] };
     return Response.json({ revision: 2, name: "walk", frames: 1, seconds_per_frame: 0.01, bones: [bone], tips: [], likely_up: "Y", origin: [0, 0, 0] });
   });
-  const motions = [];
+  const motions: Motion[] = [];
   for (let number = 0; number < 20; number++) motions.push(await motionOf(`clip-${number}`));
   expect(motions[0].perSecond).toBeCloseTo(100, 9);
   for (const motion of motions) motion.blocks.want(0);
