@@ -86,6 +86,7 @@ class SkeletonView(BaseModel):
                 "radians": 0.017453292519943295,
                 "bones": [_ROOT, _HEAD],
                 "tips": [{"bone": 1, "name": "", "offset": [0.0, 18.5, 0.0]}],
+                "columns": [f"{bone['name']}.{channel}" for bone in (_ROOT, _HEAD) for channel in bone["channels"]],
             }
         )
     )
@@ -106,3 +107,4 @@ class SkeletonView(BaseModel):
     radians: float = Field(description="Of the unit in which the frames' angles are")
     bones: list[SkeletonBone] = Field(description="Parents before their children")
     tips: list[Tip]
+    columns: list[str] = Field(description="BONE.CHANNEL of each number of a frame, in their order: that of the file")
