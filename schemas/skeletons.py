@@ -86,7 +86,8 @@ class SkeletonView(BaseModel):
                 "radians": 0.017453292519943295,
                 "bones": [_ROOT, _HEAD],
                 "tips": [{"bone": 1, "name": "", "offset": [0.0, 18.5, 0.0]}],
-                "columns": [f"{bone['name']}.{channel}" for bone in (_ROOT, _HEAD) for channel in bone["channels"]],
+                "columns": ["Root.Tx", "Root.Ty", "Root.Tz", "Root.Rz", "Root.Rx", "Root.Ry"]
+                + ["Head.Rz", "Head.Rx", "Head.Ry"],
             }
         )
     )

@@ -1,4 +1,4 @@
-"""The positions that the studio draws are those of the API: of BVH, ASF/AMC, HTR and markers, generated and real ones."""
+"""The positions that the studio draws are those of the API: of BVH, ASF/AMC, HTR and markers."""
 
 from __future__ import annotations
 
