@@ -10,6 +10,7 @@ from schemas.examples import DOCUMENT, shown
 
 Side = Literal["left", "right", "centre"]
 
+_CHANNELS = ["Tx", "Ty", "Tz", "Rz", "Rx", "Ry"]
 _ROOT = {
     "name": "Root",
     "source_name": "Hips",
@@ -20,7 +21,7 @@ _ROOT = {
     "offset": [0.0, 0.0, 0.0],
     "axes": [0.0, 0.0, 0.0, 1.0],
     "along": [0.0, 0.0, 0.0],
-    "channels": ["Tx", "Ty", "Tz", "Rz", "Rx", "Ry"],
+    "channels": _CHANNELS,
     "rotation_order": "ZXY",
     "convention": "listed",
     "translation": "absolute",
@@ -86,6 +87,7 @@ class SkeletonView(BaseModel):
                 "radians": 0.017453292519943295,
                 "bones": [_ROOT, _HEAD],
                 "tips": [{"bone": 1, "name": "", "offset": [0.0, 18.5, 0.0]}],
+                "columns": [*(f"Root.{part}" for part in _CHANNELS), "Head.Rz", "Head.Rx", "Head.Ry"],
             }
         )
     )
@@ -106,3 +108,4 @@ class SkeletonView(BaseModel):
     radians: float = Field(description="Of the unit in which the frames' angles are")
     bones: list[SkeletonBone] = Field(description="Parents before their children")
     tips: list[Tip]
+    columns: list[str] = Field(description="BONE.CHANNEL of each number of a frame, in their order: that of the file")

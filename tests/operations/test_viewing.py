@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from fastapi.testclient import TestClient
 from service.motion.skeleton import Array
 from service.storage.database import Database
 from tests.builders import ASF as LEG
-from tests.builders import TRC, amc, bvh, store, upload
+from tests.builders import HTR, TRC, amc, bvh, store, upload
 
 API = "/api/v1/documents"
 LASTING = "private, max-age=31536000, immutable"
@@ -109,6 +110,17 @@ def test_markers_have_no_parents(client: TestClient) -> None:
     assert {bone["parent"] for bone in found["bones"]} == {-1}
     assert found["origin"] == [273.71817, -56.52052, 1296.20001]
     assert (found["unit"], found["metres"]) == ("mm", 0.001)
+
+
+@pytest.mark.parametrize("files", [{"a.bvh": bvh(2)}, {"a.htr": HTR}, {"leg.asf": LEG, "leg.amc": amc(2)}])
+def test_columns_are_those_of_frames_as_numbers(client: TestClient, files: dict[str, bytes]) -> None:
+    uuid = stored(client, files)
+    found = client.get(f"{API}/{uuid}/skeleton").json()
+    frames = client.get(f"{API}/{uuid}/frames", params={"format": "block"})
+    assert ",".join(found["columns"]) == unquote(frames.headers["x-mcml-columns"])
+    assert {(bone["name"], part) for bone in found["bones"] for part in bone["channels"]} == {
+        tuple(column.rsplit(".", 1)) for column in found["columns"]
+    }
 
 
 def test_skeletons_of_documents_without_frames(client: TestClient) -> None:

@@ -90,7 +90,8 @@ def serve(folder: Path, *, closed: bool) -> Iterator[Served]:
     if closed:
         with database.write("test") as tx:
             token = tx.tokens.add("tester")
-    listener = socket.socket()
+    # Named as TCP, or asyncio lets each answer wait 40 ms for an acknowledgement.
+    listener = socket.socket(proto=socket.IPPROTO_TCP)
     listener.bind(("127.0.0.1", 0))
     server = uvicorn.Server(
         uvicorn.Config(create_app(settings, database), log_level="error", timeout_graceful_shutdown=1)

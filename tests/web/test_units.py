@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
+from pathlib import Path
 from typing import Any
 
 from service.web.build import WEB, install
+from tests.web.thumbnail_cases import cases
 
 
 def vitest(*files: str, **environment: Any) -> str:
@@ -18,5 +21,7 @@ def vitest(*files: str, **environment: Any) -> str:
     return done.stdout
 
 
-def test_units() -> None:
-    assert "passed" in vitest()
+def test_units(tmp_path: Path) -> None:
+    thumbnails = tmp_path / "thumbnails.json"
+    thumbnails.write_text(json.dumps(cases(range(10))))
+    assert "passed" in vitest(MCML_THUMBNAILS=thumbnails)

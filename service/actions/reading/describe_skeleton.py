@@ -11,7 +11,7 @@ from service.motion.guesses import likely_unit, likely_up
 from service.motion.hub import rest_of
 from service.motion.kinematics import rest_positions
 from service.motion.sides import is_left, partners
-from service.motion.skeleton import Array, Convention, Skeleton
+from service.motion.skeleton import CHANNELS, Array, Convention, Skeleton
 from service.motion.units import reading_of
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
@@ -65,6 +65,7 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
             for index, joint in enumerate(head.skeleton.joints)
         ],
         tips=_tips(head.skeleton, rest.tips),
+        columns=[f"{head.skeleton.joints[joint].name}.{CHANNELS[part]}" for joint, part in head.skeleton.columns()],
     )
 
 

@@ -3042,6 +3042,7 @@ export interface components {
             radians: number;
             bones: components["schemas"]["SkeletonBone"][];
             tips: components["schemas"]["Tip"][];
+            columns: string[];
         };
         SmoothFrames: {
             first: number;

@@ -218,7 +218,7 @@ describe("the addresses of numbers", () => {
       asked.push(url);
       return new Response(new Uint8Array(new Float64Array([1, 2, 3]).buffer));
     });
-    const skeleton = { points: 2, view: { frames: 1000, bones: [{ channels: ["Tx", "Ty", "Tz"] }, { channels: ["Rx"] }] } } as unknown as Skeleton;
+    const skeleton = { points: 2, view: { frames: 1000, columns: ["a.Tx", "a.Ty", "a.Tz", "b.Rx"] } } as unknown as Skeleton;
     const positions = positionsOf("u", 4, skeleton);
     expect([positions.stride, positions.frames, positions.coarse]).toEqual([6, 1000, true]);
     expect((await positions.fetch({ first: 257, last: 512 }, new AbortController().signal)).length).toBe(6);

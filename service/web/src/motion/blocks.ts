@@ -180,10 +180,10 @@ export const positionsOf = (id: string, revision: number, skeleton: Skeleton): S
   },
 });
 
-/** Channels as they are stored: (frames, channels of all bones). */
+/** Channels as they are stored: (frames, columns of the skeleton). */
 export const channelsOf = (id: string, revision: number, skeleton: Skeleton): Source<Float64Array> => ({
   frames: skeleton.view.frames,
-  stride: skeleton.view.bones.reduce((sum, bone) => sum + bone.channels.length, 0),
+  stride: skeleton.view.columns.length,
   coarse: false,
   fetch: async (span, signal) => new Float64Array(await bytes(id, { revision, ...span, format: "block", dtype: "f8" }, signal)),
 });

@@ -7,20 +7,18 @@ import type { Skeleton, SkeletonView } from "./skeleton";
 
 type Bone = SkeletonView["bones"][number];
 
-/** The columns of a skeleton's channels, in the order of frames: "Root.Tx" to its place. */
-export function columnsOf(view: SkeletonView): Map<string, number> {
-  const found = new Map<string, number>();
-  for (const bone of view.bones) for (const channel of bone.channels) found.set(`${bone.name}.${channel}`, found.size);
-  return found;
-}
+/** Where each channel stands among the numbers of a frame: "Root.Tx" to its place. */
+export const columnsOf = (view: SkeletonView): Map<string, number> => new Map(view.columns.map((column, place) => [column, place]));
 
-/** Positions (points, 3) from the clip's origin. values: the frame's channels by column; NaN counts as 0. */
+/** Positions (points, 3) from the clip's origin. values: the frame's channels by column. NaN, as the server answers with
+ * `missing=nan`, where a sample that a point hangs on is missing: of its joint, or of one above. */
 export function posed(skeleton: Skeleton, columns: Map<string, number>, values: ArrayLike<number>): Float32Array {
   const { view } = skeleton;
   const positions = new Float32Array(skeleton.points * 3);
   const where: Vector[] = [];
   const turns: Quaternion[] = [];
   const scales: number[] = [];
+  const hidden: boolean[] = [];
   view.bones.forEach((bone, index) => {
     const value = (channel: string): number | null => {
       const column = columns.get(`${bone.name}.${channel}`);
@@ -28,6 +26,7 @@ export function posed(skeleton: Skeleton, columns: Map<string, number>, values: 
       return found === null || Number.isNaN(found) ? null : found;
     };
     scales.push(scaleOf(bone, value("SF")));
+    hidden.push((bone.parent >= 0 && hidden[bone.parent]) || bone.channels.some((channel) => channel !== "residual" && value(channel) === null));
     const above = bone.parent >= 0 ? view.bones[bone.parent] : null;
     const moved = translation(bone, above, above ? scales[bone.parent] : 1, value);
     const turned = rotation(bone, value, view.radians);
@@ -41,13 +40,13 @@ export function posed(skeleton: Skeleton, columns: Map<string, number>, values: 
       where.push(moved);
       turns.push(turned);
     }
-    for (let axis = 0; axis < 3; axis++) positions[index * 3 + axis] = where[index][axis] - view.origin[axis];
+    for (let axis = 0; axis < 3; axis++) positions[index * 3 + axis] = hidden[index] ? NaN : where[index][axis] - view.origin[axis];
   });
   view.tips.forEach((tip, place) => {
     const scale = scales[tip.bone];
     const along = rotate(turns[tip.bone], tip.offset.map((one) => one * scale) as Vector);
     for (let axis = 0; axis < 3; axis++) {
-      positions[(view.bones.length + place) * 3 + axis] = where[tip.bone][axis] + along[axis] - view.origin[axis];
+      positions[(view.bones.length + place) * 3 + axis] = hidden[tip.bone] ? NaN : where[tip.bone][axis] + along[axis] - view.origin[axis];
     }
   });
   return positions;

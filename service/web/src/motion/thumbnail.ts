@@ -57,15 +57,13 @@ export const fromBase64 = (text: string): Uint8Array => Uint8Array.from(atob(tex
 
 function posterOf(loop: Uint8Array, poses: number, points: number): number {
   const size = points * 2;
+  const means = new Float64Array(size);
+  for (let at = 0; at < loop.length; at++) means[at % size] += loop[at] / poses;
   let best = 0;
   let most = -1;
   for (let pose = 0; pose < poses; pose++) {
     let away = 0;
-    for (let at = 0; at < size; at++) {
-      let mean = 0;
-      for (let other = 0; other < poses; other++) mean += loop[other * size + at];
-      away += (loop[pose * size + at] - mean / poses) ** 2;
-    }
+    for (let at = 0; at < size; at++) away += (loop[pose * size + at] - means[at]) ** 2;
     if (away > most) [most, best] = [away, pose];
   }
   return best;
@@ -148,7 +146,9 @@ function drawFloor(pen: CanvasRenderingContext2D, width: number, height: number,
   pen.beginPath();
   pen.moveTo(0, Math.round(floor) + 0.5);
   pen.lineTo(width, Math.round(floor) + 0.5);
-  const gap = Math.max(24, spacing / 2);
+  // 32 steps, or so many times more that ticks still fit where the way begins again, at 256.
+  let gap = spacing / 2;
+  while (gap < 24 && gap < 4 * spacing) gap *= 2;
   const slant = (height - floor) * 0.9;
   for (let at = -((way % gap) + gap); at < width + gap; at += gap) {
     pen.moveTo(at, height);

@@ -58,9 +58,9 @@ describe("the rows of a document", () => {
   }
 
   it("are those of the flattened tree, whatever is opened and closed", async () => {
-    for (let seed = 0; seed < 12; seed++) {
+    for (let seed = 0; seed < 6; seed++) {
       const draw = random(seed);
-      document = drawn(draw, draw.whole(0, 230));
+      document = drawn(draw, draw.whole(0, 130));
       const outline = new Outline("u", 1);
       await settled();
       const opened = new Set(["/mcml/motion[1]"]);
@@ -89,7 +89,7 @@ describe("the rows of a document", () => {
   });
 
   it("of a frame are found from afar, and asked for in one window each", async () => {
-    for (let seed = 0; seed < 8; seed++) {
+    for (let seed = 0; seed < 3; seed++) {
       document = drawn(random(seed), 3000);
       const outline = new Outline("u", 1);
       await settled();
