@@ -45,6 +45,14 @@ _ROWS = [
     Operation("set_properties", "POST /properties", WRITES, EDIT,
               "Set properties of many documents from a CSV table.", "documents", "properties TABLE"),
 
+    # many documents at once
+    Operation("delete_documents", "POST /selections/delete", WRITES, EDIT,
+              "Hide all documents of a selection.", "selections"),
+    Operation("restore_documents", "POST /selections/restore", WRITES, EDIT,
+              "Bring deleted documents back.", "selections"),
+    Operation("change_documents", "POST /selections/change", WRITES, EDIT,
+              "Change facts of all documents of a selection, and name frames of them.", "selections"),
+
     # files of documents
     Operation("get_mcml", "GET /documents/{id}/mcml", STREAMS, READ,
               "The document as MCML, valid against `mcml.dtd`.", "exports"),
