@@ -20,6 +20,7 @@ Files: TypeAlias = Annotated[
     Upload(),
     Field(description="BVH, ASF and AMC, HTR, C3D, TRC, MCML, or zips of them", examples=[["walk.bvh"]]),
 ]
+Repair = Literal["split-numbers", "whole-frames"]
 Encoding: TypeAlias = Annotated[str | None, Field(description="Text encoding, if it is not UTF-8", examples=["cp949"])]
 
 
@@ -63,6 +64,10 @@ def upload_documents(
     on_duplicate: Annotated[
         Literal["new", "skip"], Field(description="What becomes of files that are stored already")
     ] = "new",
+    repair: Annotated[
+        list[Repair] | None,
+        Field(description="Repair text files first: numbers that touch are set apart; only whole frames are read"),
+    ] = None,
     strict_names: Annotated[bool, Field(description="Refuse labels that are no anatomical movement")] = False,
     movements: Annotated[
         float | None,
@@ -74,7 +79,9 @@ def upload_documents(
         ),
     ] = None,
 ) -> UploadResult:
-    """Each document is stored whole or not at all; problems name the files that were not."""
+    """Each document is stored whole or not at all; problems name the files that were not, and `details.repairs` what of
+    `repair` would do something to them.
+    """
     options = ImportOptions(
         project=project,
         name=name,
@@ -90,6 +97,7 @@ def upload_documents(
         on_duplicate=on_duplicate,
         strict_names=strict_names,
         movements=movements,
+        repair=tuple(repair or ()),
     )
     result = upload_files(call.database, file, options, call.settings, author=call.author, progress=call.progress)
     if result.problems and not result.documents:
