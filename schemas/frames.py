@@ -130,6 +130,20 @@ class FrameValues(BaseModel):
     values: list[list[float]] = Field(min_length=1)
 
 
+class PreviewMotion(BaseModel):
+    """Positions of joints of a motion that is not stored. data: little-endian f4, base64: frame after frame, joint
+    after joint, x y z, told from the origin, which is where the first joint is in frame 1."""
+
+    first: int
+    shape: list[int] = Field(description="Frames, joints, 3")
+    bones: list[str]
+    parents: list[int] = Field(description="Index of the joint above, -1 at a root")
+    origin: list[float]
+    seconds_per_frame: float | None = None
+    up: str = Field(description="Axis that points up: stated, or likely")
+    data: str
+
+
 class FramesEdited(BaseModel):
     """The revision that was made, and how many frames the document now has."""
 

@@ -11,17 +11,17 @@ from schemas.examples import example_of
 from schemas.retarget import Retargeted, RetargetedOne, RetargetMany, RetargetRequest
 from service.actions.composing import compose_frames, retarget_motion
 from service.actions.composing import split_document as splitting
-from service.operations.arguments import DocumentId
+from service.operations.arguments import DocumentId, Shown
 from service.operations.call import Call, Content
 from service.operations.operation import gives
 
 
-def compose(call: Call, request: ComposeRequest) -> Composed:
+def compose(call: Call, request: ComposeRequest, shown: Shown) -> Composed:
     """A segment is a range of frames, or the runs that an XPath expression finds. Layers put the bones of one clip on
     the body of another. Pieces that follow one another in their source come out bit by bit. With `preview` nothing is
     stored.
     """
-    made = compose_frames.compose_frames(call.database, call.queries, call.settings, request, call.author)
+    made = compose_frames.compose_frames(call.database, call.queries, call.settings, request, call.author, shown.window)
     call.makes(made.document)
     return made
 
@@ -31,12 +31,12 @@ def split_document(call: Call, id: DocumentId, request: SplitRequest) -> SplitPa
     return splitting.split_document(call.database, call.settings, id, request, call.author)
 
 
-def retarget(call: Call, id: DocumentId, request: RetargetRequest) -> Retargeted:
+def retarget(call: Call, id: DocumentId, request: RetargetRequest, shown: Shown) -> Retargeted:
     """Joints are matched by their MCML names, or as `mapping` says; bones point as they did, the way through the room
     is scaled by the length of the legs. The answer says what was matched, how far bones point elsewhere, and how feet
     slide. With `preview` nothing is stored.
     """
-    made = retarget_motion.retarget_motion(call.database, call.settings, id, request, call.author)
+    made = retarget_motion.retarget_motion(call.database, call.settings, id, request, call.author, shown.window)
     call.makes(made.document)
     return made
 

@@ -12,6 +12,7 @@ from service.actions.checking.describe_problem import UploadError, problem_of
 from service.actions.importing.upload_files import upload_files
 from service.actions.reading.import_options import ImportOptions, parse_label, parse_property
 from service.formats.format import SourceFile
+from service.operations.arguments import Shown
 from service.operations.call import Call
 from service.operations.operation import Upload
 
@@ -107,11 +108,18 @@ def upload_documents(
     return result
 
 
-def inspect_files(call: Call, file: Files, encoding: Encoding = None) -> InspectResult:
+def inspect_files(
+    call: Call,
+    file: Files,
+    shown: Shown,
+    encoding: Encoding = None,
+    repair: Annotated[list[Repair] | None, Field(description="Repair text files first")] = None,
+) -> InspectResult:
     """Nothing is stored."""
     from service.actions.reading import inspect_files as inspecting
 
-    clips, problems = inspecting.inspect_files(file, ImportOptions(encoding=encoding), call.settings)
+    options = ImportOptions(encoding=encoding, repair=tuple(repair or ()))
+    clips, problems = inspecting.inspect_files(file, options, call.settings, shown.window)
     return InspectResult(
         clips=clips, problems=[FileProblem(file=name, problem=problem_of(error)) for name, error in problems]
     )

@@ -15,11 +15,13 @@ from service.actions.composing.keep_mapping import mapping_of
 from service.actions.editing.reshape_motion import Whole, read_whole
 from service.actions.importing.store_clip import store_stream
 from service.actions.reading.edit_header import seconds_of
+from service.actions.reading.preview_motion import Window, preview_motion
 from service.actions.reading.read_clip import read_clip
 from service.errors import DocumentError
 from service.motion.clip import ClipHead, ClipStream, FrameBlock
 from service.motion.composing import Piece, compose, layered
 from service.motion.frames import eased, joined, rows_of
+from service.motion.mirroring import mirrored
 from service.motion.resampling import resampled
 from service.motion.units import reading_of, up_of
 from service.settings import Settings
@@ -52,7 +54,12 @@ class _Source:
 
 
 def compose_frames(
-    database: Database, queries: Queries, settings: Settings, request: ComposeRequest, author: str
+    database: Database,
+    queries: Queries,
+    settings: Settings,
+    request: ComposeRequest,
+    author: str,
+    window: Window | None = None,
 ) -> Composed:
     """Make the document, or in a preview only say what it would be.
 
@@ -65,11 +72,14 @@ def compose_frames(
         fitting = _Fitting(tx, head, request.project)
         blocks = fitting.all(sources, segments)
     frame_time = sources[0].frame_time if request.rate is None else 1 / request.rate
-    seconds = sum(len(block) * source.frame_time for block, source in zip(blocks, sources, strict=True))
+    speeds = [segment.speed for _, segment in segments]
+    seconds = sum(
+        len(block) * source.frame_time / speed for block, source, speed in zip(blocks, sources, speeds, strict=True)
+    )
     if seconds / frame_time > MOST_FRAMES:
         raise DocumentError(f"The document would have more than {MOST_FRAMES:,} frames.", remedy="Compose it in parts.")
     pieces = [
-        Piece(block, source.frame_time, "" if segment.layers else source.name, source.first)
+        Piece(block, source.frame_time / segment.speed, _name(source, segment), source.first)
         for block, source, (_, segment) in zip(blocks, sources, segments, strict=True)
     ]
     made = compose(
@@ -77,6 +87,7 @@ def compose_frames(
         pieces,
         frame_time,
         transition=request.transition,
+        transitions=[segment.transition for _, segment in segments],
         style=request.style,
         lengthen=request.lengthen,
         align=request.align,
@@ -116,7 +127,14 @@ def compose_frames(
             for seam in made.seams
         ],
         notices=[*fitting.notices, *(notice.what for notice in made.shortfall.notices(head.skeleton))],
+        motion=None if window is None else preview_motion(head, [block], window, frame_time),
     )
+
+
+def _name(source: _Source, segment: Segment) -> str:
+    """Of the clip that pieces go on in, where they follow one another in it; none for what was changed."""
+    changed = segment.layers or segment.mirror or segment.transition is not None
+    return "" if changed else source.name
 
 
 def _segment(source: _Source, first: int, last: int) -> ComposedSegment:
@@ -214,6 +232,9 @@ class _Fitting:
         for index, (source, (_, segment)) in enumerate(zip(sources, segments, strict=True)):
             for layer in segment.layers:
                 blocks[index] = self._layered(source, blocks[index], layer)
+            if segment.mirror:
+                skeleton, reading = self._head.skeleton, reading_of(self._head)
+                blocks[index] = mirrored(skeleton, blocks[index], up=up_of(self._head), reading=reading).block
         return blocks
 
     def _fitted(

@@ -9,6 +9,7 @@ from typing import Any
 from schemas.retarget import (
     BoneError,
     FootSliding,
+    FrameSpan,
     JointMatch,
     Retargeted,
     RetargetedOne,
@@ -23,6 +24,7 @@ from service.actions.composing.select_documents import select_documents
 from service.actions.editing.reshape_motion import Whole, read_whole
 from service.actions.importing.store_clip import store_stream
 from service.actions.reading.edit_header import seconds_of
+from service.actions.reading.preview_motion import Window, preview_motion
 from service.errors import DocumentError, McmlError
 from service.motion.clip import ClipStream
 from service.motion.retarget import Retargeted as Result
@@ -35,9 +37,14 @@ from service.xpath.run import Queries
 
 
 def retarget_motion(
-    database: Database, settings: Settings, uuid: str, request: RetargetRequest, author: str
+    database: Database,
+    settings: Settings,
+    uuid: str,
+    request: RetargetRequest,
+    author: str,
+    window: Window | None = None,
 ) -> Retargeted:
-    """Bring a motion onto another skeleton.
+    """Bring a motion onto another skeleton. window: frames of which positions are told.
 
     Raises DocumentError for markers and for names that are not there, ConversionError where no joints match.
     """
@@ -45,7 +52,8 @@ def retarget_motion(
         stored, other = tx.documents.get(uuid), tx.documents.get(request.skeleton)
         source, target = read_whole(tx, stored), read_whole(tx, other, 1, 1)
         mapping = mapping_of(tx, request.project or stored.project, request.mapping)
-    return _retarget(database, settings, (stored, source), (other, target), mapping, request, request.name, author)
+    motion, body = (stored, source), (other, target)
+    return _retarget(database, settings, motion, body, mapping, request, request.name, author, window)
 
 
 def retarget_many(
@@ -97,6 +105,7 @@ def _retarget(
     request: Retargeting,
     name: str | None,
     author: str,
+    window: Window | None = None,
 ) -> Retargeted:
     (stored, source), (other, target) = motion, body
     seconds = seconds_of(stored)
@@ -114,6 +123,8 @@ def _retarget(
         target_reading=target.reading,
         clean=request.clean_feet,
         up=target.up,
+        scale=request.scale,
+        match_rest=request.match_rest,
     )
     document = None
     if not request.preview:
@@ -135,7 +146,10 @@ def _retarget(
                 "parameters": _parameters(request, mapping),
             },
         )
-    return _told(document, made, one, two, notices)
+    told = _told(document, made, one, two, notices)
+    if window is not None:
+        told.motion = preview_motion(with_body(source.head, target.head), [made.block], window, seconds)
+    return told
 
 
 def _parameters(request: Retargeting, mapping: JointMapping | None) -> dict[str, Any]:
@@ -148,6 +162,7 @@ def _parameters(request: Retargeting, mapping: JointMapping | None) -> dict[str,
 
 def _told(document: str | None, made: Result, source: Skeleton, target: Skeleton, notices: list[str]) -> Retargeted:
     report = made.report
+    worst = max((bone for bone in report.bones if bone.leads), key=lambda bone: bone.largest, default=None)
     return Retargeted(
         document=document,
         frames=len(made.block),
@@ -170,13 +185,21 @@ def _told(document: str | None, made: Result, source: Skeleton, target: Skeleton
                 leads=bone.leads,
                 mean=bone.mean,
                 largest=bone.largest,
+                frame=bone.frame + 1,
             )
             for bone in report.bones
         ],
         feet=[
-            FootSliding(foot=target.names[foot.joint], stances=len(foot.contacts), before=foot.before, after=foot.after)
+            FootSliding(
+                foot=target.names[foot.joint],
+                stances=len(foot.contacts),
+                before=foot.before,
+                after=foot.after,
+                contacts=[FrameSpan(first=first + 1, last=last + 1) for first, last in foot.contacts],
+            )
             for foot in report.feet
         ],
+        worst_frame=None if worst is None else worst.frame + 1,
         notices=notices
         + [notice.what for notice in [*report.notices(source, target), *made.shortfall.notices(target)]],
     )
