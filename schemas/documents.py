@@ -21,6 +21,7 @@ from schemas.examples import (
     shown,
 )
 from schemas.problem import Problem
+from schemas.revisions import FrameRange
 
 _IMPORTED = {"id": DOCUMENT, "name": "walk", "skipped": False, "receipt": RECEIPT}
 _REFUSED = {"file": "broken.bvh", "problem": PROBLEM}
@@ -297,6 +298,9 @@ class Revision(BaseModel):
     project: str = Field(description="Of the document, as this revision left it")
     time: str
     author: str
+    touched: list[FrameRange] | None = Field(
+        None, description="Frames with other samples or names than before, as it left them, if asked"
+    )
 
 
 class RevisionPage(BaseModel):

@@ -45,6 +45,14 @@ _ROWS = [
     Operation("set_properties", "POST /properties", WRITES, EDIT,
               "Set properties of many documents from a CSV table.", "documents", "properties TABLE"),
 
+    # many documents at once
+    Operation("delete_documents", "POST /selections/delete", WRITES, EDIT,
+              "Hide all documents of a selection.", "selections"),
+    Operation("restore_documents", "POST /selections/restore", WRITES, EDIT,
+              "Bring deleted documents back.", "selections"),
+    Operation("change_documents", "POST /selections/change", WRITES, EDIT,
+              "Change facts of all documents of a selection, and name frames of them.", "selections"),
+
     # files of documents
     Operation("get_mcml", "GET /documents/{id}/mcml", STREAMS, READ,
               "The document as MCML, valid against `mcml.dtd`.", "exports"),
@@ -127,16 +135,12 @@ _ROWS = [
     Operation("compose", "POST /compose", WRITES, EDIT,
               "Make a document of frames of others, one segment after the other, with transitions between them.",
               "composing", status=201, terse=True, unmade=PREVIEW),
-    Operation("show_composition", "POST /compose/motion", READS, READ,
-              "The motion that a composition would have, as positions of joints; nothing is stored.", "composing"),
     Operation("split_document", "POST /documents/{id}/split", WRITES, EDIT,
               "Store parts of a document as documents: cut before frames, or around every range of a motion name.",
               "composing", "split ID [AT]", status=201),
     Operation("retarget", "POST /documents/{id}/retarget", WRITES, EDIT,
               "Bring a motion onto the skeleton of another document, as a new document.", "composing", status=201,
               terse=True, unmade=PREVIEW),
-    Operation("show_retargeted", "POST /documents/{id}/retarget/motion", READS, READ,
-              "The motion that another body would have, as positions of joints; nothing is stored.", "composing"),
     Operation("retarget_many", "POST /retarget", WRITES, EDIT,
               "Bring the motions of all selected documents onto one skeleton, each as a new document.", "composing"),
 

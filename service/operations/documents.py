@@ -19,7 +19,7 @@ from schemas.documents import (
     RevisionPage,
 )
 from schemas.examples import DOCUMENT, MOTION_NAME, QUERY
-from schemas.revisions import Difference
+from schemas.revisions import Difference, FrameRange
 from service.actions.editing import change_document as changes
 from service.actions.reading.describe_document import detail, summary
 from service.operations.arguments import (
@@ -36,7 +36,7 @@ from service.operations.arguments import (
 from service.operations.call import Call
 from service.operations.operation import Body
 from service.storage.database import Transaction
-from service.storage.documents import StoredDocument
+from service.storage.documents import StoredDocument, StoredRevision
 from service.storage.filtering import DocumentFilter, Range, parse_condition, parse_range
 
 TABLE = "name,age (year),height (cm)\nwalk,23,172.4\n"
@@ -239,15 +239,41 @@ def undo_revision(
         return detail(tx, changed)
 
 
-def list_revisions(call: Call, id: DocumentId, page: Page) -> RevisionPage:
+def list_revisions(
+    call: Call,
+    id: DocumentId,
+    page: Page,
+    with_: Annotated[
+        Literal["frames"] | None,
+        Field(alias="with", description="Also which frames each of them touched, as it left them"),
+    ] = None,
+) -> RevisionPage:
     before = page.after(int)
     with call.database.read() as tx:
         stored = tx.documents.get(id)
         found = tx.documents.revisions(
             stored.key, before=None if before is None else before[0], limit=page.most(call) + 1
         )
-    items, more = page.cut(call, found, lambda item: (item.number,))
-    return RevisionPage(items=[Revision.model_validate(item, from_attributes=True) for item in items], next_cursor=more)
+        items, more = page.cut(call, found, lambda item: (item.number,))
+        shown = [Revision.model_validate(item, from_attributes=True) for item in items]
+        if with_ is not None:
+            for item, answer in zip(items, shown, strict=True):
+                answer.touched = _touched(tx, stored, item)
+    return RevisionPage(items=shown, next_cursor=more)
+
+
+def _touched(tx: Transaction, stored: StoredDocument, revision: StoredRevision) -> list[FrameRange] | None:
+    """None of the first revision that is kept, before which there is none."""
+    from service.storage.touched import touched_frames
+
+    then = tx.at_commit(revision.commit).documents.get(stored.uuid, deleted=True)
+    before = (
+        None if revision.parent is None else tx.at_commit(revision.commit - 1).documents.find(stored.uuid, deleted=True)
+    )
+    if before is None:
+        return None
+    found = touched_frames(tx, stored.key, revision.commit, before.frames, then.frames)
+    return [FrameRange(first=first, last=last) for first, last in found]
 
 
 def compare_revisions(
