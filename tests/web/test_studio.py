@@ -85,3 +85,12 @@ def test_files_are_short() -> None:
     for file in (WEB / "src").rglob("*.ts*"):
         if file.name != "types.gen.ts":
             assert len(file.read_text(encoding="utf-8").splitlines()) <= 400, file
+
+
+def test_panels_do_not_import_one_another() -> None:
+    panels = WEB / "src/panels"
+    for file in panels.rglob("*.ts*"):
+        for found in re.findall(
+            r'^import .*? from "(\.\./[^."][^"]*)"', file.read_text(encoding="utf-8"), re.MULTILINE
+        ):
+            raise AssertionError(f"{file}: {found}")

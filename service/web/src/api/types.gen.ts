@@ -148,6 +148,54 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/selections/delete": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["delete_documents"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/selections/restore": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["restore_documents"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/selections/change": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["change_documents"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/mcml": {
         parameters: {
             query?: never;
@@ -436,22 +484,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/compose/motion": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["show_composition"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/v1/documents/{id}/split": {
         parameters: {
             query?: never;
@@ -478,22 +510,6 @@ export interface paths {
         get?: never;
         put?: never;
         post: operations["retarget"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/api/v1/documents/{id}/retarget/motion": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["show_retargeted"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1340,7 +1356,14 @@ export interface components {
         };
         Body_inspect_files: {
             file: string[];
+            positions?: "f4" | null;
+            /** @default 1 */
+            first: number;
+            last?: number | null;
+            /** @default 1 */
+            step: number;
             encoding?: string | null;
+            repair?: ("split-numbers" | "whole-frames")[] | null;
         };
         Body_read_music: {
             /** Format: binary */
@@ -1370,6 +1393,7 @@ export interface components {
              * @enum {string}
              */
             on_duplicate: "new" | "skip";
+            repair?: ("split-numbers" | "whole-frames")[] | null;
             /** @default false */
             strict_names: boolean;
             movements?: number | null;
@@ -1399,6 +1423,8 @@ export interface components {
             leads: boolean;
             mean: number;
             largest: number;
+            /** @default 1 */
+            frame: number;
         };
         Card: {
             id: string;
@@ -1566,6 +1592,7 @@ export interface components {
             segments: components["schemas"]["ComposedSegment"][];
             seams: components["schemas"]["ComposedSeam"][];
             notices: string[];
+            motion?: components["schemas"]["PreviewMotion"] | null;
         };
         ComposedSeam: {
             segment: number;
@@ -2054,6 +2081,7 @@ export interface components {
             stances: number;
             before: number;
             after: number;
+            contacts?: components["schemas"]["FrameSpan"][];
         };
         FormatInfo: {
             name: string;
@@ -2103,6 +2131,10 @@ export interface components {
                     [key: string]: number;
                 };
             };
+        };
+        FrameSpan: {
+            first: number;
+            last: number;
         };
         FramesEdited: {
             revision: number;
@@ -2337,6 +2369,20 @@ export interface components {
             project?: string | null;
             parameters?: components["schemas"]["ExpressionLevelChoice"];
         };
+        ManyChanges: {
+            selection: components["schemas"]["Selection"];
+            change?: components["schemas"]["DocumentChange"];
+            labels?: components["schemas"]["ManyLabel"][];
+        };
+        ManyDocuments: {
+            documents: string[];
+        };
+        ManyLabel: {
+            name: string;
+            /** @default 1 */
+            first: number;
+            last?: number | null;
+        };
         Mapping: {
             pairs: components["schemas"]["JointPair"][];
             name: string;
@@ -2536,6 +2582,16 @@ export interface components {
             name?: string | null;
             project?: string | null;
             parameters?: components["schemas"]["ExpressionStride"];
+        };
+        PreviewMotion: {
+            first: number;
+            shape: number[];
+            bones: string[];
+            parents: number[];
+            origin: number[];
+            seconds_per_frame?: number | null;
+            up: string;
+            data: string;
         };
         Problem: {
             type: string;
@@ -2869,6 +2925,9 @@ export interface components {
             mapping?: components["schemas"]["JointPair"][] | string | null;
             /** @default false */
             clean_feet: boolean;
+            /** @default false */
+            match_rest: boolean;
+            scale?: number | null;
             project?: string | null;
             /** @default false */
             preview: boolean;
@@ -2879,6 +2938,9 @@ export interface components {
             mapping?: components["schemas"]["JointPair"][] | string | null;
             /** @default false */
             clean_feet: boolean;
+            /** @default false */
+            match_rest: boolean;
+            scale?: number | null;
             project?: string | null;
             /** @default false */
             preview: boolean;
@@ -2893,7 +2955,9 @@ export interface components {
             unmatched_target: string[];
             bones: components["schemas"]["BoneError"][];
             feet: components["schemas"]["FootSliding"][];
+            worst_frame?: number | null;
             notices: string[];
+            motion?: components["schemas"]["PreviewMotion"] | null;
         };
         ReverseFrames: {
             first: number;
@@ -2913,6 +2977,7 @@ export interface components {
             project: string;
             time: string;
             author: string;
+            touched?: components["schemas"]["FrameRange"][] | null;
         };
         RevisionPage: {
             items: components["schemas"]["Revision"][];
@@ -2973,6 +3038,11 @@ export interface components {
             /** @default [] */
             layers: components["schemas"]["Layer"][];
             mapping?: components["schemas"]["JointPair"][] | string | null;
+            /** @default 1 */
+            speed: number;
+            /** @default false */
+            mirror: boolean;
+            transition?: number | null;
         };
         Selection: {
             /** @default [] */
@@ -3633,6 +3703,7 @@ export interface operations {
             query?: {
                 limit?: number;
                 cursor?: string | null;
+                with?: "frames" | null;
             };
             header?: never;
             path: {
@@ -3737,6 +3808,147 @@ export interface operations {
             content: {
                 "application/octet-stream": string;
                 "text/csv": string;
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangedDocuments"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_documents: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Selection"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangedDocuments"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    restore_documents: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ManyDocuments"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangedDocuments"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    change_documents: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ManyChanges"];
             };
         };
         responses: {
@@ -5239,7 +5451,12 @@ export interface operations {
     };
     compose: {
         parameters: {
-            query?: never;
+            query?: {
+                positions?: "f4" | null;
+                first?: number;
+                last?: number | null;
+                step?: number;
+            };
             header?: {
                 "idempotency-key"?: string | null;
             };
@@ -5266,55 +5483,6 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Composed"];
-                };
-            };
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            507: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            "4XX": {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    show_composition: {
-        parameters: {
-            query?: {
-                step?: number;
-            };
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["ComposeRequest"];
-            };
-        };
-        responses: {
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/vnd.mcml.block": unknown;
                 };
             };
             503: {
@@ -5396,7 +5564,12 @@ export interface operations {
     };
     retarget: {
         parameters: {
-            query?: never;
+            query?: {
+                positions?: "f4" | null;
+                first?: number;
+                last?: number | null;
+                step?: number;
+            };
             header?: {
                 "idempotency-key"?: string | null;
             };
@@ -5425,57 +5598,6 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Retargeted"];
-                };
-            };
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            507: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            "4XX": {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    show_retargeted: {
-        parameters: {
-            query?: {
-                step?: number;
-            };
-            header?: never;
-            path: {
-                id: string;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["RetargetRequest"];
-            };
-        };
-        responses: {
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/vnd.mcml.block": unknown;
                 };
             };
             503: {

@@ -1,7 +1,7 @@
 /** What can be done with the clips that are picked. */
 import { useState } from "preact/hooks";
 import { ask, fetched, address } from "../../api/client";
-import { saveBlob } from "../clip/pictures";
+import { saveBlob } from "../../ui/saveBlob";
 import * as library from "../../state/library";
 import { note, refuse } from "../../state/notes";
 import { collectionsChanged } from "../../state/collections";
