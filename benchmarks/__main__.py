@@ -18,6 +18,7 @@ BENCHMARKS = {
     "reach": "reach models: fit, synthesis, memory, growth",
     "share": "generated XPath expressions answered without projection",
     "store": "loading, sizes, label counts, edits, against BaseX and lxml",
+    "studio": "the studio in a browser: start, frames, memory, 30,000 clips",
     "xpath": "questions on three sizes of library, against BaseX, lxml, PostgreSQL's xpath()",
 }
 
