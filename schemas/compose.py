@@ -43,6 +43,7 @@ class Segment(BaseModel):
     transition: int | None = Field(
         None, ge=0, le=2000, description="Frames of the transition before it; default the request's"
     )
+    style: Literal["bridge", "crossfade"] | None = Field(None, description="Of that transition; default the request's")
 
     @model_validator(mode="after")
     def _names_something(self) -> Segment:

@@ -20,6 +20,7 @@ from schemas.examples import (
     TIME,
     shown,
 )
+from schemas.media import MediaInfo
 from schemas.problem import Problem
 from schemas.revisions import FrameRange
 
@@ -193,6 +194,7 @@ class DocumentDetail(DocumentSummary):
     files: list[StoredFile] = Field(description="Kept source files")
     original: bool = Field(description="Whether an export in the source's format answers the kept bytes")
     receipt: Receipt
+    media: MediaInfo | None = Field(None, description="Video or audio that it carries for reference")
     links: dict[str, str]
 
 

@@ -95,6 +95,7 @@ def compose(
     transition: int = 0,
     transitions: Sequence[int | None] = (),
     style: Style = "bridge",
+    styles: Sequence[Style | None] = (),
     lengthen: bool = True,
     align: bool = True,
     up: str = "Y",
@@ -103,7 +104,7 @@ def compose(
     """Pieces one after the other, on one skeleton, at one frame time (seconds).
 
     transition: frames between pieces that do not follow one another in their source; transitions: before each of the
-    pieces, where they differ (None: as `transition` says). "bridge" makes new frames between
+    pieces, where they differ (None: as `transition` says); styles likewise. "bridge" makes new frames between
     them, "crossfade" blends so many of their own; 0: none. lengthen: as many more as it takes for no step of the root
     or of a joint's angle to be larger than 1.1 times the largest inside the pieces (a crossfade only as far as the
     pieces go). align: each piece is turned about the axis up and shifted on the ground so that the body goes on;
@@ -123,7 +124,8 @@ def compose(
     for part in parts[1:]:
         piece = part.pieces[0][0]
         own = transitions[piece] if piece < len(transitions) else None
-        track.add(part, transition if own is None else own, style, align)
+        how = styles[piece] if piece < len(styles) else None
+        track.add(part, transition if own is None else own, how or style, align)
     return track.finish(parts)
 
 

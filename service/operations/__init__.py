@@ -70,6 +70,16 @@ _ROWS = [
     Operation("get_thumbnail", "GET /documents/{id}/thumbnail", STREAMS, READ,
               "A small moving picture of a document's skeleton.", "viewing"),
 
+    # what one looks at beside the motion
+    Operation("put_media", "PUT /documents/{id}/media", WRITES, EDIT,
+              "Let a document carry video or audio for reference.", "media"),
+    Operation("get_media", "GET /documents/{id}/media", STREAMS, READ,
+              "The video or audio that a document carries for reference.", "media"),
+    Operation("change_media", "PATCH /documents/{id}/media", WRITES, EDIT,
+              "Say where in its video or audio the motion of a document begins.", "media"),
+    Operation("delete_media", "DELETE /documents/{id}/media", WRITES, EDIT,
+              "Take the video or audio of a document away.", "media", status=204),
+
     # frames
     Operation("get_frames", "GET /documents/{id}/frames", STREAMS, READ,
               "Frames of a document as numbers in the source's units.", "frames"),

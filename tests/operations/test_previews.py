@@ -72,6 +72,9 @@ def test_each_segment_may_have_its_own_transition(client: TestClient, database: 
     body = {"segments": segments, "transition": 9, "lengthen": False, "preview": True}
     made = post(client, "compose", body)
     assert [seam["transition"] for seam in made["seams"]] == [5, 9, 0]
+    bridged = made["frames"]
+    faded = post(client, "compose", {**body, "segments": [part, {**part, "transition": 5, "style": "crossfade"}]})
+    assert (bridged, faded["frames"]) == (80 + 5 + 9, 40 - 5)
 
 
 def test_retargetings_are_looked_at(client: TestClient, database: Database) -> None:

@@ -89,6 +89,7 @@ def compose_frames(
         transition=request.transition,
         transitions=[segment.transition for _, segment in segments],
         style=request.style,
+        styles=[segment.style for _, segment in segments],
         lengthen=request.lengthen,
         align=request.align,
         up=up_of(head),
@@ -133,7 +134,7 @@ def compose_frames(
 
 def _name(source: _Source, segment: Segment) -> str:
     """Of the clip that pieces go on in, where they follow one another in it; none for what was changed."""
-    changed = segment.layers or segment.mirror or segment.transition is not None
+    changed = segment.layers or segment.mirror or segment.transition is not None or segment.style is not None
     return "" if changed else source.name
 
 
