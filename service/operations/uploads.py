@@ -67,7 +67,10 @@ def upload_documents(
     ] = "new",
     repair: Annotated[
         list[Repair] | None,
-        Field(description="Repair text files first: numbers that touch are set apart; only whole frames are read"),
+        Field(
+            description="Repair text files first: numbers that touch are set apart; only whole frames are read",
+            examples=[["split-numbers"]],
+        ),
     ] = None,
     strict_names: Annotated[bool, Field(description="Refuse labels that are no anatomical movement")] = False,
     movements: Annotated[
@@ -113,7 +116,9 @@ def inspect_files(
     file: Files,
     shown: Shown,
     encoding: Encoding = None,
-    repair: Annotated[list[Repair] | None, Field(description="Repair text files first")] = None,
+    repair: Annotated[
+        list[Repair] | None, Field(description="Repair text files first", examples=[["split-numbers"]])
+    ] = None,
 ) -> InspectResult:
     """Nothing is stored."""
     from service.actions.reading import inspect_files as inspecting

@@ -292,6 +292,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/documents/{id}/media": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_media"];
+        put: operations["put_media"];
+        post?: never;
+        delete: operations["delete_media"];
+        options?: never;
+        head?: never;
+        patch: operations["change_media"];
+        trace?: never;
+    };
     "/api/v1/documents/{id}/frames": {
         parameters: {
             query?: never;
@@ -1365,6 +1381,12 @@ export interface components {
             encoding?: string | null;
             repair?: ("split-numbers" | "whole-frames")[] | null;
         };
+        Body_put_media: {
+            /** Format: binary */
+            file: string;
+            /** @default 0 */
+            offset: number;
+        };
         Body_read_music: {
             /** Format: binary */
             file: string;
@@ -1795,6 +1817,7 @@ export interface components {
             files: components["schemas"]["StoredFile"][];
             original: boolean;
             receipt: components["schemas"]["Receipt"];
+            media?: components["schemas"]["MediaInfo"] | null;
             links: {
                 [key: string]: string;
             };
@@ -2394,6 +2417,16 @@ export interface components {
         MappingPage: {
             items: components["schemas"]["Mapping"][];
             next_cursor?: string | null;
+        };
+        MediaChange: {
+            offset: number;
+        };
+        MediaInfo: {
+            name: string;
+            media_type: string;
+            bytes: number;
+            sha256: string;
+            offset: number;
         };
         MirrorFrames: {
             first: number;
@@ -3043,6 +3076,7 @@ export interface components {
             /** @default false */
             mirror: boolean;
             transition?: number | null;
+            style?: ("bridge" | "crossfade") | null;
         };
         Selection: {
             /** @default [] */
@@ -4258,6 +4292,198 @@ export interface operations {
                 };
                 content: {
                     "application/vnd.mcml.thumbnail": unknown;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_media: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "video/mp4": unknown;
+                    "audio/mp4": unknown;
+                    "video/webm": unknown;
+                    "audio/ogg": unknown;
+                    "audio/wav": unknown;
+                    "audio/flac": unknown;
+                    "audio/mpeg": unknown;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    put_media: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "multipart/form-data": components["schemas"]["Body_put_media"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MediaInfo"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_media: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    change_media: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MediaChange"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MediaInfo"];
                 };
             };
             503: {
