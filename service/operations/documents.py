@@ -178,7 +178,9 @@ def _cards(call: Call, tx: Transaction, shown: Sequence[StoredDocument], also: f
 def get_document(call: Call, id: DocumentId, revision: AtRevision = None) -> DocumentDetail:
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
-        call.tagged(tag(stored))
+        # What it carries for reference belongs to no revision, and changes without one.
+        media = tx.media.of(stored.key)
+        call.tagged(tag(stored, "json" if media is None else f"json-{media.sha256[:12]}-{media.offset!r}"))
         return detail(then, stored)
 
 

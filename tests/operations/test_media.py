@@ -95,3 +95,16 @@ def test_other_files_are_refused(client: TestClient, uuid: str, content: bytes) 
     wrong = client.put(f"{API}/{uuid}/media", files={"file": ("a.mp4", MP4)}, data={"offset": "1e9"})
     assert wrong.status_code == 422
     assert client.put(f"{API}/none/media", files={"file": ("a.mp4", MP4[:99])}).status_code == 404
+
+
+def test_who_has_the_document_hears_of_it(client: TestClient, uuid: str) -> None:
+    """It makes no revision, yet the answer is another one: its tag has to tell them apart."""
+    tags = [client.get(f"{API}/{uuid}").headers["etag"]]
+    put(client, uuid)
+    tags.append(client.get(f"{API}/{uuid}", headers={"if-none-match": tags[0]}).headers["etag"])
+    client.patch(f"{API}/{uuid}/media", json={"offset": 2.5})
+    answer = client.get(f"{API}/{uuid}", headers={"if-none-match": tags[1]})
+    assert (answer.status_code, answer.json()["media"]["offset"]) == (200, 2.5)
+    tags.append(answer.headers["etag"])
+    assert len(set(tags)) == 3
+    assert client.patch(f"{API}/{uuid}", json={"name": "run"}, headers={"if-match": tags[2]}).status_code == 200

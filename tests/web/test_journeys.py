@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import re
+import wave
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -57,8 +59,6 @@ def test_dropped_files_are_stored_and_seen(visit: Visit, studio: Served, tmp_pat
 
 def colours_of(page: Any) -> set[tuple[int, ...]]:
     """The colours of the viewer as they are on the screen."""
-    import io
-
     from PIL import Image
 
     picture = Image.open(io.BytesIO(page.locator(".stage").screenshot())).convert("RGB")
@@ -317,6 +317,35 @@ def test_a_question_is_saved_and_its_answer_becomes_a_clip(visit: Visit, studio:
     ready(page)
     made = next(item for item in studio.get("/documents")["items"] if item["name"] != "kick")
     assert made["frames"] == 16
+
+
+def test_the_motion_follows_its_sound(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk(600))
+    page = visit.open(f"/clips/{uuid}?tab=info")
+    ready(page)
+    sound = io.BytesIO()
+    with wave.open(sound, "wb") as file:
+        file.setparams((1, 2, 8000, 0, "NONE", ""))
+        file.writeframes(b"\0\0" * 8000 * 8)
+    with page.expect_file_chooser() as chooser:
+        page.get_by_role("button", name="Choose a video or a sound").click()
+    chooser.value.set_files({"name": "take.wav", "mimeType": "audio/wav", "buffer": sound.getvalue()})
+    offset = page.get_by_label("Motion begins at")
+    expect(offset).to_have_value("0")
+    offset.fill("1.5")
+    offset.press("Enter")
+    page.wait_for_function("() => document.querySelector('audio')?.readyState >= 3")
+    page.get_by_role("button", name="Play", exact=True).click()
+    page.wait_for_function("() => document.querySelector('audio').currentTime > 2.2")
+    apart = page.evaluate("""() => {
+        const frame = Number(document.querySelector('.frame-field').value) - 1;
+        return document.querySelector('audio').currentTime - 1.5 - frame * 0.0083333;
+    }""")
+    assert abs(apart) < 0.1, "the picture follows the sound"
+    page.get_by_role("button", name="Pause").click()
+    assert page.evaluate("() => document.querySelector('audio').paused")
+    page.get_by_role("button", name="Remove take.wav").click()
+    expect(page.locator("audio")).to_have_count(0)
 
 
 def test_stretches_are_named_drawn_and_split(visit: Visit, studio: Served) -> None:
