@@ -155,8 +155,8 @@ def _script(visitor: Visitor, what: str, wanted: str) -> Figures:
 
 
 def _scrubbed(visitor: Visitor) -> Figures:
-    """Memory while the time is dragged over a clip of 10 minutes. It grows at first, by the blocks that are kept: all of
-    this clip are 66 MB. So the second half is what counts."""
+    """Memory while the time is dragged over a clip of 10 minutes. It grows at first, by the blocks that are kept, 66 MB
+    in all: so the second half is what counts."""
     box = visitor.page.locator(".timeline-canvas").bounding_box()
     y, left, wide = box["y"] + 8, box["x"] + 4, box["width"] - 8
     visitor.page.mouse.move(left, y)
