@@ -39,8 +39,12 @@ def find_document(client: Client, text: str, *, deleted: bool = False) -> Docume
 
 
 def id_of(client: Client, text: str, *, deleted: bool = False) -> str:
-    """The id of the document that a text means; whole ids are taken as they are."""
-    return text if _ID.fullmatch(text) else find_document(client, text, deleted=deleted).id
+    """The id of the document that a text means; whole ids, and collections of documents, are taken as they are."""
+    return (
+        text
+        if _ID.fullmatch(text) or text.startswith("collection:")
+        else find_document(client, text, deleted=deleted).id
+    )
 
 
 def choose_documents(

@@ -17,6 +17,7 @@ from mcml.folders import Told, import_paths
 from mcml.frames import Frames
 from schemas.documents import DocumentChange, DocumentDetail, DocumentSummary, FileProblem, Label, LabelRequest
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
+from schemas.skeletons import SkeletonView
 from service.actions.exporting.convert_files import format_of
 from service.actions.reading.read_numbers import Space
 from service.operations.call import Content
@@ -209,6 +210,11 @@ class Document:
         """Its header, bones, properties, labels, files and receipt."""
         detail: DocumentDetail = self._call("get_document")
         return detail
+
+    def skeleton(self) -> SkeletonView:
+        """Its bones with parents, sides, offsets and channels; unit, up axis and rate, stated or likely."""
+        found: SkeletonView = self._call("get_skeleton")
+        return found
 
     def labels(self) -> list[Label]:
         """Motion names of its frames."""

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT, shown
+from schemas.frames import PreviewMotion
 from schemas.retarget import WantedMapping
 
 
@@ -37,6 +38,12 @@ class Segment(BaseModel):
     project: str | None = Field(None, description="With `xpath`: look only there")
     layers: list[Layer] = Field([], max_length=100)
     mapping: WantedMapping = None
+    speed: float = Field(1.0, ge=0.05, le=20, description="2: twice as fast")
+    mirror: bool = Field(False, description="With left and right exchanged")
+    transition: int | None = Field(
+        None, ge=0, le=2000, description="Frames of the transition before it; default the request's"
+    )
+    style: Literal["bridge", "crossfade"] | None = Field(None, description="Of that transition; default the request's")
 
     @model_validator(mode="after")
     def _names_something(self) -> Segment:
@@ -139,6 +146,7 @@ class Composed(BaseModel):
     segments: list[ComposedSegment]
     seams: list[ComposedSeam]
     notices: list[str]
+    motion: PreviewMotion | None = Field(None, description="Positions, if asked")
 
 
 class SplitRequest(BaseModel):

@@ -20,7 +20,9 @@ from schemas.examples import (
     TIME,
     shown,
 )
+from schemas.media import MediaInfo
 from schemas.problem import Problem
+from schemas.revisions import FrameRange
 
 _IMPORTED = {"id": DOCUMENT, "name": "walk", "skipped": False, "receipt": RECEIPT}
 _REFUSED = {"file": "broken.bvh", "problem": PROBLEM}
@@ -192,6 +194,7 @@ class DocumentDetail(DocumentSummary):
     files: list[StoredFile] = Field(description="Kept source files")
     original: bool = Field(description="Whether an export in the source's format answers the kept bytes")
     receipt: Receipt
+    media: MediaInfo | None = Field(None, description="Video or audio that it carries for reference")
     links: dict[str, str]
 
 
@@ -297,6 +300,9 @@ class Revision(BaseModel):
     project: str = Field(description="Of the document, as this revision left it")
     time: str
     author: str
+    touched: list[FrameRange] | None = Field(
+        None, description="Frames with other samples or names than before, as it left them, if asked"
+    )
 
 
 class RevisionPage(BaseModel):

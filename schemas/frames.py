@@ -130,6 +130,21 @@ class FrameValues(BaseModel):
     values: list[list[float]] = Field(min_length=1)
 
 
+class PreviewMotion(BaseModel):
+    """Positions of joints, and after them of the ends of chains, of a motion that is not stored. data: little-endian
+    f4, base64: frame after frame, point after point, x y z, told from the origin, which is where the first joint is in
+    frame 1."""
+
+    first: int
+    shape: list[int] = Field(description="Frames, points, 3")
+    bones: list[str]
+    parents: list[int] = Field(description="Of each point the joint above, -1 at a root")
+    origin: list[float]
+    seconds_per_frame: float | None = None
+    up: str = Field(description="Axis that points up: stated, or likely")
+    data: str
+
+
 class FramesEdited(BaseModel):
     """The revision that was made, and how many frames the document now has."""
 

@@ -29,9 +29,9 @@ class Problem(BaseModel):
     detail: str
     where: Where | None = None
     remedy: str | None = None
-    code: str | None = Field(None, description="Of an analysis: the name of the fault, as its page lists them")
+    code: str | None = Field(None, description="The name of the fault, where it has one")
     details: dict[str, Any] | None = Field(
-        None, description="Of an analysis: what the fault is about, such as the document, or a suggestion"
+        None, description="What the fault is about, such as the document, conflicts, repairs, or a suggestion"
     )
     errors: list[dict[str, Any]] | None = None
     problems: list[dict[str, Any]] | None = Field(

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import CURSOR, DOCUMENT, NODE, QUERY, shown
 
+WITH = r"^(totals|range)(,(totals|range))*$"
 MOST_DOCUMENTS = 10_000
 """That one question names."""
 
@@ -52,6 +53,15 @@ class RunItem(BaseModel):
     first_id: str
     last_id: str
     frames: int
+    range: list[float] | None = Field(None, description="Least and greatest value of `range_of` in it, if asked")
+
+
+class RunTotals(BaseModel):
+    """Of all runs of an answer, on all pages."""
+
+    frames: int
+    runs: int
+    documents: int
 
 
 class ValueItem(BaseModel):
@@ -79,7 +89,14 @@ class QueryAnswer(BaseModel):
     model_config = ConfigDict(
         json_schema_extra=shown(
             {"type": "nodes", "items": [NODE], "next_cursor": CURSOR, "complete": True, "warnings": []},
-            {"type": "runs", "items": [_RUN], "complete": True, "warnings": []},
+            {
+                "type": "runs",
+                "items": [{**_RUN, "range": [45.1, 71.9]}],
+                "totals": {"frames": 1204, "runs": 37, "documents": 9},
+                "range_of": "left_up_arm.Rx",
+                "complete": True,
+                "warnings": [],
+            },
             {"type": "number", "value": 42.0, "complete": True, "warnings": []},
         )
     )
@@ -89,6 +106,8 @@ class QueryAnswer(BaseModel):
     items: list[NodeItem | RunItem | ScalarItem | ValueItem] | None = None
     next_cursor: str | None = None
     total: int | None = Field(None, description="All items on all pages, where it is known without more work")
+    totals: RunTotals | None = Field(None, description="Of runs, if asked")
+    range_of: str | None = Field(None, description="BONE.CHANNEL whose range each run has, if asked")
     complete: bool = Field(True, description="False where a limit ended the query early")
     warnings: list[str] = Field(default_factory=list)
     explain: Explain | None = None
@@ -113,6 +132,7 @@ class QueryRequest(BaseModel):
     limit: int | None = Field(None, ge=1, description="Most items; pages have 100, streams (xml, ndjson, csv) all")
     cursor: str | None = None
     explain: bool = False
+    with_: str | None = Field(None, alias="with", pattern=WITH, description="Of runs: totals, range, or both")
     variables: dict[str, str | float | bool] = Field(
         default_factory=dict, max_length=100, description="Values of $name in the expression"
     )
@@ -124,6 +144,7 @@ class CompletionItem(BaseModel):
     text: str
     kind: Literal["element", "attribute", "axis", "function", "motion name", "bone name"]
     detail: str = ""
+    documents: int | None = Field(None, description="Of names: how many documents have it")
 
 
 class Completions(BaseModel):

@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT, TIME, example_of, shown
+from schemas.frames import PreviewMotion
 from schemas.jobs import Selection
 from schemas.problem import Problem
 
@@ -35,6 +36,10 @@ class Retargeting(BaseModel):
     skeleton: str = Field(description="Document whose skeleton the motion is brought to", examples=[DOCUMENT])
     mapping: WantedMapping = None
     clean_feet: bool = Field(False, description="Hold feet where they stand")
+    match_rest: bool = Field(
+        False, description="Joints turn from rest as their sources do; else bones point as those of the source"
+    )
+    scale: float | None = Field(None, gt=0, le=1e6, description="Of the way through the room; default by the legs")
     project: str | None = Field(
         None, min_length=1, max_length=256, description="Of the new document, and of the mapping; default the source's"
     )
@@ -131,6 +136,14 @@ class BoneError(BaseModel):
     leads: bool
     mean: float
     largest: float
+    frame: int = Field(1, description="Where it is largest")
+
+
+class FrameSpan(BaseModel):
+    """Frames first to last, positions from 1."""
+
+    first: int
+    last: int
 
 
 class FootSliding(BaseModel):
@@ -140,6 +153,7 @@ class FootSliding(BaseModel):
     stances: int
     before: float
     after: float
+    contacts: list[FrameSpan] = Field(default_factory=list, description="Frames in which it stands")
 
 
 class Retargeted(BaseModel):
@@ -176,7 +190,9 @@ class Retargeted(BaseModel):
     unmatched_target: list[str]
     bones: list[BoneError]
     feet: list[FootSliding]
+    worst_frame: int | None = Field(None, description="Where a bone that leads points farthest elsewhere")
     notices: list[str]
+    motion: PreviewMotion | None = Field(None, description="Positions, if asked")
 
 
 class RetargetedOne(BaseModel):

@@ -78,7 +78,10 @@ def _part(content: Content, headers: dict[str, str], stack: ExitStack, wanted: r
     headers["content-range"] = f"bytes {wanted.start}-{wanted.stop - 1}/{content.size}"
     headers["content-length"] = str(len(wanted))
     kept = stack.pop_all()
-    blocks = ahead(pieces(_within(_holding(kept, content.blocks), wanted)))
+    found, within = content.blocks, wanted
+    if content.seek is not None:
+        found, within = content.seek(wanted.start), range(len(wanted))
+    blocks = ahead(pieces(_within(_holding(kept, found), within)))
     return StreamingResponse(blocks, 206, headers, media_type=content.media_type)
 
 

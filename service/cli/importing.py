@@ -28,6 +28,9 @@ def import_(
     label: Annotated[list[str] | None, typer.Option(help="Motion name: NAME or NAME:FIRST-LAST")] = None,
     property: Annotated[list[str] | None, typer.Option(help="Property: age=23 or 'age=23 year'")] = None,
     encoding: Annotated[str | None, typer.Option(help="Text encoding, if it is not UTF-8")] = None,
+    repair: Annotated[
+        list[str] | None, typer.Option(help="Repair first: split-numbers, whole-frames; may be repeated")
+    ] = None,
     translation: Annotated[
         str | None, typer.Option(help="auto, absolute or relative: whether translations stand for offsets or add")
     ] = None,
@@ -57,6 +60,7 @@ def import_(
         "label": label,
         "property": property,
         "encoding": encoding,
+        "repair": repair or None,
         "translation": translation,
         "unit": unit,
         "up": up,

@@ -43,6 +43,7 @@ def xpath(
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Write xml, ndjson or csv to this file")] = None,
     force: ForceOption = False,
     explain: Annotated[bool, typer.Option(help="Say how the query ran")] = False,
+    with_: Annotated[str | None, typer.Option("--with", help="Of runs: totals, range, or totals,range")] = None,
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
@@ -63,6 +64,7 @@ def xpath(
         "revision": revision,
         "explain": explain,
         "variables": variables,
+        "with": with_,
     }
     if form in STREAMS:
         found = client.call("post_query", request=QueryRequest(**asked, limit=limit, **{"as": form}))
@@ -79,11 +81,15 @@ def xpath(
     if answer.value is not None:
         print(_text(answer.value))
     elif answer.type == "runs":
-        rows = table("document", "name", "first#", "last#", "frames#")
+        rows = table("document", "name", "first#", "last#", "frames#", *([answer.range_of] if answer.range_of else []))
         for item in answer.items or []:
             if isinstance(item, RunItem):
-                rows.add_row(item.document, item.name, str(item.first), str(item.last), str(item.frames))
+                ends = [] if item.range is None else [f"{item.range[0]:g} .. {item.range[1]:g}"]
+                rows.add_row(item.document, item.name, str(item.first), str(item.last), str(item.frames), *ends)
         console.print(rows)
+        if answer.totals:
+            told = answer.totals
+            console.print(f"{told.frames:,} frames in {told.runs:,} runs of {told.documents:,} documents", style="dim")
     else:
         for item in answer.items or []:
             if isinstance(item, NodeItem):

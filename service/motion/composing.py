@@ -93,7 +93,9 @@ def compose(
     frame_time: float,
     *,
     transition: int = 0,
+    transitions: Sequence[int | None] = (),
     style: Style = "bridge",
+    styles: Sequence[Style | None] = (),
     lengthen: bool = True,
     align: bool = True,
     up: str = "Y",
@@ -101,7 +103,8 @@ def compose(
 ) -> Composed:
     """Pieces one after the other, on one skeleton, at one frame time (seconds).
 
-    transition: frames between pieces that do not follow one another in their source. "bridge" makes new frames between
+    transition: frames between pieces that do not follow one another in their source; transitions: before each of the
+    pieces, where they differ (None: as `transition` says); styles likewise. "bridge" makes new frames between
     them, "crossfade" blends so many of their own; 0: none. lengthen: as many more as it takes for no step of the root
     or of a joint's angle to be larger than 1.1 times the largest inside the pieces (a crossfade only as far as the
     pieces go). align: each piece is turned about the axis up and shifted on the ground so that the body goes on;
@@ -109,8 +112,9 @@ def compose(
     """
     if not pieces or any(not len(piece.block) for piece in pieces):
         raise ConversionError("there is nothing to compose", remedy="Name pieces that have frames.")
-    if transition < 0:
-        raise ConversionError(f"{transition} frames are no transition", remedy="Give 0 or more.")
+    least = min([transition, *(own for own in transitions if own is not None)])
+    if least < 0:
+        raise ConversionError(f"{least} frames are no transition", remedy="Give 0 or more.")
     axis = np.eye(3)["XYZ".index(up.upper())]
     parts = [_part(skeleton, run, frame_time, axis, reading) for run in _runs(pieces)]
     carry = carriers(skeleton, *(part.poses.translations for part in parts))
@@ -118,7 +122,10 @@ def compose(
     track = _Track(skeleton, reading, carry, largest, lengthen)
     track.start(parts[0])
     for part in parts[1:]:
-        track.add(part, transition, style, align)
+        piece = part.pieces[0][0]
+        own = transitions[piece] if piece < len(transitions) else None
+        how = styles[piece] if piece < len(styles) else None
+        track.add(part, transition if own is None else own, how or style, align)
     return track.finish(parts)
 
 

@@ -81,7 +81,7 @@ def figure_of(skeleton: Skeleton, rest: Rest, carrier: int) -> Figure:
             bones.append((place[above], place[point]))
     sides = _sides(skeleton)
     sides += [sides[joint] for joint, _ in rest.tips]
-    return Figure(tuple(points), tuple(bones), tuple(sides[point] for point in points), place[carrier])
+    return Figure(tuple(points), tuple(bones), tuple(sides[point] for point in points), place.get(carrier, 0))
 
 
 def marker_figure(skeleton: Skeleton, pose: Array) -> Figure:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from service.motion.carriers import chain
@@ -30,7 +32,9 @@ def likely_unit(head: ClipHead, pose: Array) -> tuple[str | None, float | None]:
     pose = np.delete(pose, aside, axis=0)
     seen = pose[np.isfinite(pose).all(axis=1)]
     extent = float(np.ptp(seen, axis=0).max()) if len(seen) > 1 else 0.0
-    factor = float(head.fields.get("units_length", 0))
+    factor = 0.0
+    with suppress(ValueError):
+        factor = float(head.fields.get("units_length", 0))
     if factor > 0:
         return (f"inch/{factor:g}", 0.0254 / factor) if "inch" in likely_units(extent / factor) else (None, None)
     units = likely_units(extent)

@@ -26,11 +26,6 @@ class Walker:
         self._skeleton = skeleton
         self._hub = HubReader(skeleton, reading)
 
-    @property
-    def tip_count(self) -> int:
-        """How many ends of chains there are."""
-        return len(self._hub.rest.tips)
-
     def poses(self, block: FrameBlock) -> tuple[Array, Array]:
         """Positions (n, J, 3) and rotations (n, J, 4) in the world."""
         hub = self._hub.read(block)

@@ -58,13 +58,17 @@ def retarget(
     target_pose: Array | None = None,
     clean: bool = False,
     up: str = "Y",
+    scale: float | None = None,
+    match_rest: bool = False,
 ) -> Retargeted:
     """Frames of a clip on another skeleton.
 
     matches: of `suggest_matches`, or changed. source_pose, target_pose: (J, 4) local rotations of the hub form that
-    show the same body pose on both; the rest poses by default. clean: feet that stand are held where they stand.
-    frame_time: seconds, up: "X", "Y" or "Z", for the feet. Both have the same axis up. Raises ConversionError for a
-    mapping that is empty or names joints that are not there or twice.
+    show the same body pose on both; the rest poses by default. clean: feet that stand are held where they stand. scale:
+    of places, by the legs if not given. match_rest: joints turn from rest as their sources do, wherever their bones
+    point at rest; else bones point as they do in the source. frame_time: seconds, up: "X", "Y" or "Z", for the feet.
+    Both have the same axis up. Raises ConversionError for a mapping that is empty or names joints that are not there or
+    twice.
     """
     if not matches:
         raise ConversionError(
@@ -75,10 +79,10 @@ def retarget(
     writer = HubWriter(target, target_reading)
     one = PosedBody.of(source, HubReader(source, reading).rest, source_pose)
     two = PosedBody.of(target, writer.rest, target_pose)
-    transfer = _Transfer(one, two, {match.target: match.source for match in matches}, writer)
+    transfer = _Transfer(one, two, {match.target: match.source for match in matches}, writer, match_rest)
     positions, turned = walked(source, hub.translations, hub.rotations)
     rotations = transfer.rotations(positions, turned)
-    scale = transfer.scale()
+    scale = transfer.scale() if scale is None else scale
     translations = transfer.translations(hub.translations, positions, turned, rotations, scale)
     reports: tuple[FootReport, ...] = ()
     feet = feet_of(source, target, {match.target: match.source for match in matches})
@@ -120,8 +124,11 @@ def _feet(
 class _Transfer:
     """What takes poses of one body to another. pairs: joint of the target -> joint of the source."""
 
-    def __init__(self, one: PosedBody, two: PosedBody, pairs: dict[int, int], writer: HubWriter) -> None:
-        self.one, self.two, self.pairs, self._writer = one, two, pairs, writer
+    def __init__(
+        self, one: PosedBody, two: PosedBody, pairs: dict[int, int], writer: HubWriter, from_rest: bool = False
+    ) -> None:
+        """from_rest: joints turn from rest as their sources do, wherever their bones point then."""
+        self.one, self.two, self.pairs, self._writer, self._from_rest = one, two, pairs, writer, from_rest
         self._partners = partners(two.skeleton)
         self._above = self._matched_above()
         self._ends = {joint: self._end_of(joint) for joint in pairs}
@@ -158,6 +165,8 @@ class _Transfer:
 
     def _turn(self, joint: int, before: Array) -> Array:
         """D of a joint; before: that of the matched joint above."""
+        if self._from_rest:
+            return before
         if self._partners[joint] == joint:
             axes = self._axes(joint)
             if axes is not None:
@@ -205,7 +214,8 @@ class _Transfer:
     def rotations(self, positions: Array, turned: Array) -> Array:
         """Local rotations (n, J, 4) of the target. positions (n, Js, 3), turned (n, Js, 4): of the source, in the
         world. Joints that cannot turn freely turn so that their bone points as it should, as nearly as they can."""
-        self._turn_limbs(positions, turned)
+        if not self._from_rest:
+            self._turn_limbs(positions, turned)
         skeleton = self.two.skeleton
         local = np.empty((len(positions), len(skeleton), 4))
         world = np.empty_like(local)
@@ -216,6 +226,8 @@ class _Transfer:
             source = self.pairs.get(index)
             if source is None:
                 local[:, index] = self.two.local[index]
+            elif self._from_rest:
+                local[:, index] = multiply(inverse(above), self._wanted(index, turned))
             else:
                 local[:, index] = self._pointed(index, above, self._wanted(index, turned), positions)
             world[:, index] = multiply(above, local[:, index])
@@ -364,7 +376,8 @@ class _Transfer:
             two = made[:, end] - made[:, joint]
             angles = _angles(one, two)
             largest, mean = (float(angles.max()), float(angles.mean())) if len(angles) else (0.0, 0.0)
-            errors.append(BoneError(joint, end, self._ends[joint] == end, largest, mean))
+            worst = int(angles.argmax()) if len(angles) else 0
+            errors.append(BoneError(joint, end, self._ends[joint] == end, largest, mean, worst))
         return tuple(errors)
 
 

@@ -23,6 +23,7 @@ class BoneError:
     leads: bool
     largest: float
     mean: float
+    frame: int = 0
 
 
 @dataclass(frozen=True)

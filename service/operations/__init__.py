@@ -45,6 +45,14 @@ _ROWS = [
     Operation("set_properties", "POST /properties", WRITES, EDIT,
               "Set properties of many documents from a CSV table.", "documents", "properties TABLE"),
 
+    # many documents at once
+    Operation("delete_documents", "POST /selections/delete", WRITES, EDIT,
+              "Hide all documents of a selection.", "selections"),
+    Operation("restore_documents", "POST /selections/restore", WRITES, EDIT,
+              "Bring deleted documents back.", "selections"),
+    Operation("change_documents", "POST /selections/change", WRITES, EDIT,
+              "Change facts of all documents of a selection, and name frames of them.", "selections"),
+
     # files of documents
     Operation("get_mcml", "GET /documents/{id}/mcml", STREAMS, READ,
               "The document as MCML, valid against `mcml.dtd`.", "exports"),
@@ -61,6 +69,16 @@ _ROWS = [
               "The skeleton of a document, with all that one needs to draw or move it.", "viewing", "skeleton ID"),
     Operation("get_thumbnail", "GET /documents/{id}/thumbnail", STREAMS, READ,
               "A small moving picture of a document's skeleton.", "viewing"),
+
+    # what one looks at beside the motion
+    Operation("put_media", "PUT /documents/{id}/media", WRITES, EDIT,
+              "Let a document carry video or audio for reference.", "media"),
+    Operation("get_media", "GET /documents/{id}/media", STREAMS, READ,
+              "The video or audio that a document carries for reference.", "media"),
+    Operation("change_media", "PATCH /documents/{id}/media", WRITES, EDIT,
+              "Say where in its video or audio the motion of a document begins.", "media"),
+    Operation("delete_media", "DELETE /documents/{id}/media", WRITES, EDIT,
+              "Take the video or audio of a document away.", "media", status=204),
 
     # frames
     Operation("get_frames", "GET /documents/{id}/frames", STREAMS, READ,
@@ -127,18 +145,38 @@ _ROWS = [
     Operation("compose", "POST /compose", WRITES, EDIT,
               "Make a document of frames of others, one segment after the other, with transitions between them.",
               "composing", status=201, terse=True, unmade=PREVIEW),
-    Operation("show_composition", "POST /compose/motion", READS, READ,
-              "The motion that a composition would have, as positions of joints; nothing is stored.", "composing"),
     Operation("split_document", "POST /documents/{id}/split", WRITES, EDIT,
               "Store parts of a document as documents: cut before frames, or around every range of a motion name.",
               "composing", "split ID [AT]", status=201),
     Operation("retarget", "POST /documents/{id}/retarget", WRITES, EDIT,
               "Bring a motion onto the skeleton of another document, as a new document.", "composing", status=201,
               terse=True, unmade=PREVIEW),
-    Operation("show_retargeted", "POST /documents/{id}/retarget/motion", READS, READ,
-              "The motion that another body would have, as positions of joints; nothing is stored.", "composing"),
     Operation("retarget_many", "POST /retarget", WRITES, EDIT,
               "Bring the motions of all selected documents onto one skeleton, each as a new document.", "composing"),
+
+    # what projects keep
+    Operation("list_collections", "GET /collections", READS, READ,
+              "Collections of documents, by project and name.", "saved", "collections", terse=True),
+    Operation("get_collection", "GET /collections/{name}", READS, READ,
+              "One collection, and the documents that are in it.", "saved", terse=True),
+    Operation("save_collection", "PUT /collections/{name}", WRITES, EDIT,
+              "Save a collection of documents under a name.", "saved", status=201, terse=True,
+              unmade="A collection that was there, changed"),
+    Operation("delete_collection", "DELETE /collections/{name}", WRITES, EDIT,
+              "Delete a collection.", "saved", status=204),
+    Operation("list_saved_queries", "GET /queries", READS, READ,
+              "Saved XPath questions, by project and name.", "saved", "queries"),
+    Operation("get_saved_query", "GET /queries/{name}", READS, READ,
+              "One saved question.", "saved"),
+    Operation("save_query", "PUT /queries/{name}", WRITES, EDIT,
+              "Save an XPath question under a name.", "saved", status=201, unmade="A question that was there, changed"),
+    Operation("delete_query", "DELETE /queries/{name}", WRITES, EDIT,
+              "Delete a saved question.", "saved", status=204),
+    Operation("get_colours", "GET /colours", READS, READ,
+              "The colours in which a project shows motion names.", "saved"),
+    Operation("save_colours", "PUT /colours", WRITES, EDIT,
+              "Save all colours of motion names of a project.", "saved", status=201,
+              unmade="Colours that were there, changed"),
 
     # names of joints
     Operation("list_mappings", "GET /mappings", READS, READ,

@@ -6,7 +6,7 @@ import base64
 import binascii
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
 import orjson
 from pydantic import Field
@@ -17,6 +17,9 @@ from service.errors import NotFoundError, QueryError
 from service.operations.call import Call
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+
+if TYPE_CHECKING:
+    from service.actions.reading.preview_motion import Window
 
 MOST = 2**31 - 1
 """Of numbers in requests: what every database can compare."""
@@ -69,6 +72,27 @@ class Page:
         """
         shown = found[: self.most(call)]
         return shown, encode_cursor(*place(shown[-1])) if len(found) > len(shown) else None
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Positions of what is made, to be looked at."""
+
+    positions: Annotated[
+        Literal["f4"] | None, Field(description="Also answer positions, as short floats in base64")
+    ] = None
+    first: Annotated[int, Field(ge=1, le=MOST, description="First frame of the positions", examples=[1])] = 1
+    last: Annotated[
+        int | None, Field(ge=1, le=MOST, description="Last one; default as many as an answer holds", examples=[240])
+    ] = None
+    step: Annotated[int, Field(ge=1, le=MOST, description="Every step-th frame of them", examples=[4])] = 1
+
+    @property
+    def window(self) -> Window | None:
+        # Imported here: most operations need no mathematics.
+        from service.actions.reading.preview_motion import Window
+
+        return None if self.positions is None else Window(self.first, self.last, self.step)
 
 
 def encode_cursor(*parts: Any) -> str:

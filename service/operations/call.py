@@ -53,8 +53,8 @@ class Content:
     """An answer that is no model: bytes as they are made.
 
     name: of the file that it would be. size: bytes, where known. facts: what is told beside it, by name. notices: what
-    the user should know of it; more may come while it is read. shown: a browser may show it. live: each block is worth
-    being sent at once.
+    the user should know of it; more may come while it is read. shown: a browser may show it. seek: the same from a byte
+    on, where that is not to read all before it. live: each block is worth being sent at once.
     """
 
     blocks: Iterator[bytes | memoryview]
@@ -64,6 +64,7 @@ class Content:
     facts: dict[str, str] = field(default_factory=dict)
     notices: Sequence[Notice] = ()
     shown: bool = False
+    seek: Callable[[int], Iterator[bytes]] | None = None
     live: bool = False
 
 

@@ -19,7 +19,7 @@ from schemas.documents import (
     RevisionPage,
 )
 from schemas.examples import DOCUMENT, MOTION_NAME, QUERY
-from schemas.revisions import Difference
+from schemas.revisions import Difference, FrameRange
 from service.actions.editing import change_document as changes
 from service.actions.reading.describe_document import detail, summary
 from service.operations.arguments import (
@@ -36,7 +36,7 @@ from service.operations.arguments import (
 from service.operations.call import Call
 from service.operations.operation import Body
 from service.storage.database import Transaction
-from service.storage.documents import StoredDocument
+from service.storage.documents import StoredDocument, StoredRevision
 from service.storage.filtering import DocumentFilter, Range, parse_condition, parse_range
 
 TABLE = "name,age (year),height (cm)\nwalk,23,172.4\n"
@@ -77,6 +77,10 @@ class Wanted:
         str | None,
         Field(max_length=10_000, description="Documents in which this finds something or is true", examples=[QUERY]),
     ] = None
+    collection: Annotated[
+        str | None,
+        Field(max_length=2048, description="Documents of a collection: NAME, or PROJECT/NAME", examples=["bent legs"]),
+    ] = None
     deleted: Annotated[bool, Field(description="List deleted documents instead, which can be restored")] = False
 
     def filter(self, call: Call) -> DocumentFilter:
@@ -84,7 +88,7 @@ class Wanted:
         return DocumentFilter(
             length=(None, None) if self.length is None else parse_range(self.length),
             rate=(None, None) if self.rate is None else _rate(self.rate),
-            among=None if self.xpath is None else self._with_hits(call, self.xpath),
+            among=self._among(call),
             project=self.project,
             text=self.q,
             name=self.name,
@@ -96,12 +100,17 @@ class Wanted:
             deleted=self.deleted,
         )
 
-    def _with_hits(self, call: Call, expression: str) -> tuple[int, ...] | None:
-        """Keys of the documents in which an expression is true or finds something; None for all."""
-        hits = call.queries.documents_with(expression, self.project, call.limits)
-        if hits is None:
+    def _among(self, call: Call) -> tuple[int, ...] | None:
+        """Keys of the documents of the collection in which the expression finds something; None for all."""
+        if self.xpath is None and self.collection is None:
             return None
+        hits = None if self.xpath is None else call.queries.documents_with(self.xpath, self.project, call.limits)
         with call.database.read() as tx:
+            if self.collection is not None:
+                members = set(tx.saved.members(tx.saved.collection(self.collection)))
+                hits = members if hits is None else members & hits
+            if hits is None:
+                return None
             return tuple(key for key, uuid, _ in tx.documents.everything() if uuid in hits)
 
 
@@ -169,7 +178,9 @@ def _cards(call: Call, tx: Transaction, shown: Sequence[StoredDocument], also: f
 def get_document(call: Call, id: DocumentId, revision: AtRevision = None) -> DocumentDetail:
     with call.database.read() as tx:
         then, stored = at_revision(tx, id, revision)
-        call.tagged(tag(stored))
+        # What it carries for reference belongs to no revision, and changes without one.
+        media = tx.media.of(stored.key)
+        call.tagged(tag(stored, "json" if media is None else f"json-{media.sha256[:12]}-{media.offset!r}"))
         return detail(then, stored)
 
 
@@ -230,15 +241,41 @@ def undo_revision(
         return detail(tx, changed)
 
 
-def list_revisions(call: Call, id: DocumentId, page: Page) -> RevisionPage:
+def list_revisions(
+    call: Call,
+    id: DocumentId,
+    page: Page,
+    with_: Annotated[
+        Literal["frames"] | None,
+        Field(alias="with", description="Also which frames each of them touched, as it left them"),
+    ] = None,
+) -> RevisionPage:
     before = page.after(int)
     with call.database.read() as tx:
         stored = tx.documents.get(id)
         found = tx.documents.revisions(
             stored.key, before=None if before is None else before[0], limit=page.most(call) + 1
         )
-    items, more = page.cut(call, found, lambda item: (item.number,))
-    return RevisionPage(items=[Revision.model_validate(item, from_attributes=True) for item in items], next_cursor=more)
+        items, more = page.cut(call, found, lambda item: (item.number,))
+        shown = [Revision.model_validate(item, from_attributes=True) for item in items]
+        if with_ is not None:
+            for item, answer in zip(items, shown, strict=True):
+                answer.touched = _touched(tx, stored, item)
+    return RevisionPage(items=shown, next_cursor=more)
+
+
+def _touched(tx: Transaction, stored: StoredDocument, revision: StoredRevision) -> list[FrameRange] | None:
+    """None of the first revision that is kept, before which there is none."""
+    from service.storage.touched import touched_frames
+
+    then = tx.at_commit(revision.commit).documents.get(stored.uuid, deleted=True)
+    before = (
+        None if revision.parent is None else tx.at_commit(revision.commit - 1).documents.find(stored.uuid, deleted=True)
+    )
+    if before is None:
+        return None
+    found = touched_frames(tx, stored.key, revision.commit, before.frames, then.frames)
+    return [FrameRange(first=first, last=last) for first, last in found]
 
 
 def compare_revisions(

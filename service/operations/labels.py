@@ -121,7 +121,7 @@ def export_labels(
 ) -> Content:
     with call.database.read() as tx:
         if document:
-            found = [tx.documents.get(uuid) for uuid in document]
+            found = [tx.documents.get(uuid) for uuid in tx.saved.expand(document)]
         else:
             found = tx.documents.page(DocumentFilter(project=project), after=None, limit=MOST)
         rows = list(edit_labels.label_rows(tx, found))

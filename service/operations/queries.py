@@ -10,7 +10,7 @@ import orjson
 from pydantic import Field
 
 from schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
-from schemas.queries import CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
+from schemas.queries import WITH, CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
 from service.actions.exporting.write_tables import TYPES, Batches, batches_of, write_columns
 from service.operations.arguments import MOST, InProject
 from service.operations.call import Call, Content
@@ -60,6 +60,15 @@ def get_query(
         str | None, Field(max_length=4096, description="`next_cursor` of the page before", examples=[CURSOR])
     ] = None,
     explain: Annotated[bool, Field(description="Say how the query ran")] = False,
+    with_: Annotated[
+        str | None,
+        Field(
+            alias="with",
+            pattern=WITH,
+            description="Of runs: totals (frames, runs, documents of all pages), range (of the sample asked), or both",
+            examples=["totals,range"],
+        ),
+    ] = None,
 ) -> QueryAnswer | Content:
     """A node set comes in pages of nodes with canonical addresses, as runs (maximal ranges of frames), or whole as a
     stream. A scalar comes as `value`, or one a document. Pages are stable: a cursor reads the state in which the first
@@ -73,7 +82,7 @@ def get_query(
         limit=limit,
         cursor=cursor,
         explain=explain,
-        **{"as": as_},
+        **{"as": as_, "with": with_},
     )
     return post_query(call, request)
 
@@ -104,7 +113,9 @@ def complete_query(
     project: InProject = None,
 ) -> Completions:
     first, found = call.queries.completions(q, len(q) if at is None else min(at, len(q)), document or [], project)
-    items = [CompletionItem(text=item.text, kind=item.kind, detail=item.detail) for item in found]
+    items = [
+        CompletionItem(text=item.text, kind=item.kind, detail=item.detail, documents=item.documents) for item in found
+    ]
     return Completions(first=first, items=items)
 
 

@@ -12,6 +12,7 @@ from service.actions.checking.describe_problem import UploadError, problem_of
 from service.actions.importing.upload_files import upload_files
 from service.actions.reading.import_options import ImportOptions, parse_label, parse_property
 from service.formats.format import SourceFile
+from service.operations.arguments import Shown
 from service.operations.call import Call
 from service.operations.operation import Upload
 
@@ -20,6 +21,7 @@ Files: TypeAlias = Annotated[
     Upload(),
     Field(description="BVH, ASF and AMC, HTR, C3D, TRC, MCML, or zips of them", examples=[["walk.bvh"]]),
 ]
+Repair = Literal["split-numbers", "whole-frames"]
 Encoding: TypeAlias = Annotated[str | None, Field(description="Text encoding, if it is not UTF-8", examples=["cp949"])]
 
 
@@ -63,6 +65,13 @@ def upload_documents(
     on_duplicate: Annotated[
         Literal["new", "skip"], Field(description="What becomes of files that are stored already")
     ] = "new",
+    repair: Annotated[
+        list[Repair] | None,
+        Field(
+            description="Repair text files first: numbers that touch are set apart; only whole frames are read",
+            examples=[["split-numbers"]],
+        ),
+    ] = None,
     strict_names: Annotated[bool, Field(description="Refuse labels that are no anatomical movement")] = False,
     movements: Annotated[
         float | None,
@@ -74,7 +83,9 @@ def upload_documents(
         ),
     ] = None,
 ) -> UploadResult:
-    """Each document is stored whole or not at all; problems name the files that were not."""
+    """Each document is stored whole or not at all; problems name the files that were not, and `details.repairs` what of
+    `repair` would do something to them.
+    """
     options = ImportOptions(
         project=project,
         name=name,
@@ -90,6 +101,7 @@ def upload_documents(
         on_duplicate=on_duplicate,
         strict_names=strict_names,
         movements=movements,
+        repair=tuple(repair or ()),
     )
     result = upload_files(call.database, file, options, call.settings, author=call.author, progress=call.progress)
     if result.problems and not result.documents:
@@ -99,11 +111,20 @@ def upload_documents(
     return result
 
 
-def inspect_files(call: Call, file: Files, encoding: Encoding = None) -> InspectResult:
+def inspect_files(
+    call: Call,
+    file: Files,
+    shown: Shown,
+    encoding: Encoding = None,
+    repair: Annotated[
+        list[Repair] | None, Field(description="Repair text files first", examples=[["split-numbers"]])
+    ] = None,
+) -> InspectResult:
     """Nothing is stored."""
     from service.actions.reading import inspect_files as inspecting
 
-    clips, problems = inspecting.inspect_files(file, ImportOptions(encoding=encoding), call.settings)
+    options = ImportOptions(encoding=encoding, repair=tuple(repair or ()))
+    clips, problems = inspecting.inspect_files(file, options, call.settings, shown.window)
     return InspectResult(
         clips=clips, problems=[FileProblem(file=name, problem=problem_of(error)) for name, error in problems]
     )

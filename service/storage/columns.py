@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import orjson
 from numpy.typing import NDArray
-from sqlalchemy import ColumnElement, Select, and_, bindparam, select
+from sqlalchemy import ColumnElement, Select, and_, bindparam, func, select
 
 from service.storage.damage import damage, describe_track_damage
 from service.storage.encoding import unpack_shape
@@ -139,12 +140,15 @@ _NAMED: dict[str, ColumnElement[bool]] = {
     table.name: and_(table.c.document == document.c.id, valid(table), there()) for table in (bone, span)
 }
 _NAMES = {table.name: select(table.c.name).where(_NAMED[table.name]).distinct() for table in (bone, span)}
+_HELD_BY = {table.name: select(table.c.name, func.count(table.c.document.distinct())) for table in (bone, span)}
+_COUNTS = {table.name: _HELD_BY[table.name].where(_NAMED[table.name]).group_by(table.c.name) for table in (bone, span)}
 _HOLDERS = {
     table.name: select(document.c.id).where(_NAMED[table.name], table.c.name == bindparam("name")).limit(1)
     for table in (bone, span)
 }
 _OF_KEYS = OneOf(document.c.id, "keys")
 _NAMES_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _NAMES.items()}
+_COUNTS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _COUNTS.items()}
 _HOLDERS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _HOLDERS.items()}
 _ZONE_WIDTH = 7 + len(CHANNEL_ENDS)
 _DOCUMENTS = {past: checked(listed_documents(past=past), document, content) for past in (False, True)}
@@ -189,6 +193,16 @@ class Columns:
         if keys is None:
             return sorted(row[0] for row in self._tx.rows(_NAMES[kind], {"at": self._tx.at}))
         return sorted({row[0] for row in self._rows(_NAMES_OF_KEYS[kind], keys)})
+
+    def used_counts(self, kind: Literal["bone", "span"], keys: Sequence[int] | None) -> dict[str, int]:
+        """The different names, by code point, with how many documents have each (of all, if no keys are given)."""
+        counts: Counter[str] = Counter()
+        if keys is None:
+            counts.update(dict(self._tx.rows(_COUNTS[kind], {"at": self._tx.at})))
+        else:
+            for name, count in self._rows(_COUNTS_OF_KEYS[kind], keys):
+                counts[name] += count
+        return dict(sorted(counts.items()))
 
     def is_used(self, kind: Literal["bone", "span"], name: str, keys: Sequence[int] | None) -> bool:
         """Whether a bone has the name, or a frame the motion name, in one of the documents."""

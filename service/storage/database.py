@@ -5,7 +5,7 @@
 
 A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.heads`, `tx.tracks`,
 `tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`, `tx.jobs`, `tx.results`,
-`tx.mappings`, `tx.aliases`, `tx.thumbnails`, `tx.purging`,
+`tx.mappings`, `tx.aliases`, `tx.thumbnails`, `tx.saved`, `tx.media`, `tx.purging`,
 `tx.pruning`.
 """
 
@@ -45,12 +45,14 @@ from service.storage.identifiers import now
 from service.storage.jobs import Jobs
 from service.storage.layout import require_layout
 from service.storage.mappings import Mappings
+from service.storage.media import MediaOfDocuments
 from service.storage.moments import valid
 from service.storage.projects import Projects, Tokens
 from service.storage.pruning import Pruning
 from service.storage.purging import Purging
 from service.storage.reserve import TO_OPEN, Reserve
 from service.storage.results import Results
+from service.storage.saved import Saved
 from service.storage.schema import CURRENT
 from service.storage.seals import Checked, sealed
 from service.storage.spans import Spans
@@ -242,6 +244,14 @@ class Transaction:
     @cached_property
     def mappings(self) -> Mappings:
         return Mappings(self)
+
+    @cached_property
+    def media(self) -> MediaOfDocuments:
+        return MediaOfDocuments(self)
+
+    @cached_property
+    def saved(self) -> Saved:
+        return Saved(self)
 
     @cached_property
     def tokens(self) -> Tokens:

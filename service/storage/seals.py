@@ -91,9 +91,11 @@ _COVERED: dict[Table, tuple[str, ...]] = {
     tables.span: ("document", "name", "first", "last", "rank"),
     tables.thumbnail: ("document", "revision", "facts", "data"),
     tables.upload_block: ("upload", "number", "data"),
+    tables.document_media: ("document", "upload", "file_name", "media_type", "offset"),
     tables.document_upload: ("document", "part", "file_name", "upload"),
     work_tables.joint_mapping: ("project", "name", "version", "author", "changed", "pairs"),
     work_tables.joint_alias: ("project", "version", "author", "changed", "pairs"),
+    work_tables.saved: ("project", "kind", "name", "version", "author", "changed", "content"),
     work_tables.result: (
         *("uuid", "project", "parent", "analysis", "name", "owner", "inputs", "parameters", "made_with", "created"),
     ),

@@ -311,6 +311,18 @@ upload_block = Table(
     checksum(),
 )
 
+document_media = Table(
+    "document_media",
+    metadata,
+    Column("document", ForeignKey("document.id"), primary_key=True),
+    Column("upload", ForeignKey("upload.id"), nullable=False, index=True),
+    Column("file_name", NAME, nullable=False),
+    Column("media_type", String(64), nullable=False),
+    Column("offset", Float(53), nullable=False),
+    checksum(),
+)
+"""Video or audio for reference. `offset`: seconds in it at the first frame."""
+
 document_upload = Table(
     "document_upload",
     metadata,

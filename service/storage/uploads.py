@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import zstandard
-from sqlalchemy import bindparam, delete, func, select, update
+from sqlalchemy import and_, bindparam, delete, func, select, update
 
 from service.storage.seals import checked
-from service.storage.tables import document, document_upload, upload, upload_block
+from service.storage.tables import document, document_media, document_upload, upload, upload_block
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction
@@ -131,10 +131,10 @@ class Uploads:
             document_upload.c.document == document_key, document_upload.c.part == part
         )
         rows = self._tx.checked_once(checked(query, document_upload))
-        return self._blocks(rows[0][0]) if rows else None
+        return self.blocks(rows[0][0]) if rows else None
 
-    def _blocks(self, key: int) -> Iterator[bytes]:
-        number = 0
+    def blocks(self, key: int, number: int = 0) -> Iterator[bytes]:
+        """The bytes of an upload, block by block, from a block on."""
         while True:
             rows = self._tx.checked(_BLOCK, {"key": key, "number": number})
             if not rows:
@@ -149,7 +149,9 @@ class Uploads:
 
     def remove_orphans(self, lease_before: float) -> None:
         """Delete files that no document names and no running import holds."""
-        orphan = upload.c.id.not_in(select(document_upload.c.upload))
+        orphan = and_(
+            upload.c.id.not_in(select(document_upload.c.upload)), upload.c.id.not_in(select(document_media.c.upload))
+        )
         query = select(upload.c.id).where(orphan, upload.c.complete | (upload.c.lease < lease_before))
         keys = list(self._tx.connection.execute(query).scalars())
         for key in keys:

@@ -42,6 +42,20 @@ joint_alias = Table(
 )
 """What a project calls joints, beside the names that are known. `pairs`: JSON, [[name in files, MCML's name], …]."""
 
+saved = Table(
+    "saved",
+    metadata,
+    Column("project", ForeignKey("project.id"), primary_key=True),
+    Column("kind", String(16), primary_key=True),
+    Column("name", NAME, primary_key=True),
+    Column("version", Integer, nullable=False),
+    Column("author", NAME, nullable=False),
+    Column("changed", String(32), nullable=False),
+    Column("content", Text, nullable=False),
+    checksum(),
+)
+"""What a project keeps under a name beside documents. `kind`: query, collection, colours. `content`: JSON."""
+
 job = Table(
     "job",
     metadata,

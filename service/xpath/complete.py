@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -25,11 +25,13 @@ _OPERATORS = frozenset({"=", "!=", "<", "<=", ">", ">=", "+", "-", "|", ",", "or
 
 @dataclass(frozen=True, slots=True)
 class Completion:
-    """text: what replaces the characters from `first` on. kind: what it is. detail: a word about it."""
+    """text: what replaces the characters from `first` on. kind: what it is. detail: a word about it. documents: how
+    many have the name that it is."""
 
     text: str
     kind: Kind
     detail: str = ""
+    documents: int | None = None
 
 
 @dataclass
@@ -96,11 +98,12 @@ class _Reader:
 
 
 def complete(
-    text: str, at: int, motion_names: Callable[[], Iterable[str]], bone_names: Callable[[], Iterable[str]]
+    text: str, at: int, motion_names: Callable[[], Mapping[str, int]], bone_names: Callable[[], Mapping[str, int]]
 ) -> tuple[int, list[Completion]]:
     """(place of the first character that a completion replaces, completions) at a place in an expression.
 
-    at: characters before the cursor. motion_names, bone_names: those that occur; asked for where a name is compared.
+    at: characters before the cursor. motion_names, bone_names: those that occur, and in how many documents; asked for
+    where a name is compared.
     """
     before = text[:at]
     opened = _open_string(before)
@@ -137,12 +140,12 @@ def _open_string(text: str) -> int:
 
 
 def _strings(
-    level: _Level, motion_names: Callable[[], Iterable[str]], bone_names: Callable[[], Iterable[str]]
+    level: _Level, motion_names: Callable[[], Mapping[str, int]], bone_names: Callable[[], Mapping[str, int]]
 ) -> Iterator[Completion]:
     if level.compared == MOTION_NAME:
-        yield from (Completion(text, "motion name") for text in motion_names())
+        yield from (Completion(text, "motion name", documents=count) for text, count in motion_names().items())
     elif level.compared == NAME:
-        yield from (Completion(text, "bone name") for text in bone_names())
+        yield from (Completion(text, "bone name", documents=count) for text, count in bone_names().items())
 
 
 def _steps(level: _Level) -> Iterator[Completion]:

@@ -48,10 +48,12 @@ class Scope:
     """What a query is asked of. keys: of the documents, None for all. project: only documents of this one."""
 
     def __init__(self, tx: Transaction, listing: Listing, documents: Sequence[str] = (), project: str | None = None):
-        """documents: by their ids, all if none is given. NotFoundError for documents or projects that do not exist."""
+        """documents: by their ids, or collections of them; all if none is given. NotFoundError for documents or
+        projects that do not exist."""
         self._tx = tx
         self._listing = listing
-        self.keys = [self._key(uuid) for uuid in dict.fromkeys(documents)] if documents else None
+        named = tx.saved.expand(documents)
+        self.keys = [self._key(uuid) for uuid in dict.fromkeys(named)] if documents else None
         self.project = tx.projects.get(project) if project else None
 
     @cached_property
@@ -79,6 +81,10 @@ class Scope:
     def used_names(self, kind: Kind) -> list[str]:
         """The different names of bones, or the motion names, that occur."""
         return self._tx.columns.used_names(kind, self._narrowed())
+
+    def used_counts(self, kind: Kind) -> dict[str, int]:
+        """The same, by code point, with how many documents have each."""
+        return self._tx.columns.used_counts(kind, self._narrowed())
 
     def unused_names(self, tree: Expression) -> list[str]:
         """For each text that names are compared with and that none here equals, the nearest one that occurs."""

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from schemas.queries import Explain, QueryAnswer, QueryRequest, ScalarItem, ValueItem
+from schemas.queries import Explain, QueryAnswer, QueryRequest, RunTotals, ScalarItem, ValueItem
 from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.database import LATEST, Database, Transaction
@@ -43,10 +43,10 @@ from service.xpath.sequences import Answer as Sequenced
 from service.xpath.sequences import Sequences
 from service.xpath.sources import Nth, Source
 from service.xpath.streams import Answer, Shown, collect
+from service.xpath.totals import MAX_RUNS, add_ranges, counted
 from service.xpath.tree import Expression, is_constant, type_of
 from service.xpath.values import TooLongError
 
-MAX_RUNS = 100_000
 DEFAULT_LIMIT = 100
 MAX_ON_XML = 100_000
 
@@ -152,7 +152,7 @@ class Queries:
         """(first character that is replaced, completions) at a place in an expression, over a scope."""
         with self.database.read() as tx:
             scope = Scope(tx, self.caches.listing, documents, project)
-            return complete(text, at, lambda: scope.used_names("span"), lambda: scope.used_names("bone"))
+            return complete(text, at, lambda: scope.used_counts("span"), lambda: scope.used_counts("bone"))
 
     def limits(self, client: str = "") -> Limits:
         """The limits of one query that begins now. client: who asks."""
@@ -345,9 +345,15 @@ class _Page:
     def of_runs(self, tx: Transaction, found: Iterable[Run]) -> QueryAnswer:
         if self.offset + self.limit > MAX_RUNS:
             raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
+        totals: RunTotals | None = None
+        if "totals" in (self.request.with_ or ""):
+            found, totals = counted(found)
         runs = list(islice(found, self.offset, self.offset + self.limit + 1))
         items = run_items(tx, self.caches, runs[: self.limit])
-        return QueryAnswer(type="runs", items=list(items), next_cursor=self._next(tx, len(runs) > self.limit))
+        ranged = "range" in (self.request.with_ or "")
+        of = add_ranges(tx, self.request, runs[: self.limit], items) if ranged else None
+        following = self._next(tx, len(runs) > self.limit)
+        return QueryAnswer(type="runs", items=list(items), next_cursor=following, totals=totals, range_of=of)
 
     def _nodes(self, tx: Transaction, nodes: list[Node], more: bool) -> QueryAnswer:
         items = [node_item(node) for node in nodes]

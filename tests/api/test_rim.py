@@ -297,18 +297,3 @@ def test_nothing_is_kept_of_a_stream_that_nobody_reads(database: Database) -> No
             with client.stream("GET", f"{API}/documents/{uuid}/frames?format=npz"):
                 pass
         assert client.get(f"{API}/documents/{uuid}").status_code == 200
-
-
-@one_kind
-def test_the_front_page_offers_what_works(client: TestClient, walk: str) -> None:
-    trc = (
-        "PathFileType\t4\t(X/Y/Z)\tm.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\t"
-        "OrigDataStartFrame\tOrigNumFrames\n100\t100\t1\t1\tmm\t100\t1\t1\nFrame#\tTime\tA\t\t\n\t\tX1\tY1\tZ1\n\n"
-        "1\t0.0\t1\t2\t3\n"
-    )
-    markers = upload(client, {"m.trc": trc.encode()})["documents"][0]["id"]  # type: ignore[index]
-    page = client.get("/").text
-    offered = re.findall(r'href="(/api/v1/documents/([^/"]+)/export\?format=[a-z0-9-]+)"', page)
-    assert {uuid for _, uuid in offered} >= {walk, markers}
-    for address, _ in offered:
-        assert client.get(address).status_code == 200, address

@@ -87,8 +87,8 @@ def test_no_attics() -> None:
     assert not [path for path in sources() if path.stem in ATTICS]
 
 
-FRAMEWORK_CALLS = {"writable", "handle_request"}
-"""Methods that a class of another library calls."""
+FRAMEWORK_CALLS = {"writable", "handle_request", "WebBuild", "dependencies", "initialize"}
+"""What another library calls: methods, and the hook that hatchling looks for."""
 
 
 def _defined(module: ast.Module) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 
 import numpy as np
@@ -19,12 +20,11 @@ def stored(client: TestClient, name: str, frames: int) -> str:
     return str(upload(client, {name: bvh(frames, names=NAMES)})["documents"][0]["id"])  # type: ignore[index]
 
 
-def shown(client: TestClient, path: str, body: object, **more: object) -> Array:
-    answer = client.post(f"{API}{path}", json=body, params=more)
+def shown(client: TestClient, path: str, body: dict[str, object], **more: object) -> Array:
+    answer = client.post(f"{API}{path}", json=body | {"preview": True}, params={"positions": "f4", **more})
     assert answer.status_code == 200, answer.text
-    shape = tuple(map(int, answer.headers["x-mcml-shape"].split(",")))
-    assert answer.headers["content-type"] == "application/vnd.mcml.block"
-    found: Array = np.frombuffer(answer.content, "<f4").reshape(shape)
+    motion = answer.json()["motion"]
+    found: Array = np.frombuffer(base64.b64decode(motion["data"]), "<f4").reshape(motion["shape"])
     return found
 
 
@@ -36,20 +36,25 @@ def kept(client: TestClient, uuid: str) -> Array:
 
 def test_a_composition_is_shown_as_it_would_be_stored(client: TestClient) -> None:
     one, two = stored(client, "one.bvh", 30), stored(client, "two.bvh", 25)
-    body = {"segments": [{"document": one, "first": 3, "last": 20}, {"document": two}], "transition": 5, "name": "both"}
-    seen = shown(client, "/compose/motion", body)
+    body: dict[str, object] = {
+        "segments": [{"document": one, "first": 3, "last": 20}, {"document": two}],
+        "transition": 5,
+        "name": "both",
+    }
+    seen = shown(client, "/compose", body)
     before = client.get(f"{API}/documents").json()["total"]
     assert before == 2, "nothing was stored"
     made = client.post(f"{API}/compose", json=body).json()["document"]
     assert np.allclose(seen, kept(client, made), atol=1e-4)
-    assert np.array_equal(shown(client, "/compose/motion", body, step=7), seen[::7])
+    assert np.array_equal(shown(client, "/compose", body, step=7), seen[::7])
+    assert np.array_equal(shown(client, "/compose", body, first=4, last=20, step=3), seen[3:20:3])
 
 
 @pytest.mark.parametrize("step", [1, 4])
 def test_a_motion_on_another_body_is_shown_as_it_would_be_stored(client: TestClient, step: int) -> None:
     one, body = stored(client, "one.bvh", 30), stored(client, "body.bvh", 1)
-    asked = {"skeleton": body, "name": "one on body"}
-    seen = shown(client, f"/documents/{one}/retarget/motion", asked, step=step)
+    asked: dict[str, object] = {"skeleton": body, "name": "one on body"}
+    seen = shown(client, f"/documents/{one}/retarget", asked, step=step)
     made = client.post(f"{API}/documents/{one}/retarget", json=asked).json()["document"]
     assert np.allclose(seen, kept(client, made)[::step], atol=1e-4)
 

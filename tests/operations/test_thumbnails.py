@@ -15,7 +15,7 @@ from service.actions.reading import make_thumbnail
 from service.actions.reading.make_thumbnail import read_thumbnail
 from service.storage.database import Database
 from tests import thumbnails as mt1
-from tests.builders import TRC, bvh, store, upload
+from tests.builders import TRC, bvh, c3d_file, store, upload
 
 API = "/api/v1/documents"
 LASTING = "private, max-age=31536000, immutable"
@@ -169,3 +169,14 @@ def _catmull_rom(poses: np.ndarray, at: np.ndarray) -> np.ndarray:
         + (2 * p[0] - 5 * p[1] + 4 * p[2] - p[3]) * t**2
         + (3 * p[1] - p[0] - 3 * p[2] + p[3]) * t**3
     )
+
+
+def test_clips_of_many_joints_are_drawn_when_somebody_looks(
+    database: Database, client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(make_thumbnail, "MOST_AT_IMPORT", 50)
+    monkeypatch.setattr(make_thumbnail, "MOST_PLACES", 600)
+    uuid = store(database, {"many.c3d": c3d_file(frames=400, points=60)})[0]
+    assert kept(database) == []
+    picture = mt1.read(shown(client, uuid))
+    assert picture.loop.shape[1] == 48

@@ -144,7 +144,7 @@ def as_before_checksums(database: Database) -> None:
             for column in table.columns:
                 if "checksum" in column.name:
                     tx.connection.execute(text(f'ALTER TABLE "{table.name}" DROP COLUMN {column.name}'))
-        for later in ("store", "joint_alias", "session", "request", "thumbnail"):
+        for later in ("store", "joint_alias", "session", "request", "thumbnail", "saved", "document_media"):
             tx.connection.execute(text(f"DROP TABLE {later}"))
         tx.connection.execute(text("UPDATE alembic_version SET version_num = '0005'"))
 

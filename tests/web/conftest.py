@@ -1,4 +1,5 @@
-"""A real server and a real browser. Chromium is Debian's; where it is missing, these tests are skipped, in CI they fail."""
+"""A real server and a real browser. Chromium is Debian's; where it is missing, these tests are skipped; in CI they
+fail."""
 
 from __future__ import annotations
 
@@ -25,7 +26,9 @@ FLAGS = ["--gaia-url=http://127.0.0.1:9", "--component-updater=url-source=http:/
 """Nothing leaves: Chromium's own questions to its maker."""
 PATIENCE = 15_000  # ms
 WATCH = """window.violations = [];
-addEventListener("securitypolicyviolation", event => violations.push(event.violatedDirective + " " + event.blockedURI));"""
+addEventListener("securitypolicyviolation", event => {
+  violations.push(event.violatedDirective + " " + event.blockedURI);
+});"""
 NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")
 
 
@@ -90,7 +93,9 @@ def serve(folder: Path, *, closed: bool) -> Iterator[Served]:
     # Named as TCP, or asyncio lets each answer wait 40 ms for an acknowledgement.
     listener = socket.socket(proto=socket.IPPROTO_TCP)
     listener.bind(("127.0.0.1", 0))
-    server = uvicorn.Server(uvicorn.Config(create_app(settings, database), log_level="error", timeout_graceful_shutdown=1))
+    server = uvicorn.Server(
+        uvicorn.Config(create_app(settings, database), log_level="error", timeout_graceful_shutdown=1)
+    )
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
     thread.start()
     served = Served(f"http://127.0.0.1:{listener.getsockname()[1]}", database, token)
@@ -131,12 +136,14 @@ class Visit:
 
 @pytest.fixture
 def visit_of(browser: Any) -> Iterator[Any]:
-    """visit_of(served, **context): a new visitor, let in where a session is needed. At the end nothing may have gone wrong: no
-    error in the console, no breach of the policy, no request to elsewhere."""
+    """visit_of(served, **context): a new visitor, let in where a session is needed. At the end nothing may have gone
+    wrong: no error in the console, no breach of the policy, no request to elsewhere."""
     visits: list[tuple[Any, Visit]] = []
 
     def made(served: Served, **more: Any) -> Visit:
-        context = browser.new_context(**{"viewport": {"width": 1280, "height": 800}, "locale": "en", "accept_downloads": True, **more})
+        context = browser.new_context(
+            **{"viewport": {"width": 1280, "height": 800}, "locale": "en", "accept_downloads": True, **more}
+        )
         context.set_default_timeout(PATIENCE)
         context.add_init_script(WATCH)
         if served.token:

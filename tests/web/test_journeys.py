@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import re
+import wave
+import zipfile
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.builders import TRC
 from tests.web.conftest import Served, Visit, walk
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
@@ -16,7 +20,11 @@ expect: Any = pytest.importorskip("playwright.sync_api").expect
 def drop(page: Any, path: Path) -> None:
     """Drop a file on the window, as a hand does."""
     data = page.evaluate_handle(
-        """([name, text]) => { const data = new DataTransfer(); data.items.add(new File([text], name)); return data; }""",
+        """([name, text]) => {
+            const data = new DataTransfer();
+            data.items.add(new File([text], name));
+            return data;
+        }""",
         [path.name, path.read_text()],
     )
     page.dispatch_event("body", "dragenter", {"dataTransfer": data})
@@ -51,8 +59,6 @@ def test_dropped_files_are_stored_and_seen(visit: Visit, studio: Served, tmp_pat
 
 def colours_of(page: Any) -> set[tuple[int, ...]]:
     """The colours of the viewer as they are on the screen."""
-    import io
-
     from PIL import Image
 
     picture = Image.open(io.BytesIO(page.locator(".stage").screenshot())).convert("RGB")
@@ -175,7 +181,10 @@ def test_text_is_checked_where_it_is_wrong_and_saved_where_it_is_right(visit: Vi
 def test_two_windows_meet_and_merge(visit: Visit, visit_of: Any, studio: Served) -> None:
     visit.wanted = {409, 412}
     uuid = studio.upload("kick.bvh", walk())
-    page, other = visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg&tab=graph"), visit_of(studio).open(f"/clips/{uuid}?f=9&sel=Root&tab=graph")
+    page, other = (
+        visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg&tab=graph"),
+        visit_of(studio).open(f"/clips/{uuid}?f=9&sel=Root&tab=graph"),
+    )
     ready(page)
     ready(other)
     for window, frame, bone in ((page, 5, "Rx"), (other, 9, "Rx")):
@@ -252,6 +261,93 @@ def test_deleted_clips_come_back(visit: Visit, studio: Served) -> None:
     expect(cards).to_have_count(3)
 
 
+def test_picked_clips_are_named_collected_and_exported(visit: Visit, studio: Served) -> None:
+    ids = [studio.upload(name, walk(5)) for name in ("a.bvh", "b.bvh", "c.bvh")]
+    page = visit.open("/library?sort=name")
+    cards = page.get_by_role("gridcell")
+    expect(cards).to_have_count(3)
+    cards.nth(0).click(modifiers=["Control"])
+    cards.nth(1).click(modifiers=["Shift"])
+    bar = page.get_by_role("toolbar", name="2 picked")
+    bar.get_by_role("button", name="Name", exact=True).click()
+    page.get_by_role("combobox", name="Motion name").fill("standing")
+    page.keyboard.press("Enter")
+    expect(page.get_by_text("2 clips named standing")).to_be_visible()
+    assert [len(studio.get(f"/documents/{uuid}")["labels"]) for uuid in ids] == [1, 1, 0]
+    bar.get_by_role("button", name="Collect").click()
+    page.get_by_role("textbox", name="Name").fill("stills")
+    page.keyboard.press("Enter")
+    page.get_by_role("button", name="stills").click()
+    expect(cards).to_have_count(2)
+    assert sorted(studio.get("/collections/stills")["documents"]) == sorted(ids[:2])
+    bar.get_by_role("button", name="Export").click()
+    with page.expect_download() as download:
+        page.get_by_role("menuitem", name="as bvh").click()
+    with zipfile.ZipFile(download.value.path()) as found:
+        assert sorted(found.namelist()) == ["a.bvh", "b.bvh"]
+
+
+def test_markers_are_offered_as_what_holds_markers(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("m.trc", TRC)
+    page = visit.open(f"/clips/{uuid}")
+    ready(page)
+    page.get_by_role("button", name="Export").click()
+    items = page.get_by_role("menuitem")
+    offered = [item.get_attribute("href") for item in items.all() if item.get_attribute("href")]
+    assert any("format=c3d" in address for address in offered)
+    assert not any("format=bvh" in address for address in offered)
+    with studio.client() as client:
+        for address in offered:
+            assert client.get(address.removeprefix("/api/v1")).status_code == 200, address
+
+
+def test_a_question_is_saved_and_its_answer_becomes_a_clip(visit: Visit, studio: Served) -> None:
+    studio.upload("kick.bvh", walk(), label="kick:10-25")
+    page = visit.open("/xpath?q=//frame[motion_name='kick']")
+    expect(page.get_by_role("status").filter(has_text="16 frames in 1 run")).to_be_visible()
+    page.get_by_role("button", name="Saved").click()
+    page.get_by_role("menuitem", name="Save this query").click()
+    page.get_by_role("textbox", name="Name").fill("kicks")
+    page.keyboard.press("Enter")
+    expect(page.get_by_text("Saved as kicks")).to_be_visible()
+    assert studio.get("/queries/kicks")["q"] == "//frame[motion_name='kick']"
+    page.get_by_role("button", name="Save as clip").click()
+    page.get_by_role("status").get_by_role("button", name="Open").click()
+    page.wait_for_url(re.compile("/clips/"))
+    ready(page)
+    made = next(item for item in studio.get("/documents")["items"] if item["name"] != "kick")
+    assert made["frames"] == 16
+
+
+def test_the_motion_follows_its_sound(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk(600))
+    page = visit.open(f"/clips/{uuid}?tab=info")
+    ready(page)
+    sound = io.BytesIO()
+    with wave.open(sound, "wb") as file:
+        file.setparams((1, 2, 8000, 0, "NONE", ""))
+        file.writeframes(b"\0\0" * 8000 * 8)
+    with page.expect_file_chooser() as chooser:
+        page.get_by_role("button", name="Choose a video or a sound").click()
+    chooser.value.set_files({"name": "take.wav", "mimeType": "audio/wav", "buffer": sound.getvalue()})
+    offset = page.get_by_label("Motion begins at")
+    expect(offset).to_have_value("0")
+    offset.fill("1.5")
+    offset.press("Enter")
+    page.wait_for_function("() => document.querySelector('audio')?.readyState >= 3")
+    page.get_by_role("button", name="Play", exact=True).click()
+    page.wait_for_function("() => document.querySelector('audio').currentTime > 2.2")
+    apart = page.evaluate("""() => {
+        const frame = Number(document.querySelector('.frame-field').value) - 1;
+        return document.querySelector('audio').currentTime - 1.5 - frame * 0.0083333;
+    }""")
+    assert abs(apart) < 0.1, "the picture follows the sound"
+    page.get_by_role("button", name="Pause").click()
+    assert page.evaluate("() => document.querySelector('audio').paused")
+    page.get_by_role("button", name="Remove take.wav").click()
+    expect(page.locator("audio")).to_have_count(0)
+
+
 def test_stretches_are_named_drawn_and_split(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(60))
     page = visit.open(f"/clips/{uuid}?f=20")
@@ -270,7 +366,10 @@ def test_stretches_are_named_drawn_and_split(visit: Visit, studio: Served) -> No
     page.keyboard.press("Control+s")
     expect(page.get_by_text("Saved as revision 2")).to_be_visible()
     labels = studio.get(f"/documents/{uuid}")["labels"]
-    assert [(label["name"], label["first"], label["last"]) for label in labels] == [("stretch", 16, 19), ("stretch", 20, 43)]
+    assert [(label["name"], label["first"], label["last"]) for label in labels] == [
+        ("stretch", 16, 19),
+        ("stretch", 20, 43),
+    ]
 
 
 def test_keys_alone(visit: Visit, studio: Served) -> None:
@@ -281,6 +380,7 @@ def test_keys_alone(visit: Visit, studio: Served) -> None:
     expect(page.get_by_role("dialog", name="Keys of this page")).to_be_visible()
     page.keyboard.press("Escape")
     page.keyboard.press("Control+k")
+    expect(page.get_by_role("combobox", name="Find anything")).to_be_focused()
     page.keyboard.type("kick")
     expect(page.get_by_role("option", name=re.compile("kick"))).to_be_visible()
     page.keyboard.press("Enter")

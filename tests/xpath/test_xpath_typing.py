@@ -15,7 +15,10 @@ from service.xpath.parse import parse
 
 def items(text: str, at: int | None = None) -> tuple[int, list[str]]:
     first, found = complete(
-        text, len(text) if at is None else at, lambda: ["walk", "left-arm-abduction"], lambda: ["Hips", "left_up_arm"]
+        text,
+        len(text) if at is None else at,
+        lambda: {"walk": 2, "left-arm-abduction": 1},
+        lambda: {"Hips": 3, "left_up_arm": 3},
     )
     return first, [item.text for item in found]
 

@@ -15,12 +15,13 @@ from service.actions.composing.keep_mapping import mapping_of
 from service.actions.editing.reshape_motion import Whole, read_whole
 from service.actions.importing.store_clip import store_stream
 from service.actions.reading.edit_header import seconds_of
+from service.actions.reading.preview_motion import Window, preview_motion
 from service.actions.reading.read_clip import read_clip
 from service.errors import DocumentError
 from service.motion.clip import ClipHead, ClipStream, FrameBlock
-from service.motion.composing import Composed as Composing
 from service.motion.composing import Piece, compose, layered
 from service.motion.frames import eased, joined, rows_of
+from service.motion.mirroring import mirrored
 from service.motion.resampling import resampled
 from service.motion.units import reading_of, up_of
 from service.settings import Settings
@@ -52,68 +53,18 @@ class _Source:
         return f"{self.stored.uuid} {self.stored.revision}"
 
 
-@dataclass(frozen=True)
-class Composition:
-    """What a request makes, before anything is stored."""
-
-    stream: ClipStream
-    made: Composing
-    sources: list[_Source]
-    frame_time: float
-    notices: list[str]
-
-
 def compose_frames(
-    database: Database, queries: Queries, settings: Settings, request: ComposeRequest, author: str
+    database: Database,
+    queries: Queries,
+    settings: Settings,
+    request: ComposeRequest,
+    author: str,
+    window: Window | None = None,
 ) -> Composed:
     """Make the document, or in a preview only say what it would be.
 
     Raises DocumentError where skeletons do not fit or a frame time is not known, NotFoundError for frames not there.
     """
-    found = composition_of(database, queries, request)
-    uuid = None
-    if not request.preview:
-        sources = [
-            {"document": s.stored.uuid, "revision": s.stored.revision, "first": s.first + 1, "frames": len(s)}
-            for s in found.sources
-        ]
-        provenance = {
-            "analysis": "compose",
-            "sources": sources,
-            "parameters": request.model_dump(mode="json", exclude_defaults=True),
-        }
-        uuid = store_stream(
-            database,
-            found.stream,
-            settings,
-            name=request.name,
-            project=request.project,
-            author=author,
-            provenance=provenance,
-        )
-    return Composed(
-        document=uuid,
-        frames=found.stream.frames or 0,
-        seconds_per_frame=found.frame_time,
-        segments=[_segment(found.sources[piece], first, last) for piece, first, last in found.made.spans],
-        seams=[
-            ComposedSeam(
-                segment=found.sources[seam.piece].segment,
-                first=seam.first + 1,
-                transition=seam.frames,
-                degrees=float(np.degrees(seam.turn)),
-                shift=seam.shift.tolist(),
-                root_step=seam.root_step,
-                angle_step=seam.angle_step,
-            )
-            for seam in found.made.seams
-        ],
-        notices=found.notices,
-    )
-
-
-def composition_of(database: Database, queries: Queries, request: ComposeRequest) -> Composition:
-    """The clip that a request makes, in memory."""
     segments = list(_resolved(queries, request.segments))
     with database.read() as tx:
         sources = [_source(tx, request.project, number, segment) for number, segment in segments]
@@ -121,11 +72,14 @@ def composition_of(database: Database, queries: Queries, request: ComposeRequest
         fitting = _Fitting(tx, head, request.project)
         blocks = fitting.all(sources, segments)
     frame_time = sources[0].frame_time if request.rate is None else 1 / request.rate
-    seconds = sum(len(block) * source.frame_time for block, source in zip(blocks, sources, strict=True))
+    speeds = [segment.speed for _, segment in segments]
+    seconds = sum(
+        len(block) * source.frame_time / speed for block, source, speed in zip(blocks, sources, speeds, strict=True)
+    )
     if seconds / frame_time > MOST_FRAMES:
         raise DocumentError(f"The document would have more than {MOST_FRAMES:,} frames.", remedy="Compose it in parts.")
     pieces = [
-        Piece(block, source.frame_time, "" if segment.layers else source.name, source.first)
+        Piece(block, source.frame_time / segment.speed, _name(source, segment), source.first)
         for block, source, (_, segment) in zip(blocks, sources, segments, strict=True)
     ]
     made = compose(
@@ -133,16 +87,55 @@ def composition_of(database: Database, queries: Queries, request: ComposeRequest
         pieces,
         frame_time,
         transition=request.transition,
+        transitions=[segment.transition for _, segment in segments],
         style=request.style,
+        styles=[segment.style for _, segment in segments],
         lengthen=request.lengthen,
         align=request.align,
         up=up_of(head),
         reading=reading_of(head),
     )
     block = made.block if request.labels else replace(made.block, motion_names=None)
-    stream = ClipStream(_timed(head, frame_time, sources), lambda: iter([block]), len(block))
-    notices = [*fitting.notices, *(notice.what for notice in made.shortfall.notices(head.skeleton))]
-    return Composition(stream, made, sources, frame_time, notices)
+    uuid = None
+    if not request.preview:
+        stream = ClipStream(_timed(head, frame_time, sources), lambda: iter([block]), len(block))
+        provenance = {
+            "analysis": "compose",
+            "sources": [
+                {"document": s.stored.uuid, "revision": s.stored.revision, "first": s.first + 1, "frames": len(b)}
+                for s, b in zip(sources, blocks, strict=True)
+            ],
+            "parameters": request.model_dump(mode="json", exclude_defaults=True),
+        }
+        uuid = store_stream(
+            database, stream, settings, name=request.name, project=request.project, author=author, provenance=provenance
+        )
+    return Composed(
+        document=uuid,
+        frames=len(block),
+        seconds_per_frame=frame_time,
+        segments=[_segment(sources[piece], first, last) for piece, first, last in made.spans],
+        seams=[
+            ComposedSeam(
+                segment=sources[seam.piece].segment,
+                first=seam.first + 1,
+                transition=seam.frames,
+                degrees=float(np.degrees(seam.turn)),
+                shift=seam.shift.tolist(),
+                root_step=seam.root_step,
+                angle_step=seam.angle_step,
+            )
+            for seam in made.seams
+        ],
+        notices=[*fitting.notices, *(notice.what for notice in made.shortfall.notices(head.skeleton))],
+        motion=None if window is None else preview_motion(head, [block], window, frame_time),
+    )
+
+
+def _name(source: _Source, segment: Segment) -> str:
+    """Of the clip that pieces go on in, where they follow one another in it; none for what was changed."""
+    changed = segment.layers or segment.mirror or segment.transition is not None or segment.style is not None
+    return "" if changed else source.name
 
 
 def _segment(source: _Source, first: int, last: int) -> ComposedSegment:
@@ -240,6 +233,9 @@ class _Fitting:
         for index, (source, (_, segment)) in enumerate(zip(sources, segments, strict=True)):
             for layer in segment.layers:
                 blocks[index] = self._layered(source, blocks[index], layer)
+            if segment.mirror:
+                skeleton, reading = self._head.skeleton, reading_of(self._head)
+                blocks[index] = mirrored(skeleton, blocks[index], up=up_of(self._head), reading=reading).block
         return blocks
 
     def _fitted(

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from dataclasses import replace
+from typing import Any
 
 from schemas.retarget import (
     BoneError,
     FootSliding,
+    FrameSpan,
     JointMatch,
     Retargeted,
     RetargetedOne,
@@ -23,42 +24,36 @@ from service.actions.composing.select_documents import select_documents
 from service.actions.editing.reshape_motion import Whole, read_whole
 from service.actions.importing.store_clip import store_stream
 from service.actions.reading.edit_header import seconds_of
+from service.actions.reading.preview_motion import Window, preview_motion
 from service.errors import DocumentError, McmlError
 from service.motion.clip import ClipStream
 from service.motion.retarget import Retargeted as Result
 from service.motion.retarget import retarget
 from service.motion.skeleton import Skeleton
 from service.settings import Settings
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.documents import StoredDocument
 from service.xpath.run import Queries
 
-_Stored: TypeAlias = tuple[StoredDocument, Whole]
-
 
 def retarget_motion(
-    database: Database, settings: Settings, uuid: str, request: RetargetRequest, author: str
+    database: Database,
+    settings: Settings,
+    uuid: str,
+    request: RetargetRequest,
+    author: str,
+    window: Window | None = None,
 ) -> Retargeted:
-    """Bring a motion onto another skeleton.
+    """Bring a motion onto another skeleton. window: frames of which positions are told.
 
     Raises DocumentError for markers and for names that are not there, ConversionError where no joints match.
     """
     with database.read() as tx:
-        motion, body, mapping = _read(tx, uuid, request)
-    return _retarget(database, settings, motion, body, mapping, request, request.name, author)
-
-
-def retargeted_clip(database: Database, uuid: str, request: RetargetRequest) -> ClipStream:
-    """The clip that a request makes, in memory."""
-    with database.read() as tx:
-        motion, body, mapping = _read(tx, uuid, request)
-    return _fitted(motion, body, mapping, request).stream
-
-
-def _read(tx: Transaction, uuid: str, request: RetargetRequest) -> tuple[_Stored, _Stored, JointMapping | None]:
-    stored, other = tx.documents.get(uuid), tx.documents.get(request.skeleton)
-    mapping = mapping_of(tx, request.project or stored.project, request.mapping)
-    return (stored, read_whole(tx, stored)), (other, read_whole(tx, other, 1, 1)), mapping
+        stored, other = tx.documents.get(uuid), tx.documents.get(request.skeleton)
+        source, target = read_whole(tx, stored), read_whole(tx, other, 1, 1)
+        mapping = mapping_of(tx, request.project or stored.project, request.mapping)
+    motion, body = (stored, source), (other, target)
+    return _retarget(database, settings, motion, body, mapping, request, request.name, author, window)
 
 
 def retarget_many(
@@ -81,7 +76,7 @@ def _each(
     database: Database,
     settings: Settings,
     documents: list[str],
-    body: _Stored,
+    body: tuple[StoredDocument, Whole],
     request: RetargetMany,
     author: str,
 ) -> Iterator[RetargetedOne]:
@@ -101,18 +96,18 @@ def _each(
             yield RetargetedOne(source=uuid, name=name, problem=problem_of(error))
 
 
-@dataclass(frozen=True)
-class _Fitted:
-    """A motion on another body, before anything is stored."""
-
-    stream: ClipStream
-    made: Result
-    skeletons: tuple[Skeleton, Skeleton]
-    notices: list[str]
-
-
-def _fitted(motion: _Stored, body: _Stored, mapping: JointMapping | None, request: Retargeting) -> _Fitted:
-    (stored, source), (_, target) = motion, body
+def _retarget(
+    database: Database,
+    settings: Settings,
+    motion: tuple[StoredDocument, Whole],
+    body: tuple[StoredDocument, Whole],
+    mapping: JointMapping | None,
+    request: Retargeting,
+    name: str | None,
+    author: str,
+    window: Window | None = None,
+) -> Retargeted:
+    (stored, source), (other, target) = motion, body
     seconds = seconds_of(stored)
     if are_markers(source.head.skeleton) or are_markers(target.head.skeleton):
         raise DocumentError("Markers have no skeleton.", remedy="Choose a document of a body.")
@@ -128,36 +123,33 @@ def _fitted(motion: _Stored, body: _Stored, mapping: JointMapping | None, reques
         target_reading=target.reading,
         clean=request.clean_feet,
         up=target.up,
+        scale=request.scale,
+        match_rest=request.match_rest,
     )
-    head = replace(with_body(source.head, target.head), frame_time=stored.frame_time)
-    block = made.block
-    return _Fitted(ClipStream(head, lambda: iter([block]), len(block)), made, (one, two), notices)
-
-
-def _retarget(
-    database: Database,
-    settings: Settings,
-    motion: _Stored,
-    body: _Stored,
-    mapping: JointMapping | None,
-    request: Retargeting,
-    name: str | None,
-    author: str,
-) -> Retargeted:
-    fitted = _fitted(motion, body, mapping, request)
     document = None
     if not request.preview:
-        sources = [{"document": stored.uuid, "revision": stored.revision} for stored, _ in (motion, body)]
+        head = replace(with_body(source.head, target.head), frame_time=stored.frame_time)
+        block = made.block
         document = store_stream(
             database,
-            fitted.stream,
+            ClipStream(head, lambda: iter([block]), len(block)),
             settings,
-            name=name or motion[0].name,
-            project=request.project or motion[0].project,
+            name=name or stored.name,
+            project=request.project or stored.project,
             author=author,
-            provenance={"analysis": "retarget", "sources": sources, "parameters": _parameters(request, mapping)},
+            provenance={
+                "analysis": "retarget",
+                "sources": [
+                    {"document": stored.uuid, "revision": stored.revision},
+                    {"document": other.uuid, "revision": other.revision},
+                ],
+                "parameters": _parameters(request, mapping),
+            },
         )
-    return _told(document, fitted.made, *fitted.skeletons, fitted.notices)
+    told = _told(document, made, one, two, notices)
+    if window is not None:
+        told.motion = preview_motion(with_body(source.head, target.head), [made.block], window, seconds)
+    return told
 
 
 def _parameters(request: Retargeting, mapping: JointMapping | None) -> dict[str, Any]:
@@ -170,6 +162,7 @@ def _parameters(request: Retargeting, mapping: JointMapping | None) -> dict[str,
 
 def _told(document: str | None, made: Result, source: Skeleton, target: Skeleton, notices: list[str]) -> Retargeted:
     report = made.report
+    worst = max((bone for bone in report.bones if bone.leads), key=lambda bone: bone.largest, default=None)
     return Retargeted(
         document=document,
         frames=len(made.block),
@@ -192,13 +185,21 @@ def _told(document: str | None, made: Result, source: Skeleton, target: Skeleton
                 leads=bone.leads,
                 mean=bone.mean,
                 largest=bone.largest,
+                frame=bone.frame + 1,
             )
             for bone in report.bones
         ],
         feet=[
-            FootSliding(foot=target.names[foot.joint], stances=len(foot.contacts), before=foot.before, after=foot.after)
+            FootSliding(
+                foot=target.names[foot.joint],
+                stances=len(foot.contacts),
+                before=foot.before,
+                after=foot.after,
+                contacts=[FrameSpan(first=first + 1, last=last + 1) for first, last in foot.contacts],
+            )
             for foot in report.feet
         ],
+        worst_frame=None if worst is None else worst.frame + 1,
         notices=notices
         + [notice.what for notice in [*report.notices(source, target), *made.shortfall.notices(target)]],
     )

@@ -25,6 +25,7 @@ def select_documents(database: Database, queries: Queries, selection: Selection)
         properties=tuple(parse_condition(text) for text in selection.property),
     )
     with database.read() as tx:
+        selection = selection.model_copy(update={"documents": tx.saved.expand(selection.documents)})
         if selection.project:
             tx.projects.get(selection.project)
         if selection.documents and not (selection.project or selection.motion_name or selection.property):

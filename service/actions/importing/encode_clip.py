@@ -10,7 +10,7 @@ from service.actions.checking.check_names import check_frame_time
 from service.actions.reading.gather_files import Clip
 from service.actions.reading.import_options import ImportOptions
 from service.actions.reading.make_thumbnail import Thumbnail, poses_of, thumbnail_of
-from service.actions.reading.open_clip import open_clip
+from service.actions.reading.open_clip import offering, open_clip
 from service.errors import DocumentError, Notice
 from service.formats.number_text import decimals_of
 from service.mcml import motion_names
@@ -59,15 +59,16 @@ def encode_clip(
 
     keep: is given the track rows that are done while the clip is read; the others wait in the encoder.
     """
-    opened = open_clip(clip, options, settings)
-    stream = opened.stream
-    encoder.decimals = decimals_of(stream.head.number_style)
-    poses = poses_of(stream.head)
-    for block in stream.blocks():
-        poses.add(block)
-        keep(encoder.add(block))
-        if progress is not None:
-            progress(clip.name, encoder.frames, stream.frames)
+    with offering(clip):
+        opened = open_clip(clip, options, settings)
+        stream = opened.stream
+        encoder.decimals = decimals_of(stream.head.number_style)
+        poses = poses_of(stream.head)
+        for block in stream.blocks():
+            poses.add(block)
+            keep(encoder.add(block))
+            if progress is not None:
+                progress(clip.name, encoder.frames, stream.frames)
     encoder.close()
     head = replace(stream.head, frame_time=_frame_time(stream, options))
     opened.check(encoder.shapes)
@@ -81,7 +82,7 @@ def encode_clip(
         bones=list(head.skeleton.names),
         frames=encoder.frames,
         frame_time=head.frame_time,
-        intact=_is_intact(head, options),
+        intact=_is_intact(head, options) and not opened.repaired,
         shapes=encoder.shapes,
         shape_rows=encoder.shape_rows,
         frame_runs=encoder.ids.rows,

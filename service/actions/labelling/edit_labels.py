@@ -55,6 +55,16 @@ def change_label(
             and (span.first, span.last) in ranges]  # fmt: skip
 
 
+def name_frames(tx: Transaction, stored: StoredDocument, name: str, first: int, last: int) -> list[str]:
+    """Let frames first to last carry a name, where it does not lie on them already; the caller makes the revision.
+    Answers what was done."""
+    wanted = motion_names.canonical(name)
+    if any((span.name, span.first, span.last) == (wanted, first, last) for span in tx.spans.of(stored.key)):
+        return []
+    tx.spans.add(stored.key, wanted, first, last)
+    return [f"named {wanted} {first}-{last}"]
+
+
 def _told(name: str, ranges: Iterable[tuple[int, int]]) -> str:
     return f"{name} {', '.join(f'{first}-{last}' for first, last in ranges)}"
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 
 from schemas.documents import Bone, DocumentDetail, DocumentSummary, Label, Property, Receipt, StoredFile
+from schemas.media import MediaInfo
 from service.mcml.elements import to_head
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.media import StoredMedia
 
 
 def summary(stored: StoredDocument) -> DocumentSummary:
@@ -60,6 +62,7 @@ def detail(tx: Transaction, stored: StoredDocument) -> DocumentDetail:
             for kept in tx.uploads.of(stored.key)
         ],
         original=stored.intact and bool(tx.uploads.of(stored.key)),
+        media=_media(tx, stored),
         receipt=Receipt(**json.loads(tx.documents.receipt(stored.key))),
         links={
             "mcml": f"{address}/mcml",
@@ -68,4 +71,19 @@ def detail(tx: Transaction, stored: StoredDocument) -> DocumentDetail:
             "labels": f"{address}/labels",
             "revisions": f"{address}/revisions",
         },
+    )
+
+
+def _media(tx: Transaction, stored: StoredDocument) -> MediaInfo | None:
+    media = tx.media.of(stored.key)
+    return None if media is None else media_info(media)
+
+
+def media_info(media: StoredMedia) -> MediaInfo:
+    return MediaInfo(
+        name=media.file_name,
+        media_type=media.media_type,
+        bytes=media.size,
+        sha256=media.sha256,
+        offset=media.offset,
     )

@@ -25,6 +25,7 @@ class ImportOptions:
     skeleton: uuid of a stored document whose skeleton motion without one shall use.
     aliases: (name in files, MCML's name) that the project adds; `import_files` looks them up.
     movements: name anatomical movements that are found in the motion with at least this confidence, 0 to 1.
+    repair: repairs of text files that are made before they are read (`formats.repairs`).
     on_duplicate: "new" (store again, name the twin in the receipt) or "skip" (answer the stored twin).
     """
 
@@ -43,6 +44,7 @@ class ImportOptions:
     strict_names: bool = False
     movements: float | None = None
     aliases: tuple[tuple[str, str], ...] = ()
+    repair: tuple[str, ...] = ()
 
 
 def parse_label(text: str) -> Label:

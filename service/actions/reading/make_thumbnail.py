@@ -27,7 +27,12 @@ DENSE = 24.0
 """Poses a second that are looked at: twice as many as are drawn."""
 
 MOST_POSES = 16_384
-"""That are looked at of a clip; of longer ones fewer a second, and those of the loop once more."""
+MOST_PLACES = 1_000_000
+"""Poses, and joints in all of them, that are looked at of a clip; of longer ones fewer a second, and those of the loop
+once more."""
+
+MOST_AT_IMPORT = 1000
+"""Joints of a clip whose thumbnail is made while it is imported."""
 
 ASSUMED_RATE = 120.0
 """Frames a second where nothing says how many: what most systems without a rate record at."""
@@ -52,6 +57,7 @@ class Poses:
         self._seen = 0
         self._held = Held(head.skeleton)
         self._markers = is_markers(head.skeleton)
+        self._most = most_poses(head)
         self._values: list[Array] = []
         self._gaps: list[np.ndarray[Any, np.dtype[np.bool_]]] = []
         self._count = 0
@@ -65,7 +71,7 @@ class Poses:
         rows = block.values[skip :: self.step]
         chosen = FrameBlock(rows, block.columns, block.shapes, block.ids[skip :: self.step])
         self._count += len(rows)
-        if self._count > MOST_POSES:
+        if self._count > self._most:
             self.full, self._values, self._gaps = True, [], []
             return
         if self._markers:
@@ -94,9 +100,16 @@ class Poses:
         return np.concatenate([joints, np.stack(tips, axis=1)], axis=1) if tips else joints, joints, carrier
 
 
+def most_poses(head: ClipHead) -> int:
+    """How many poses of a clip are looked at."""
+    return max(1, min(MOST_POSES, MOST_PLACES // max(1, len(head.skeleton))))
+
+
 def poses_of(head: ClipHead) -> Poses:
-    """What gathers the poses of a whole clip."""
-    return Poses(head, max(1, int(_rate(head) / DENSE)))
+    """What gathers the poses of a whole clip while it is imported."""
+    found = Poses(head, max(1, int(_rate(head) / DENSE)))
+    found.full = len(head.skeleton) > MOST_AT_IMPORT
+    return found
 
 
 def thumbnail_of(poses: Poses, head: ClipHead) -> Thumbnail | None:
@@ -116,14 +129,17 @@ def read_thumbnail(tx: Transaction, stored: StoredDocument) -> Thumbnail | None:
     if not len(head.skeleton):
         return None
     dense = max(1, int(_rate(head) / DENSE))
-    step = max(dense, -(-stored.frames // MOST_POSES))
+    step = max(dense, -(-stored.frames // most_poses(head)))
     drawing = _Drawing(_read(tx, stored, head, 1, stored.frames, step), step / _rate(head))
     if step == dense:
         return drawing.thumbnail()
     start, end = drawing.window
     first = max(1, int(start * _rate(head)) + 1)
     last = min(stored.frames, int(np.ceil(end * _rate(head))) + 1)
-    poses = finite(_read(tx, stored, head, first, last, dense).positions()[0][:, drawing.figure.points])
+    fine = _read(tx, stored, head, first, last, dense)
+    if fine.full:
+        return drawing.thumbnail()
+    poses = finite(fine.positions()[0][:, drawing.figure.points])
     times = loop_times(drawing.figure, start, end) - (first - 1) / _rate(head)
     return drawing.thumbnail(poses_at(poses, dense / _rate(head), times))
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,8 +13,10 @@ from service.actions.reading.edit_header import checked_axis, checked_property, 
 from service.actions.reading.gather_files import Clip
 from service.actions.reading.import_options import ImportOptions
 from service.actions.reading.shared_skeleton import SharedSkeleton, shared_skeleton
+from service.errors import FormatError, Notice
 from service.formats import FORMATS
 from service.formats.format import Limits, ReadOptions
+from service.formats.repairs import offers, repaired
 from service.mcml.dtd import validate_by_shapes
 from service.mcml.elements import Element, mcml_element, to_head, write_header
 from service.mcml.reader import Limits as McmlLimits
@@ -30,6 +33,7 @@ class OpenClip:
     document: Element
     stream: ClipStream
     shared: SharedSkeleton | None = None
+    repaired: bool = False
 
     def check(self, shapes: Iterable[Shape]) -> None:
         """DocumentError unless what was made of another format's files, with frames of these shapes, is valid.
@@ -50,7 +54,28 @@ class OpenClip:
 
 
 def open_clip(clip: Clip, options: ImportOptions, settings: Settings) -> OpenClip:
-    """The clip that the files hold. Raises what readers raise."""
+    """The clip that the files hold. Raises what readers raise; a FormatError says which repairs there are."""
+    repairs: list[str] = []
+    if options.repair:
+        files, repairs = repaired(clip.files, options.repair)
+        clip = Clip(clip.format, files)
+    opened = _opened(clip, options, settings)
+    opened.stream.notices += [Notice("repair", words) for words in repairs]
+    return replace(opened, repaired=bool(repairs))
+
+
+@contextmanager
+def offering(clip: Clip) -> Iterator[None]:
+    """A FormatError that is raised within names the repairs that would do something to the files."""
+    try:
+        yield
+    except FormatError as error:
+        if "code" not in error.details and (found := offers(clip.files)):
+            error.details.update(code="repairable", repairs=found)
+        raise
+
+
+def _opened(clip: Clip, options: ImportOptions, settings: Settings) -> OpenClip:
     if clip.format == "mcml":
         read = read_document(clip.files["mcml"].stream, _mcml_limits(settings), options.encoding)
         check_head(read.document, read.clip.head, settings.max_joints)

@@ -148,6 +148,54 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/selections/delete": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["delete_documents"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/selections/restore": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["restore_documents"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/selections/change": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["change_documents"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/documents/{id}/mcml": {
         parameters: {
             query?: never;
@@ -242,6 +290,22 @@ export interface paths {
         options?: never;
         head?: never;
         patch?: never;
+        trace?: never;
+    };
+    "/api/v1/documents/{id}/media": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_media"];
+        put: operations["put_media"];
+        post?: never;
+        delete: operations["delete_media"];
+        options?: never;
+        head?: never;
+        patch: operations["change_media"];
         trace?: never;
     };
     "/api/v1/documents/{id}/frames": {
@@ -436,22 +500,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/compose/motion": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["show_composition"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/v1/documents/{id}/split": {
         parameters: {
             query?: never;
@@ -484,22 +532,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/v1/documents/{id}/retarget/motion": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        post: operations["show_retargeted"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/v1/retarget": {
         parameters: {
             query?: never;
@@ -510,6 +542,86 @@ export interface paths {
         get?: never;
         put?: never;
         post: operations["retarget_many"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/collections": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["list_collections"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/collections/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_collection"];
+        put: operations["save_collection"];
+        post?: never;
+        delete: operations["delete_collection"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/queries": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["list_saved_queries"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/queries/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_saved_query"];
+        put: operations["save_query"];
+        post?: never;
+        delete: operations["delete_query"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/colours": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_colours"];
+        put: operations["save_colours"];
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -1260,7 +1372,20 @@ export interface components {
         };
         Body_inspect_files: {
             file: string[];
+            positions?: "f4" | null;
+            /** @default 1 */
+            first: number;
+            last?: number | null;
+            /** @default 1 */
+            step: number;
             encoding?: string | null;
+            repair?: ("split-numbers" | "whole-frames")[] | null;
+        };
+        Body_put_media: {
+            /** Format: binary */
+            file: string;
+            /** @default 0 */
+            offset: number;
         };
         Body_read_music: {
             /** Format: binary */
@@ -1290,6 +1415,7 @@ export interface components {
              * @enum {string}
              */
             on_duplicate: "new" | "skip";
+            repair?: ("split-numbers" | "whole-frames")[] | null;
             /** @default false */
             strict_names: boolean;
             movements?: number | null;
@@ -1319,6 +1445,8 @@ export interface components {
             leads: boolean;
             mean: number;
             largest: number;
+            /** @default 1 */
+            frame: number;
         };
         Card: {
             id: string;
@@ -1406,12 +1534,49 @@ export interface components {
             parents: number[];
             positions?: number[][][] | null;
         };
+        Collection: {
+            project: string;
+            name: string;
+            version: number;
+            author: string;
+            changed: string;
+            documents?: string[] | null;
+            where?: components["schemas"]["schemas__saved__Where"] | null;
+            /** @default  */
+            description: string;
+            total?: number | null;
+        };
+        CollectionPage: {
+            items: components["schemas"]["Collection"][];
+            next_cursor?: string | null;
+        };
+        CollectionToSave: {
+            documents?: string[] | null;
+            where?: components["schemas"]["schemas__saved__Where"] | null;
+            /** @default  */
+            description: string;
+        };
+        Colours: {
+            items: {
+                [key: string]: string;
+            };
+            project: string;
+            version: number;
+            author: string;
+            changed: string;
+        };
+        ColoursToSave: {
+            items: {
+                [key: string]: string;
+            };
+        };
         CompletionItem: {
             text: string;
             /** @enum {string} */
             kind: "element" | "attribute" | "axis" | "function" | "motion name" | "bone name";
             /** @default  */
             detail: string;
+            documents?: number | null;
         };
         Completions: {
             first: number;
@@ -1449,6 +1614,7 @@ export interface components {
             segments: components["schemas"]["ComposedSegment"][];
             seams: components["schemas"]["ComposedSeam"][];
             notices: string[];
+            motion?: components["schemas"]["PreviewMotion"] | null;
         };
         ComposedSeam: {
             segment: number;
@@ -1651,6 +1817,7 @@ export interface components {
             files: components["schemas"]["StoredFile"][];
             original: boolean;
             receipt: components["schemas"]["Receipt"];
+            media?: components["schemas"]["MediaInfo"] | null;
             links: {
                 [key: string]: string;
             };
@@ -1937,6 +2104,7 @@ export interface components {
             stances: number;
             before: number;
             after: number;
+            contacts?: components["schemas"]["FrameSpan"][];
         };
         FormatInfo: {
             name: string;
@@ -1986,6 +2154,10 @@ export interface components {
                     [key: string]: number;
                 };
             };
+        };
+        FrameSpan: {
+            first: number;
+            last: number;
         };
         FramesEdited: {
             revision: number;
@@ -2220,6 +2392,20 @@ export interface components {
             project?: string | null;
             parameters?: components["schemas"]["ExpressionLevelChoice"];
         };
+        ManyChanges: {
+            selection: components["schemas"]["Selection"];
+            change?: components["schemas"]["DocumentChange"];
+            labels?: components["schemas"]["ManyLabel"][];
+        };
+        ManyDocuments: {
+            documents: string[];
+        };
+        ManyLabel: {
+            name: string;
+            /** @default 1 */
+            first: number;
+            last?: number | null;
+        };
         Mapping: {
             pairs: components["schemas"]["JointPair"][];
             name: string;
@@ -2231,6 +2417,16 @@ export interface components {
         MappingPage: {
             items: components["schemas"]["Mapping"][];
             next_cursor?: string | null;
+        };
+        MediaChange: {
+            offset: number;
+        };
+        MediaInfo: {
+            name: string;
+            media_type: string;
+            bytes: number;
+            sha256: string;
+            offset: number;
         };
         MirrorFrames: {
             first: number;
@@ -2420,6 +2616,16 @@ export interface components {
             project?: string | null;
             parameters?: components["schemas"]["ExpressionStride"];
         };
+        PreviewMotion: {
+            first: number;
+            shape: number[];
+            bones: string[];
+            parents: number[];
+            origin: number[];
+            seconds_per_frame?: number | null;
+            up: string;
+            data: string;
+        };
         Problem: {
             type: string;
             title: string;
@@ -2466,6 +2672,8 @@ export interface components {
             items?: (components["schemas"]["NodeItem"] | components["schemas"]["RunItem"] | components["schemas"]["ScalarItem"] | components["schemas"]["ValueItem"])[] | null;
             next_cursor?: string | null;
             total?: number | null;
+            totals?: components["schemas"]["RunTotals"] | null;
+            range_of?: string | null;
             /** @default true */
             complete: boolean;
             warnings?: string[];
@@ -2485,9 +2693,18 @@ export interface components {
             cursor?: string | null;
             /** @default false */
             explain: boolean;
+            with?: string | null;
             variables?: {
                 [key: string]: string | number | boolean;
             };
+        };
+        QueryToSave: {
+            q: string;
+            variables?: {
+                [key: string]: string | number | boolean;
+            };
+            /** @default  */
+            description: string;
         };
         Rate: {
             seconds?: number | null;
@@ -2741,6 +2958,9 @@ export interface components {
             mapping?: components["schemas"]["JointPair"][] | string | null;
             /** @default false */
             clean_feet: boolean;
+            /** @default false */
+            match_rest: boolean;
+            scale?: number | null;
             project?: string | null;
             /** @default false */
             preview: boolean;
@@ -2751,6 +2971,9 @@ export interface components {
             mapping?: components["schemas"]["JointPair"][] | string | null;
             /** @default false */
             clean_feet: boolean;
+            /** @default false */
+            match_rest: boolean;
+            scale?: number | null;
             project?: string | null;
             /** @default false */
             preview: boolean;
@@ -2765,7 +2988,9 @@ export interface components {
             unmatched_target: string[];
             bones: components["schemas"]["BoneError"][];
             feet: components["schemas"]["FootSliding"][];
+            worst_frame?: number | null;
             notices: string[];
+            motion?: components["schemas"]["PreviewMotion"] | null;
         };
         ReverseFrames: {
             first: number;
@@ -2785,6 +3010,7 @@ export interface components {
             project: string;
             time: string;
             author: string;
+            touched?: components["schemas"]["FrameRange"][] | null;
         };
         RevisionPage: {
             items: components["schemas"]["Revision"][];
@@ -2799,12 +3025,35 @@ export interface components {
             first_id: string;
             last_id: string;
             frames: number;
+            range?: number[] | null;
+        };
+        RunTotals: {
+            frames: number;
+            runs: number;
+            documents: number;
         };
         SavedAliases: {
             items: components["schemas"]["Alias"][];
         };
         SavedMapping: {
             pairs: components["schemas"]["JointPair"][];
+        };
+        SavedQuery: {
+            project: string;
+            name: string;
+            version: number;
+            author: string;
+            changed: string;
+            q: string;
+            variables?: {
+                [key: string]: string | number | boolean;
+            };
+            /** @default  */
+            description: string;
+        };
+        SavedQueryPage: {
+            items: components["schemas"]["SavedQuery"][];
+            next_cursor?: string | null;
         };
         ScalarItem: {
             document: string;
@@ -2822,6 +3071,12 @@ export interface components {
             /** @default [] */
             layers: components["schemas"]["Layer"][];
             mapping?: components["schemas"]["JointPair"][] | string | null;
+            /** @default 1 */
+            speed: number;
+            /** @default false */
+            mirror: boolean;
+            transition?: number | null;
+            style?: ("bridge" | "crossfade") | null;
         };
         Selection: {
             /** @default [] */
@@ -2984,6 +3239,22 @@ export interface components {
         ValueItem: {
             value: string | number | boolean;
         };
+        schemas__problem__Where: {
+            file?: string | null;
+            line?: number | null;
+            column?: number | null;
+            element?: string | null;
+        };
+        schemas__saved__Where: {
+            project?: string | null;
+            q?: string | null;
+            motion_name?: string | null;
+            format?: string | null;
+            skeleton?: number | null;
+            property?: string[] | null;
+            length?: string | null;
+            rate?: string | null;
+        };
         Where: {
             /** @default null */
             file: string | null;
@@ -3017,6 +3288,7 @@ export interface operations {
                 length?: string | null;
                 rate?: string | null;
                 xpath?: string | null;
+                collection?: string | null;
                 deleted?: boolean;
                 limit?: number;
                 cursor?: string | null;
@@ -3127,6 +3399,7 @@ export interface operations {
                 length?: string | null;
                 rate?: string | null;
                 xpath?: string | null;
+                collection?: string | null;
                 deleted?: boolean;
                 limit?: number;
                 bins?: number;
@@ -3464,6 +3737,7 @@ export interface operations {
             query?: {
                 limit?: number;
                 cursor?: string | null;
+                with?: "frames" | null;
             };
             header?: never;
             path: {
@@ -3568,6 +3842,147 @@ export interface operations {
             content: {
                 "application/octet-stream": string;
                 "text/csv": string;
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangedDocuments"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_documents: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Selection"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangedDocuments"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    restore_documents: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ManyDocuments"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChangedDocuments"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    change_documents: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ManyChanges"];
             };
         };
         responses: {
@@ -3877,6 +4292,198 @@ export interface operations {
                 };
                 content: {
                     "application/vnd.mcml.thumbnail": unknown;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_media: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "video/mp4": unknown;
+                    "audio/mp4": unknown;
+                    "video/webm": unknown;
+                    "audio/ogg": unknown;
+                    "audio/wav": unknown;
+                    "audio/flac": unknown;
+                    "audio/mpeg": unknown;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    put_media: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "multipart/form-data": components["schemas"]["Body_put_media"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MediaInfo"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_media: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    change_media: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MediaChange"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MediaInfo"];
                 };
             };
             503: {
@@ -4921,6 +5528,7 @@ export interface operations {
                 limit?: number | null;
                 cursor?: string | null;
                 explain?: boolean;
+                with?: string | null;
             };
             header?: never;
             path?: never;
@@ -5069,7 +5677,12 @@ export interface operations {
     };
     compose: {
         parameters: {
-            query?: never;
+            query?: {
+                positions?: "f4" | null;
+                first?: number;
+                last?: number | null;
+                step?: number;
+            };
             header?: {
                 "idempotency-key"?: string | null;
             };
@@ -5096,55 +5709,6 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Composed"];
-                };
-            };
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            507: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            "4XX": {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    show_composition: {
-        parameters: {
-            query?: {
-                step?: number;
-            };
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["ComposeRequest"];
-            };
-        };
-        responses: {
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/vnd.mcml.block": unknown;
                 };
             };
             503: {
@@ -5226,7 +5790,12 @@ export interface operations {
     };
     retarget: {
         parameters: {
-            query?: never;
+            query?: {
+                positions?: "f4" | null;
+                first?: number;
+                last?: number | null;
+                step?: number;
+            };
             header?: {
                 "idempotency-key"?: string | null;
             };
@@ -5283,20 +5852,16 @@ export interface operations {
             };
         };
     };
-    show_retargeted: {
+    retarget_many: {
         parameters: {
-            query?: {
-                step?: number;
-            };
+            query?: never;
             header?: never;
-            path: {
-                id: string;
-            };
+            path?: never;
             cookie?: never;
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["RetargetRequest"];
+                "application/json": components["schemas"]["RetargetMany"];
             };
         };
         responses: {
@@ -5305,7 +5870,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/vnd.mcml.block": unknown;
+                    "application/x-ndjson": unknown;
                 };
             };
             503: {
@@ -5334,16 +5899,116 @@ export interface operations {
             };
         };
     };
-    retarget_many: {
+    list_collections: {
         parameters: {
-            query?: never;
+            query?: {
+                limit?: number;
+                cursor?: string | null;
+                project?: string | null;
+            };
             header?: never;
             path?: never;
             cookie?: never;
         };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CollectionPage"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_collection: {
+        parameters: {
+            query?: {
+                project?: string;
+            };
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Collection"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    save_collection: {
+        parameters: {
+            query?: {
+                project?: string;
+            };
+            header?: {
+                "if-match"?: string | null;
+            };
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["RetargetMany"];
+                "application/json": components["schemas"]["CollectionToSave"];
             };
         };
         responses: {
@@ -5352,7 +6017,368 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/x-ndjson": unknown;
+                    "application/json": components["schemas"]["Collection"];
+                };
+            };
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Collection"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_collection: {
+        parameters: {
+            query?: {
+                project?: string;
+            };
+            header?: {
+                "if-match"?: string | null;
+            };
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_saved_queries: {
+        parameters: {
+            query?: {
+                limit?: number;
+                cursor?: string | null;
+                project?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SavedQueryPage"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_saved_query: {
+        parameters: {
+            query?: {
+                project?: string;
+            };
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SavedQuery"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    save_query: {
+        parameters: {
+            query?: {
+                project?: string;
+            };
+            header?: {
+                "if-match"?: string | null;
+            };
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["QueryToSave"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SavedQuery"];
+                };
+            };
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SavedQuery"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_query: {
+        parameters: {
+            query?: {
+                project?: string;
+            };
+            header?: {
+                "if-match"?: string | null;
+            };
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_colours: {
+        parameters: {
+            query?: {
+                project?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Colours"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    save_colours: {
+        parameters: {
+            query?: {
+                project?: string;
+            };
+            header?: {
+                "if-match"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ColoursToSave"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Colours"];
+                };
+            };
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Colours"];
                 };
             };
             503: {

@@ -1,8 +1,10 @@
 /** Motion that is not stored: the server makes it for an eye's worth, as positions at even steps. */
-import { address, fetched } from "../api/client";
+import type { Schemas } from "../api/client";
 import type { Skeleton } from "./skeleton";
+import { fromBase64 } from "./thumbnail";
 
-const MOST_BYTES = 6 << 20;
+const MOST_BYTES = 4 << 20;
+const USUAL_HEIGHT = 1.7;
 
 /** Positions at every `step`-th frame, (n, points, 3); between them straight lines are drawn. */
 export class Preview {
@@ -27,9 +29,46 @@ export class Preview {
   }
 }
 
-/** The motion that a request would make. path: of the operation; the answer's shape stands in its header. */
-export async function previewOf(path: string, body: object, skeleton: Skeleton, frames: number, perSecond: number, stop: AbortSignal): Promise<Preview> {
-  const step = Math.max(1, Math.ceil((frames * skeleton.points * 12) / MOST_BYTES));
-  const answer = await fetched(address(path, {}, { step }), { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body), signal: stop });
-  return new Preview(skeleton, frames, perSecond, new Float32Array(await answer.arrayBuffer()), step);
+export type Told = Schemas["PreviewMotion"];
+
+const MOST_FRAMES = 4000; // of one answer
+
+/** How many frames apart a preview of so many is told. */
+export const stepFor = (frames: number, points: number): number => Math.max(1, Math.ceil((frames * points * 12) / MOST_BYTES), Math.ceil(frames / MOST_FRAMES));
+
+/** What the server told of a motion, to be played on a body. */
+export function previewOf(told: Told, skeleton: Skeleton, frames: number, perSecond: number, step: number): Preview {
+  const bytes = fromBase64(told.data);
+  return new Preview(skeleton, frames, perSecond, new Float32Array(bytes.buffer, bytes.byteOffset, bytes.byteLength / 4), step);
+}
+
+/** A body of nothing but what a preview says: joints, their parents, and the poses' size. */
+export function bodyOf(told: Told, frames: number): Skeleton {
+  const values = new Float32Array(fromBase64(told.data).buffer);
+  const joints = told.bones.length;
+  const side = (name: string) => (/left|^l[_A-Z]/.test(name) ? 1 : /right|^r[_A-Z]/.test(name) ? 2 : 0);
+  const sides = Uint8Array.from(told.parents, (parent, point) => side(told.bones[point < joints ? point : parent]));
+  let [least, most] = [Infinity, -Infinity];
+  const axis = told.up.endsWith("Z") ? 2 : 1;
+  for (let at = axis; at < told.parents.length * 3; at += 3) {
+    least = Math.min(least, values[at]);
+    most = Math.max(most, values[at]);
+  }
+  const extent = most - least;
+  return {
+    view: {
+      id: "", name: "", revision: 0, frames, markers: told.parents.every((one) => one < 0), likely_up: told.up, origin: told.origin,
+      bones: told.bones.map((name) => ({ name })), tips: [],
+    } as unknown as Skeleton["view"],
+    points: told.parents.length,
+    edges: Int32Array.from(told.parents.flatMap((parent, point) => (parent < 0 ? [] : [parent, point]))),
+    sides,
+    parents: Int32Array.from(told.parents),
+    metres: extent > 0 ? USUAL_HEIGHT / extent : 1,
+    unitKnown: false,
+    zUp: axis === 2,
+    height: USUAL_HEIGHT,
+    head: told.bones.findIndex((name) => name.toLowerCase() === "head"),
+    byName: new Map(told.bones.map((name, index) => [name, index])),
+  };
 }

@@ -99,7 +99,7 @@ function Rail() {
     <nav class={`rail ${railWide.value ? "wide" : ""} ${drawerOpen.value ? "open" : ""}`} aria-label={w("menu")}>
       {RAIL.map(entry)}
       <span class="grow" />
-      <a class="rail-item" href="/docs" title={w("reference")}><Icon name="help" /><span>{w("reference")}</span></a>
+      <a class="rail-item" href="/docs" title={w("apiReference")}><Icon name="help" /><span>{w("apiReference")}</span></a>
       {entry({ page: "settings", icon: "settings", word: "settings", path: "/settings" })}
       <button type="button" class="rail-item" title={w(railWide.value ? "unpin" : "pin")} aria-label={w(railWide.value ? "unpin" : "pin")} onClick={() => (railWide.value = !railWide.value)}>
         <Icon name={railWide.value ? "back" : "right"} /><span>{w("unpin")}</span>

@@ -1,6 +1,6 @@
 /** Ctrl+K: pages, commands, clips, motion names, a time of the open clip, XPath. */
 import { signal } from "@preact/signals";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { get } from "../api/client";
 import { commands } from "../state/keys";
 import { loadVocabulary, namesLike } from "../state/vocabulary";
@@ -21,7 +21,8 @@ export function Palette() {
   const [text, setText] = useState(paletteOpen.value ?? "");
   const [at, setAt] = useState(0);
   const box = useRef<HTMLDialogElement>(null);
-  useEffect(() => { box.current?.showModal(); }, []);
+  // Before the next letter is typed.
+  useLayoutEffect(() => { box.current?.showModal(); }, []);
   const words = text.trim();
   const plain = words && !/^(>|:|\/\/)/.test(words) ? words.replace(/^#/, "") : "";
   const clips = useAsync(async (signal) => {

@@ -10,7 +10,7 @@ export async function lookFirst(files: File[]): Promise<void> {
   const form = new FormData();
   for (const file of files) form.append("file", file, file.name);
   try {
-    const answer = await fetched(address("/inspect"), { method: "POST", body: form });
+    const answer = await fetched(address("/inspect", {}, { positions: "f4" }), { method: "POST", body: form });
     looked.value = { files, result: await answer.json() };
   } catch (error) {
     refuse(error);

@@ -3,6 +3,7 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import { ask, get, type Schemas } from "../api/client";
 import { fromBase64, readThumbnail, type Thumbnail } from "../motion/thumbnail";
 import { w } from "../words";
+import { news } from "./events";
 import { note, refuse } from "./notes";
 import { param, route } from "./route";
 
@@ -13,7 +14,7 @@ export interface Card extends Omit<Summary, "labels" | "passport" | "thumbnail">
   passport: Summary["passport"];
 }
 
-export const FILTERS = ["project", "q", "motion_name", "format", "skeleton", "property", "length", "rate", "xpath"] as const;
+export const FILTERS = ["project", "q", "motion_name", "format", "skeleton", "property", "length", "rate", "xpath", "collection"] as const;
 export type FilterName = (typeof FILTERS)[number];
 const PAGE = 60;
 const KEPT_PAGES = 60;
@@ -128,6 +129,14 @@ effect(() => {
     refresh();
   }
   before = now;
+});
+
+// What others store, change and delete is seen; a burst of it is asked for once.
+let burst = 0;
+effect(() => {
+  if (!news.value || route.peek().page !== "library") return;
+  window.clearTimeout(burst);
+  burst = window.setTimeout(refresh, 400);
 });
 
 export function pick(id: string, on = !picked.peek().has(id)): void {

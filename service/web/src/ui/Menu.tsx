@@ -55,8 +55,8 @@ export function Menu({ label, items, children, className = "button", side = "lef
   const list = open ? (typeof items === "function" ? items() : items) : [];
   return (
     <span class="menu" ref={box} onKeyDown={onKey}>
-      <button ref={button} type="button" class={className} aria-haspopup="menu" aria-expanded={open} aria-label={label} title={label} onClick={() => setOpen(!open)}>
-        {children}
+      <button ref={button} type="button" class={className} aria-haspopup="menu" aria-expanded={open} title={label} onClick={() => setOpen(!open)}>
+        <span class="unseen">{label}: </span>{children}
       </button>
       {open && (
         <div class={`menu-list ${side}`} role="menu" aria-label={label}>

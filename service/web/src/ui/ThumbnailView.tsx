@@ -30,6 +30,7 @@ export function ThumbnailView({ thumbnail, runs, scrub = null, label }: {
   runs: boolean;
   /** 0 to 1 of the whole clip, where the pointer is; null: the loop, or its poster. */
   scrub?: number | null;
+  /** What it shows, where no words beside it say so; else "". */
   label: string;
 }) {
   const canvas = useRef<HTMLCanvasElement>(null);
@@ -56,5 +57,5 @@ export function ThumbnailView({ thumbnail, runs, scrub = null, label }: {
     const began = performance.now() / 1000;
     return start((now) => draw(Math.min(1, ((now - began) % length) / Math.max(0.4, thumbnail.seconds))));
   }, [thumbnail, runs, scrub, skin]);
-  return <canvas ref={canvas} class="thumbnail" role="img" aria-label={label} />;
+  return <canvas ref={canvas} class="thumbnail" role={label ? "img" : undefined} aria-label={label || undefined} aria-hidden={label ? undefined : true} />;
 }

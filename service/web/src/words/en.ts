@@ -1,7 +1,7 @@
 /** English. Short, calm, present: what is so, then what to do. "one|many" is chosen by n. */
 export const en = {
   product: "MCML Repository",
-  library: "Library", xpath: "XPath", compose: "Composer", retarget: "Retarget", settings: "Settings", reference: "API reference",
+  library: "Library", xpath: "XPath", compose: "Composer", retarget: "Retarget", settings: "Settings", apiReference: "API reference",
   skip: "Skip to the content", menu: "Pages", pin: "Show words", unpin: "Icons only",
   searchAll: "clips, motion names, //xpath", palette: "Find anything", nothingFound: "Nothing is called so.",
   help: "Keys of this page", close: "Close", again: "Try again", cancel: "Cancel", more: "More", copy: "Copy", copied: "Copied",
@@ -28,6 +28,7 @@ export const en = {
   confirm: "Confirm", confirmAs: "Confirm {value}", deleted: "1 clip deleted|{n} clips deleted", restored: "Restored", delete: "Delete",
   nameThese: "Name", exportWord: "Export", composeThese: "Compose", labelPicked: "Name these clips",
   labelPickedHelp: "The motion name stands on all frames of each.", labelled: "1 clip named {name}|{n} clips named {name}",
+  collect: "Collect", collectHelp: "A collection is a list of clips under a name, for every list and command.", collections: "Collections", newer: "{who} saved revision {n}.",
   revision: "revision {n}",
   openClip: "Open the clip", pickClip: "Pick {name}", moveToComposer: "To the composer",
 
@@ -62,6 +63,7 @@ export const en = {
 
   // XPath
   head: "Head", framesOf: "Frames {first}–{last}", sameFrames: "Frames are added and removed in the timeline or the tree, not here.",
+  reference: "Reference", referenceHelp: "A video or a sound of the take, played in step.", chooseMedia: "Choose a video or a sound", beginsAt: "Motion begins at", mediaGone: "Taken away", referenceOf: "Video or sound of {name}",
   line: "line {n}",
   run: "Run", scope: "Scope", wholeLibrary: "the whole library", answerAs: "Answer as", runs: "runs", nodes: "nodes", explain: "Explain", savedQueries: "Saved", queryHistory: "History", saveQuery: "Save this query",
   asCurl: "as curl", asCommand: "as mcml", resultRuns: "{frames} in {runs}, {ms} ms", runCount: "1 run|{n} runs", resultNodes: "1 item, {ms} ms|{n} items, {ms} ms", incomplete: "incomplete", complete: "complete", document: "Document", from: "From", last: "To", playResults: "Plays the runs one after the other",

@@ -3,7 +3,7 @@ import type { en } from "./en";
 
 export const ko: typeof en = {
   product: "MCML 저장소",
-  library: "라이브러리", xpath: "XPath", compose: "이어붙이기", retarget: "리타기팅", settings: "설정", reference: "API 문서",
+  library: "라이브러리", xpath: "XPath", compose: "이어붙이기", retarget: "리타기팅", settings: "설정", apiReference: "API 문서",
   skip: "본문으로 건너뛰기", menu: "메뉴", pin: "이름 보기", unpin: "아이콘만 보기",
   searchAll: "클립, 동작 이름, //xpath", palette: "무엇이든 찾기", nothingFound: "그런 이름이 없습니다.",
   help: "이 화면의 단축키", close: "닫기", again: "다시 시도", cancel: "취소", more: "더 보기", copy: "복사", copied: "복사했습니다",
@@ -29,6 +29,7 @@ export const ko: typeof en = {
   confirm: "확인", confirmAs: "{value} 확인", deleted: "클립 {n}개를 삭제했습니다", restored: "복원했습니다", delete: "삭제",
   nameThese: "이름 붙이기", exportWord: "내보내기", composeThese: "이어붙이기", labelPicked: "이 클립들에 이름 붙이기",
   labelPickedHelp: "동작 이름이 각 클립의 모든 프레임에 붙습니다.", labelled: "클립 {n}개에 이름을 붙였습니다: {name}",
+  collect: "모음 만들기", collectHelp: "모음은 이름 붙인 클립 목록이며, 모든 목록과 명령에서 쓸 수 있습니다.", collections: "모음", newer: "{who} 님이 리비전 {n}을 저장했습니다.",
   revision: "리비전 {n}",
   openClip: "클립 열기", pickClip: "{name} 선택", moveToComposer: "이어붙이기로 보내기",
 
@@ -60,6 +61,7 @@ export const ko: typeof en = {
   merge: "합치기", openNewest: "최신 열기", textWindow: "{first}–{last}줄", check: "검사", noFaults: "잘못된 곳이 없습니다.", faults: "잘못된 곳 {n}개", exportAs: "{format}(으)로", kept: "원본 그대로",
 
   head: "머리", framesOf: "프레임 {first}–{last}", sameFrames: "프레임을 더하거나 빼는 일은 타임라인이나 트리에서 하세요.",
+  reference: "참고 영상", referenceHelp: "촬영 영상이나 소리를 동작에 맞추어 재생합니다.", chooseMedia: "영상이나 소리 고르기", beginsAt: "동작이 시작하는 때", mediaGone: "뺐습니다", referenceOf: "영상이나 소리: {name}",
   line: "{n}번째 줄",
   run: "실행", scope: "범위", wholeLibrary: "전체 라이브러리", answerAs: "답의 모양", runs: "연속 프레임", nodes: "노드", explain: "실행 계획", savedQueries: "저장한 질의", queryHistory: "지난 질의", saveQuery: "이 질의 저장",
   asCurl: "curl로", asCommand: "mcml로", resultRuns: "{runs}에서 {frames}, {ms} ms", runCount: "구간 {n}개", resultNodes: "항목 {n}개, {ms} ms", incomplete: "일부만", complete: "답", document: "문서", from: "시작", last: "끝", playResults: "연속 프레임을 차례로 재생합니다",

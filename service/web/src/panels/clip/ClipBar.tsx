@@ -8,7 +8,7 @@ import { Menu } from "../../ui/Menu";
 import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
 import { clipActions } from "./actions";
-import { exportItems } from "./exports";
+import { exportItems } from "../../ui/exports";
 import { saveClip } from "./keys";
 import { note, refuse } from "../../state/notes";
 

@@ -1,7 +1,10 @@
 /** One clip: viewer, timeline, and the dock with its views of the document. */
+import { effect } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { subject } from "../../shell/Bar";
 import { openClip, type Clip } from "../../state/clip";
+import { news } from "../../state/events";
+import { note } from "../../state/notes";
 import { dockWide, rightFolded, timelineTall } from "../../state/panes";
 import { param, route } from "../../state/route";
 import { Splitter } from "../../ui/Splitter";
@@ -50,6 +53,16 @@ export function ClipPage({ id, revision }: { id: string; revision: string | null
 function OpenClip({ clip, reload }: { clip: Clip; reload: () => void }) {
   useAddress(clip);
   useClipKeys(clip, reload);
+  // Somebody else saved: said, not imposed.
+  useEffect(() => effect(() => {
+    const one = news.value;
+    if (!one || one.document !== clip.id || one.revision <= clip.detail.revision || clip.pinned !== null || clip.saving.peek()) return;
+    setTimeout(() => {
+      // This window's own save opens the new revision itself.
+      if (subject.peek()?.detail === w("revision", { n: one.revision })) return;
+      note(w("newer", { who: one.author, n: one.revision }), { action: { text: w("openNewest"), run: reload } });
+    }, 1500);
+  }), [clip]);
   const below = param("dock") === "below";
   const [narrow, setNarrow] = useState(innerWidth < 900);
   useEffect(() => {

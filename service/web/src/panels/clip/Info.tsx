@@ -5,6 +5,7 @@ import { copyText } from "../../shell/App";
 import type { Clip } from "../../state/clip";
 import { refuse } from "../../state/notes";
 import { Icon } from "../../ui/icons";
+import { ReferenceForm } from "./Reference";
 import { duration, number, w, when } from "../../words";
 
 const UNITS = ["mm", "cm", "m", "inch"];
@@ -64,12 +65,14 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
         {(["name", "value", "unit"] as const).map((one) => <input key={one} class="field grow" aria-label={w(one)} placeholder={w(one)} value={property[one]} disabled={locked} onInput={(event) => setProperty({ ...property, [one]: event.currentTarget.value })} />)}
         <button type="submit" class="button icon" aria-label={w("addProperty")} disabled={locked || !property.name}><Icon name="plus" /></button>
       </form>
+      <h3>{w("reference")}</h3>
+      <ReferenceForm clip={clip} reload={reload} />
       <h3>{w("provenance")}</h3>
       <div class="info-row"><span>{w("format")}</span><span>{detail.format}</span></div>
       <div class="info-row"><span>{w("original")}</span><span>{detail.files.map((one) => <span key={one.part}>{one.name} <span class="dim">{number(one.bytes)} B</span><br /></span>)}</span></div>
       <div class="info-row"><span>{w("created")}</span><span>{when(detail.created)}</span></div>
       <h3>{w("commandLines")}</h3>
-      {lines.map((line) => <div key={line} class="row code-line"><code class="grow">{line}</code><button type="button" class="button quiet icon dense" aria-label={w("copy")} onClick={() => void copyText(line, w("copied"))}><Icon name="list" /></button></div>)}
+      {lines.map((line) => <div key={line} class="row code-line"><code class="grow" tabIndex={0}>{line}</code><button type="button" class="button quiet icon dense" aria-label={w("copy")} onClick={() => void copyText(line, w("copied"))}><Icon name="list" /></button></div>)}
     </div>
   );
 }

@@ -17,7 +17,7 @@ import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";
-import { editorTheme } from "../xpath/editor";
+import { editorTheme } from "../../ui/editorTheme";
 import { schema } from "./schema";
 
 const colours = HighlightStyle.define([
@@ -97,6 +97,7 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
       }),
     });
     view.current = made;
+    made.scrollDOM.tabIndex = 0; // What scrolls is reached by keys.
     return () => made.destroy();
   }, []);
 

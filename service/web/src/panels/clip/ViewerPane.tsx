@@ -11,6 +11,7 @@ import { Trouble } from "../../ui/Trouble";
 import { number, rate, w } from "../../words";
 import { cameraView, clipActions, frameAsked, shown } from "./actions";
 import { saveFilm, savePicture } from "./pictures";
+import { Reference } from "./Reference";
 
 const GHOST_SECONDS = [-0.2, -0.1, 0.1, 0.2];
 const TRAIL_SECONDS = 1;
@@ -147,6 +148,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         {clip.frames === 0 && <div class="empty">{w("noFrames")}</div>}
         <span class="grid-label dim">{w("gridOf", { size: metresText(grid) })}{!skeleton.unitKnown && <span class="guess" />}</span>
       </div>
+      {detail.media && <Reference clip={clip} media={detail.media} />}
       {clip.blocks.trouble.value !== null && <Trouble error={clip.blocks.trouble.value} retry={() => clip.blocks.want(player.frame.peek())} />}
       <p ref={words} class="unseen" aria-live="polite" />
     </div>

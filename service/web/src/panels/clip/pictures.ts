@@ -2,18 +2,11 @@
 import { signal } from "@preact/signals";
 import type { Clip } from "../../state/clip";
 import type { Stage } from "../../scene/stage";
+import { saveBlob } from "../../ui/saveBlob";
 import { refuse } from "../../state/notes";
 
 export const filming = signal(false);
 const BITS = 8_000_000;
-
-export function saveBlob(blob: Blob, name: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-}
 
 export async function savePicture(stage: Stage, clip: Clip): Promise<void> {
   saveBlob(await stage.picture(), `${clip.detail.name} frame ${clip.player.frame.peek() + 1}.png`);

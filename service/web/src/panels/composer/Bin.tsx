@@ -1,23 +1,10 @@
 /** Clips to take pieces from: search, drag, or press +. */
 import { useState } from "preact/hooks";
-import { get } from "../../api/client";
-import { fromBase64, readThumbnail, type Thumbnail } from "../../motion/thumbnail";
 import { Icon } from "../../ui/icons";
 import { ThumbnailView } from "../../ui/ThumbnailView";
 import { Trouble } from "../../ui/Trouble";
-import { useAsync } from "../../ui/useAsync";
-import { duration, w } from "../../words";
-
-export interface Found { id: string; name: string; time: string; thumb: Thumbnail | null }
-
-export function useClips(text: string): ReturnType<typeof useAsync<Found[]>> {
-  return useAsync(async (signal) => {
-    await new Promise((resolve) => setTimeout(resolve, text ? 200 : 0));
-    signal.throwIfAborted();
-    const answer = await get("/documents", { query: { q: text || undefined, limit: 40, sort: "newest", with: "thumbnail" }, signal });
-    return answer.items.map((one) => ({ id: one.id, name: one.name, time: duration(one.duration), thumb: one.thumbnail ? readThumbnail(fromBase64(one.thumbnail)) : null }));
-  }, [text]);
-}
+import { useClips } from "../../ui/useClips";
+import { w } from "../../words";
 
 export function Bin({ onAdd }: { onAdd: (document: string, name: string) => void }) {
   const [text, setText] = useState("");

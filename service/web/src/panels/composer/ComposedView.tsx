@@ -2,30 +2,20 @@
 import { signal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import { previewOf } from "../../motion/preview";
-import { motionOf } from "../../motion/source";
-import type { Piece } from "../../state/composition";
 import { Player } from "../../state/player";
 import { Icon } from "../../ui/icons";
 import { MotionView, type Actor } from "../../ui/MotionView";
-import { Trouble } from "../../ui/Trouble";
-import { useAsync } from "../../ui/useAsync";
 import { w } from "../../words";
 import { Scrubber } from "../../ui/Scrubber";
 import type { Composed } from "./ComposerPage";
 
-export function ComposedView({ pieces, composed, request, selected, onPlace }: {
-  pieces: readonly Piece[];
+export function ComposedView({ composed, selected, onPlace }: {
   composed: Composed;
-  request: object;
   selected: number;
   /** The frame (from 0) of its own clip that the selected piece shows. */
   onPlace: (frame: number) => void;
 }) {
-  const made = useAsync(async (stop) => {
-    const body = await motionOf(pieces[0].document);
-    return previewOf("/compose/motion", request, body.skeleton, composed.frames, 1 / composed.seconds_per_frame, stop);
-  }, [composed]);
-  const preview = made.value;
+  const preview = useMemo(() => (composed.motion ? previewOf(composed.motion, composed.skeleton, composed.frames, 1 / composed.seconds_per_frame, composed.step) : null), [composed]);
   const frame = useMemo(() => signal(0), []);
   const player = useMemo(() => new Player(composed.frames, 1 / composed.seconds_per_frame), [composed]);
   const spans = composed.segments;
@@ -50,8 +40,6 @@ export function ComposedView({ pieces, composed, request, selected, onPlace }: {
   ], [composed, selected]);
   return (
     <div class="composed-view">
-      {made.busy && <div class="busy" />}
-      <Trouble error={made.error} retry={made.again} />
       <MotionView actors={actors} label={w("previewWord")} />
       <div class="transport row">
         <button type="button" class="button quiet icon play" aria-label={w(player.playing.value ? "pause" : "play")} onClick={() => player.toggle()}><Icon name={player.playing.value ? "pause" : "play"} /></button>

@@ -7,6 +7,8 @@ import { movePiece, parsePieces, pieceOf, splitPiece, writePieces, type Piece } 
 import { offer } from "../../state/keys";
 import { note, refuse } from "../../state/notes";
 import { go, param, setParams } from "../../state/route";
+import { stepFor } from "../../motion/preview";
+import type { Skeleton } from "../../motion/skeleton";
 import { motionOf } from "../../motion/source";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
@@ -17,7 +19,7 @@ import { ComposedView } from "./ComposedView";
 import { Storyboard } from "./Storyboard";
 import "../../styles/composer.css";
 
-export type Composed = Schemas["Composed"];
+export type Composed = Schemas["Composed"] & { step: number; skeleton: Skeleton };
 
 export function ComposerPage() {
   const pieces = useSignal<Piece[]>(parsePieces(param("s")));
@@ -69,7 +71,11 @@ export function ComposerPage() {
     if (!ready) return null;
     await new Promise((resolve) => setTimeout(resolve, 250));
     signal.throwIfAborted();
-    return ask("post", "/compose", { body: { ...request, preview: true } as Schemas["ComposeRequest"], signal });
+    const body = await motionOf(pieces.peek()[0].document);
+    const frames = pieces.peek().reduce((sum, one) => sum + one.last - one.first + 1, 0);
+    const step = stepFor(frames * 1.2, body.skeleton.points);
+    const answer = await ask("post", "/compose", { body: { ...request, preview: true } as Schemas["ComposeRequest"], query: { positions: "f4", step }, signal });
+    return { ...answer, step, skeleton: body.skeleton };
   }, [ready, request.segments, request.transition, request.style]);
 
   const save = async () => {
@@ -133,7 +139,7 @@ export function ComposerPage() {
         {(preview.value?.notices.length ?? 0) > 0 && <details class="notice dim"><summary>{w("notices")} ({preview.value!.notices.length})</summary>{preview.value!.notices.map((one) => <p key={one}>{one}</p>)}</details>}
         {pieces.value.length ? (
           <>
-            {preview.value ? <ComposedView pieces={pieces.value} composed={preview.value} request={request} selected={selected.value} onPlace={(frame) => (playhead.value = frame)} /> : <div class="composed-view">{preview.busy && <div class="busy" />}</div>}
+            {preview.value ? <ComposedView composed={preview.value} selected={selected.value} onPlace={(frame) => (playhead.value = frame)} /> : <div class="composed-view">{preview.busy && <div class="busy" />}</div>}
             <Storyboard pieces={pieces.value} composed={preview.value ?? null} selected={selected.value} onSelect={(index) => (selected.value = index)} onChange={change} onDropClip={add} />
           </>
         ) : (

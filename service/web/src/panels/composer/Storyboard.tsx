@@ -62,10 +62,10 @@ export function Storyboard({ pieces, composed, selected, onSelect, onChange, onD
           return (
             <div key={each.key} class="piece-slot" style={{ flexGrow: Math.max(1, one.last - one.first + 1) / whole }}>
               {index > 0 && <span class={`seam ${rough ? "rough" : ""}`} title={seam ? `${w("seam")}: ${number(seam.transition)}, ${number(seam.degrees, 1)}°, ${number(Math.max(seam.root_step, seam.angle_step), 2)}` : ""}>{seam ? number(seam.transition) : "…"}</span>}
-              <button type="button" class="piece" role="option" aria-selected={index === selected} tabIndex={index === selected ? 0 : -1} aria-label={`${w("piece", { n: index + 1 })}: ${one.name} ${one.first}–${one.last}`}
+              <button type="button" class="piece" role="option" aria-selected={index === selected} tabIndex={index === selected ? 0 : -1}
                 onPointerDown={(event) => take(event, index)} onFocus={() => onSelect(index)}
                 onKeyDown={(event) => { const to = { ArrowLeft: index - 1, ArrowRight: index + 1 }[event.key]; if (to !== undefined && !event.altKey && pieces[to]) { onSelect(to); strip.current?.querySelectorAll<HTMLElement>(".piece")[to]?.focus(); event.preventDefault(); event.stopPropagation(); } }}>
-                <strong class="cut">{one.name || "…"}</strong><span class="dim cut">{number(one.first)}–{number(one.last)}</span>
+                <span class="unseen">{w("piece", { n: index + 1 })}: </span><strong class="cut">{one.name || "…"}</strong><span class="dim cut">{number(one.first)}–{number(one.last)}</span>
               </button>
             </div>
           );

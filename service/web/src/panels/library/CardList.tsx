@@ -38,7 +38,7 @@ export function CardList() {
               onFocus={() => { library.current.value = card.id; setFocus(row); }} onPointerEnter={() => (library.current.value = card.id)}
               onClick={(event) => { if (!pickBy(event, row, card.id)) go(`/clips/${card.id}`); }}
               onKeyDown={(event) => { if (event.key === "Enter") go(`/clips/${card.id}`); }}>
-              <span role="gridcell"><ThumbnailView thumbnail={card.thumb} runs={library.current.value === card.id} label={card.name} /></span>
+              <span role="gridcell"><ThumbnailView thumbnail={card.thumb} runs={library.current.value === card.id} label="" /></span>
               <strong role="gridcell" class="cut">{card.name}</strong>
               <span role="gridcell" class="cut">{card.project || "–"}</span>
               <span role="gridcell">{card.format}</span>

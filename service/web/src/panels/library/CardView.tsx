@@ -32,7 +32,7 @@ export function CardView({ card, row, runs, tabIndex, onFocus, onOpen }: {
   const names = [...new Set(card.labels.map((label) => label.name))];
   return (
     <div class={`card ${isPicked ? "picked" : ""} ${library.current.value === card.id ? "current" : ""}`} role="gridcell" data-row={row} data-id={card.id} tabIndex={tabIndex}
-      aria-selected={isPicked} aria-label={`${card.name}, ${duration(card.duration)}${names.length ? `, ${names.slice(0, 4).join(", ")}` : ""}`}
+      aria-selected={isPicked}
       onFocus={() => { library.current.value = card.id; onFocus(); }}
       onPointerEnter={() => { library.current.value = card.id; void import("../clip/ClipPage"); }}
       onPointerLeave={() => setScrub(null)}
@@ -43,10 +43,11 @@ export function CardView({ card, row, runs, tabIndex, onFocus, onOpen }: {
       }}
       onClick={(event) => { if (!pickBy(event, row, card.id)) onOpen(card); }}
       onKeyDown={(event) => { if (event.key === "Enter") onOpen(card); else if (event.key === " " ) { library.pick(card.id); event.preventDefault(); event.stopPropagation(); } }}>
-      <ThumbnailView thumbnail={card.thumb} runs={runs || library.current.value === card.id} scrub={scrub} label={card.name} />
+      <ThumbnailView thumbnail={card.thumb} runs={runs || library.current.value === card.id} scrub={scrub} label="" />
       <SpanStrip labels={card.labels} frames={card.frames || 1} />
       <div class="card-words">
         <strong class="cut">{card.name}</strong>
+        {names.length > 0 && <span class="unseen">{names.slice(0, 4).join(", ")}</span>}
         <span class="dim cut">{(card.duration === null || card.duration === undefined ? [w("frames", { n: card.frames }), card.format] : [duration(card.duration), rate(card.seconds_per_frame), card.format]).join(" · ")}</span>
       </div>
       <button type="button" class="card-pick" tabIndex={-1} aria-label={w("pickClip", { name: card.name })} aria-pressed={isPicked} onClick={(event) => { event.stopPropagation(); library.pick(card.id); }}>

@@ -1,5 +1,6 @@
 /** What the list can be narrowed by, with counts within the filter. A facet's own choice does not count against it. */
 import { get, type Schemas } from "../../api/client";
+import { collectionsChanged } from "../../state/collections";
 import * as library from "../../state/library";
 import { param, route, setParams } from "../../state/route";
 import { nameColour } from "../../motion/colours";
@@ -9,7 +10,7 @@ import { duration, number, w, type Word } from "../../words";
 
 const SHOWN = 8;
 
-interface Choice { value: string; text: string; count: number; colour?: string }
+interface Choice { value: string; text: string; count: number | null; colour?: string }
 
 export function Facets() {
   const facets = useAsync((signal) => get("/facets", { query: library.filter.value as never, signal }), [JSON.stringify(library.filter.value), library.version.value > 0, library.total.value]);
@@ -21,6 +22,7 @@ export function Facets() {
     <>
       {filtered && <button type="button" class="button dense clear-filters" onClick={() => setParams(Object.fromEntries(library.FILTERS.map((name) => [name, null])), true)}>{w("clearFilters")}</button>}
       <Group word="project" name="project" choices={counts(found.projects)} />
+      <Collections />
       <Group word="motionName" name="motion_name" choices={counts(found.motion_names).map((one) => ({ ...one, colour: nameColour(one.value) }))} />
       <Group word="format" name="format" choices={counts(found.formats).map((one) => ({ ...one, text: one.text.toUpperCase().replace("-", "/") }))} />
       {found.lengths && <Bars word="length" name="length" histogram={found.lengths} text={duration} />}
@@ -34,10 +36,10 @@ export function Facets() {
 function Group({ word, name, choices }: { word: Word; name: string; choices: Choice[] }) {
   const chosen = param(name);
   const all = chosen && !choices.some((one) => one.value === chosen) ? [{ value: chosen, text: chosen, count: 0 }, ...choices] : choices;
-  if (!all.length || (all.length === 1 && !chosen && name !== "project")) return null;
+  if (!all.length || (all.length === 1 && !chosen && !["project", "collection"].includes(name))) return null;
   const item = (one: Choice) => (
     <button key={one.value} type="button" class="facet-item" aria-pressed={chosen === one.value} onClick={() => setParams({ [name]: chosen === one.value ? null : one.value }, true)}>
-      {one.colour && <span class="swatch" style={{ background: one.colour }} />}<span class="cut">{one.text}</span><span class="count">{number(one.count)}</span>
+      {one.colour && <span class="swatch" style={{ background: one.colour }} />}<span class="cut">{one.text}</span>{one.count !== null && <span class="count">{number(one.count)}</span>}
     </button>
   );
   return (
@@ -99,4 +101,10 @@ function Histogram({ histogram, chosen, onChoose, text }: { histogram: Schemas["
       <div class="histogram-ends"><span>{text(edges[0])}</span>{chosen && <button type="button" class="chip" onClick={() => onChoose(chosen)}>{chosen.replace("..", " – ")} ×</button>}<span>{text(edges[edges.length - 1])}</span></div>
     </>
   );
+}
+
+function Collections() {
+  const found = useAsync((signal) => get("/collections", { query: { limit: 100 }, signal }), [collectionsChanged.value]);
+  const choices = (found.value?.items ?? []).map((one) => ({ value: one.project === "default" ? one.name : `${one.project}/${one.name}`, text: one.name, count: null }));
+  return <Group word="collections" name="collection" choices={choices} />;
 }

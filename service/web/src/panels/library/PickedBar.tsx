@@ -1,9 +1,10 @@
 /** What can be done with the clips that are picked. */
 import { useState } from "preact/hooks";
 import { ask, fetched, address } from "../../api/client";
-import { saveBlob } from "../clip/pictures";
+import { saveBlob } from "../../ui/saveBlob";
 import * as library from "../../state/library";
 import { note, refuse } from "../../state/notes";
+import { collectionsChanged } from "../../state/collections";
 import { go } from "../../state/route";
 import { namesLike } from "../../state/vocabulary";
 import { Dialog } from "../../ui/Dialog";
@@ -13,11 +14,12 @@ import { w } from "../../words";
 
 export function PickedBar() {
   const [naming, setNaming] = useState(false);
+  const [collecting, setCollecting] = useState(false);
   const ids = [...library.picked.value];
   if (!ids.length) return null;
   const exportAll = async (format: string) => {
     try {
-      const answer = await fetched(address("/exports"), { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ documents: ids, format }) });
+      const answer = await fetched(address("/exports"), { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ selection: { documents: ids }, format }) });
       saveBlob(await answer.blob(), `clips ${format}.zip`);
     } catch (error) {
       refuse(error);
@@ -29,9 +31,11 @@ export function PickedBar() {
       <button type="button" class="button dense" onClick={() => setNaming(true)}><Icon name="label" />{w("nameThese")}</button>
       <button type="button" class="button dense" onClick={() => go(`/compose?s=${ids.join(",")}`)}><Icon name="compose" />{w("composeThese")}</button>
       <Menu label={w("exportWord")} className="button dense" items={["mcml", "bvh", "asf-amc", "htr", "c3d", "trc"].map((format) => ({ text: w("exportAs", { format }), run: () => void exportAll(format) }))}><Icon name="export" />{w("exportWord")}<Icon name="down" /></Menu>
+      <button type="button" class="button dense" onClick={() => setCollecting(true)}><Icon name="list" />{w("collect")}</button>
       <button type="button" class="button dense" onClick={() => void library.removeDocuments(ids)}><Icon name="trash" />{w("delete")}</button>
       <span class="grow" />
       <button type="button" class="button quiet dense" onClick={() => (library.picked.value = new Set())}>{w("pickNone")}</button>
+      {collecting && <Collect ids={ids} onClose={() => setCollecting(false)} />}
       {naming && <NameAll ids={ids} onClose={() => setNaming(false)} />}
     </div>
   );
@@ -41,7 +45,7 @@ function NameAll({ ids, onClose }: { ids: string[]; onClose: () => void }) {
   const [name, setName] = useState("");
   const done = async (chosen: string) => {
     try {
-      await ask("post", "/labels", { body: { name: chosen, query: { q: "//frame", documents: ids } } as never });
+      await ask("post", "/labels", { body: { name: chosen, xpath: "//frame", document: ids, remove: false, strict: false } });
       note(w("labelled", { n: ids.length, name: chosen }));
       library.refresh();
       onClose();
@@ -56,6 +60,30 @@ function NameAll({ ids, onClose }: { ids: string[]; onClose: () => void }) {
         <p class="row"><input class="field grow" autoFocus list="picked-names" aria-label={w("spanName")} placeholder={w("spanName")} value={name} onInput={(event) => setName(event.currentTarget.value)} />
           <button type="submit" class="button primary" disabled={!name.trim()}>{w("nameThese")}</button></p>
         <datalist id="picked-names">{namesLike(name, 12).map((one) => <option key={one} value={one} />)}</datalist>
+      </form>
+    </Dialog>
+  );
+}
+
+/** Keep the picked clips under a name that every list and command takes. */
+function Collect({ ids, onClose }: { ids: string[]; onClose: () => void }) {
+  const [name, setName] = useState("");
+  const done = async () => {
+    try {
+      await ask("put", "/collections/{name}", { path: { name }, body: { documents: ids, description: "" } });
+      note(w("savedAs", { name }));
+      collectionsChanged.value++;
+      onClose();
+    } catch (error) {
+      refuse(error);
+    }
+  };
+  return (
+    <Dialog title={w("collect")} onClose={onClose}>
+      <form onSubmit={(event) => { event.preventDefault(); if (name.trim()) void done(); }}>
+        <p class="dim">{w("collectHelp")}</p>
+        <p class="row"><input class="field grow" autoFocus aria-label={w("name")} placeholder={w("name")} value={name} onInput={(event) => setName(event.currentTarget.value)} />
+          <button type="submit" class="button primary" disabled={!name.trim()}>{w("save")}</button></p>
       </form>
     </Dialog>
   );

@@ -7,7 +7,7 @@ import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { ThumbnailView } from "../../ui/ThumbnailView";
 import { duration, number, rate, w, when } from "../../words";
-import { exportItems } from "../clip/exports";
+import { exportItems } from "../../ui/exports";
 
 export function Preview() {
   void library.version.value;

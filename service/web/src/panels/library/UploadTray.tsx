@@ -2,12 +2,16 @@
 import { useState } from "preact/hooks";
 import { looked } from "../../state/inspect";
 import { addFiles, cancel, cancelAll, confirmFact, retry, trayOpen, undoImport, uploads, type Upload } from "../../state/uploads";
+import type { Told } from "../../motion/preview";
+import { lazy } from "../../shell/lazy";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { number, w } from "../../words";
 import type { Problem, Schemas } from "../../api/client";
 
 type Receipt = Schemas["Receipt"];
+
+const LookedMotion = lazy(async () => (await import("./LookedMotion")).LookedMotion);
 
 export function UploadTray() {
   const all = uploads.value;
@@ -118,8 +122,9 @@ function LookedAt() {
   const { files, result } = looked.value!;
   return (
     <Dialog title={w("lookedAt")} onClose={() => (looked.value = null)} wide>
-      {(result.clips as { files: string[]; receipt: Receipt }[]).map((clip, index) => (
-        <section key={index}><h3>{clip.files.join(" + ")}</h3><ReceiptView receipt={clip.receipt} documents={[]} /></section>
+      {(result.clips as { files: string[]; receipt: Receipt; motion?: Told | null }[]).map((clip, index) => (
+        <section key={index}><h3>{clip.files.join(" + ")}</h3>
+          {clip.motion && <LookedMotion told={clip.motion} />}<ReceiptView receipt={clip.receipt} documents={[]} /></section>
       ))}
       {result.problems.map(({ file, problem }) => (
         <Refusal key={file} file={file} problem={problem} />

@@ -1,6 +1,6 @@
 /** Choose one clip by its name and its moving picture. */
 import { useState } from "preact/hooks";
-import { useClips } from "../composer/Bin";
+import { useClips } from "../../ui/useClips";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { ThumbnailView } from "../../ui/ThumbnailView";

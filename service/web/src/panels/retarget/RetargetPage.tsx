@@ -3,7 +3,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
 import { subject } from "../../shell/Bar";
-import { previewOf } from "../../motion/preview";
+import { previewOf, stepFor } from "../../motion/preview";
 import { motionOf } from "../../motion/source";
 import { note, refuse } from "../../state/notes";
 import { Player } from "../../state/player";
@@ -50,14 +50,15 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   const [cleanFeet, setCleanFeet] = useState(false);
   const [saving, setSaving] = useState(false);
   const selected = useSignal<string | null>(null);
+  const step = stepFor(source.frames, target.skeleton.points);
   const request = useMemo(() => ({ skeleton: target.id, mapping: pairs.value?.length ? pairs.value : null, clean_feet: cleanFeet }), [pairs.value, cleanFeet]);
   const mappings = useAsync((signal) => get("/mappings", { signal }), []);
   const fit = useAsync(async (signal) => {
     await new Promise((resolve) => setTimeout(resolve, 150));
     signal.throwIfAborted();
-    return ask("post", "/documents/{id}/retarget", { path: { id: source.id }, body: { ...request, preview: true } as Schemas["RetargetRequest"], signal });
+    return ask("post", "/documents/{id}/retarget", { path: { id: source.id }, body: { ...request, preview: true } as Schemas["RetargetRequest"], query: { positions: "f4", step }, signal });
   }, [request]);
-  const moved = useAsync(async (signal) => (fit.value ? previewOf(`/documents/${source.id}/retarget/motion`, request, target.skeleton, source.frames, source.perSecond, signal) : null), [fit.value]);
+  const moved = useMemo(() => (fit.value?.motion ? previewOf(fit.value.motion, target.skeleton, source.frames, source.perSecond, step) : null), [fit.value]);
   const player = useMemo(() => new Player(source.frames, source.perSecond), [source]);
   useEffect(() => {
     const stop = player.frame.subscribe((frame) => source.blocks.want(frame, player.playing.peek() ? 1 : 0, source.perSecond));
@@ -66,8 +67,8 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   }, [player]);
   const actors = useMemo<Actor[]>(() => [
     { skeleton: source.skeleton, inPlace: true, shift: -APART / 2, positions: () => { source.blocks.arrived.value; return source.blocks.frame(player.frame.value); } },
-    ...(moved.value ? [{ skeleton: target.skeleton, inPlace: true, shift: APART / 2, positions: () => moved.value!.frame(player.frame.value) }] : []),
-  ], [source, target, moved.value]);
+    ...(moved ? [{ skeleton: target.skeleton, inPlace: true, shift: APART / 2, positions: () => moved.frame(player.frame.value) }] : []),
+  ], [source, target, moved]);
   const marked = useMemo(() => ({ get value() { const point = selected.value === null ? undefined : source.skeleton.byName.get(selected.value); return point === undefined ? [] : [point]; } }), [source]);
   const shown: Pair[] = pairs.value ?? (fit.value?.matches ?? []).map(({ source: one, target: other }) => ({ source: one, target: other }));
   const change = (next: Pair[] | null) => { before.value = [...before.peek(), pairs.peek()]; pairs.value = next; };
@@ -97,8 +98,7 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   return (
     <div class="retarget-work">
       <section class="retarget-view">
-        {(fit.busy || moved.busy) && <div class="busy" />}
-        <Trouble error={moved.error} retry={moved.again} />
+        {fit.busy && <div class="busy" />}
         <MotionView actors={actors} selected={marked as never} label={`${source.name}, ${target.name}`} onPick={(actor, point) => (selected.value = actor === 0 ? source.skeleton.view.bones[point]?.name ?? null : shown.find((one) => one.target === target.skeleton.view.bones[point]?.name)?.source ?? null)} />
         <div class="transport row">
           <button type="button" class="button quiet icon play" aria-label={w(player.playing.value ? "pause" : "play")} onClick={() => player.toggle()}><Icon name={player.playing.value ? "pause" : "play"} /></button>

@@ -1,10 +1,11 @@
 /** Ask the library: editor, answer as a table, its runs playing one after the other. */
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { EditorView } from "@codemirror/view";
-import { ApiError, address, get, type Schemas } from "../../api/client";
+import { ApiError, address, ask, get, type Schemas } from "../../api/client";
 import { copyText } from "../../shell/App";
 import { subject } from "../../shell/Bar";
 import { offer } from "../../state/keys";
+import { note, refuse } from "../../state/notes";
 import { asked, remember } from "../../state/queries";
 import { go, param, setParams } from "../../state/route";
 import { Icon } from "../../ui/icons";
@@ -32,6 +33,7 @@ export function XPathPage() {
   const [error, setError] = useState<unknown>(null);
   const [busy, setBusy] = useState(false);
   const [picked, setPicked] = useState(0);
+  const [saving, setSaving] = useState(false);
   const stop = useRef<AbortController | null>(null);
   const projects = useAsync((signal) => get("/projects", { signal }), []);
   const as = param("as") === "nodes" ? "json" : "runs";
@@ -71,6 +73,19 @@ export function XPathPage() {
     const keys = offer("xpath", [{ id: "run", word: "run", keys: ["Ctrl+Enter"], run: () => void runNow.current() }]);
     return () => { keys(); stop.current?.abort(); editor.current?.destroy(); };
   }, []);
+  /** All runs, one after the other, as a new clip. */
+  const saveAsClip = async () => {
+    setSaving(true);
+    try {
+      const name = text.replace(/[^\p{L}\p{N}]+/gu, " ").trim().slice(0, 60) || w("untitled");
+      const made = await ask("post", "/compose", { body: { segments: [{ xpath: text, project: project || null, first: 1 }], name } as Schemas["ComposeRequest"] });
+      note(w("composed", { name }), { action: { text: w("open"), run: () => go(`/clips/${made.document}`) } });
+    } catch (problem) {
+      refuse(problem);
+    } finally {
+      setSaving(false);
+    }
+  };
   const write = (query: string) => {
     editor.current?.dispatch({ changes: { from: 0, to: editor.current.state.doc.length, insert: query } });
     void run(query);
@@ -94,7 +109,7 @@ export function XPathPage() {
         </div>
         <span class="grow" />
         <SavedQueries text={text} onChoose={write} />
-        <Menu label={w("queryHistory")} className="button quiet" side="right" items={asked.value.slice(0, 20).map((one) => ({ text: one.length > 70 ? `${one.slice(0, 70)}…` : one, run: () => write(one) }))}>{w("queryHistory")}<Icon name="down" /></Menu>
+        <Menu label={w("queryHistory")} className="button quiet" side="right" items={asked.value.slice(0, 20).map((one) => ({ text: one.length > 70 ? `${one.slice(0, 70)}…` : one, run: () => write(one) }))}><Icon name="down" /></Menu>
       </div>
       <div class="xpath-editor">
         <div ref={host} class="xpath-host" />
@@ -112,6 +127,7 @@ export function XPathPage() {
           <button type="button" class="button quiet dense" onClick={() => void copyText(curl, w("copied"))}>{w("asCurl")}</button>
           <button type="button" class="button quiet dense" onClick={() => void copyText(`mcml xpath ${JSON.stringify(text)} --as runs`, w("copied"))}>{w("asCommand")}</button>
           <Menu label={w("exportAll")} className="button quiet dense" side="right" items={(["xml", "ndjson", "csv"] as const).map((one) => ({ text: one.toUpperCase(), href: address("/xpath", {}, { q: text, project, as: one }), download: true }))}>{w("exportAll")}<Icon name="down" /></Menu>
+          {runs.length > 0 && <button type="button" class="button dense" disabled={saving} onClick={() => void saveAsClip()}>{w("saveAsClip")}</button>}
           {runs.length > 0 && <button type="button" class="button dense" onClick={() => go(`/compose?s=${runs.slice(0, 40).map((one) => `${one.document}:${one.first}-${one.last}`).join(",")}`)}>{w("toComposer")}</button>}
         </div>
       )}

@@ -6,6 +6,7 @@ import { EditorState, Prec } from "@codemirror/state";
 import { EditorView, keymap, placeholder } from "@codemirror/view";
 import { tags } from "@lezer/highlight";
 import { get } from "../../api/client";
+import { editorTheme } from "../../ui/editorTheme";
 import { w } from "../../words";
 
 const AXES = /^(ancestor-or-self|ancestor|attribute|child|descendant-or-self|descendant|following-sibling|following|namespace|parent|preceding-sibling|preceding|self)(?=::)/;
@@ -37,20 +38,6 @@ const colours = HighlightStyle.define([
   { tag: tags.comment, color: "var(--text3)" },
 ]);
 
-export const editorTheme = EditorView.theme({
-  "&": { fontSize: "13px", color: "var(--text)", backgroundColor: "transparent", height: "100%" },
-  ".cm-content": { fontFamily: "var(--code)", caretColor: "var(--text)", padding: "8px 0" },
-  ".cm-gutters": { backgroundColor: "transparent", color: "var(--text3)", border: "none" },
-  ".cm-activeLine, .cm-activeLineGutter": { backgroundColor: "transparent" },
-  ".cm-cursor": { borderLeftColor: "var(--text)" },
-  "&.cm-focused": { outline: "none" },
-  "&.cm-focused .cm-selectionBackground, .cm-selectionBackground": { backgroundColor: "color-mix(in srgb, var(--accent) 28%, transparent) !important" },
-  ".cm-tooltip": { backgroundColor: "var(--raised)", border: "1px solid var(--line)", borderRadius: "6px", color: "var(--text)" },
-  ".cm-tooltip-autocomplete ul li[aria-selected]": { backgroundColor: "var(--hover)", color: "var(--text)" },
-  ".cm-completionDetail": { color: "var(--text3)", fontStyle: "normal", marginLeft: "1em" },
-  ".cm-placeholder": { color: "var(--text3)" },
-});
-
 async function complete(context: CompletionContext): Promise<CompletionResult | null> {
   const text = context.state.doc.toString();
   try {
@@ -67,7 +54,7 @@ export function mountXPath(host: HTMLElement, text: string, onChange: (text: str
   const shadow = host.shadowRoot ?? host.attachShadow({ mode: "open" });
   const inner = document.createElement("div");
   shadow.replaceChildren(inner);
-  return new EditorView({
+  const made = new EditorView({
     parent: inner,
     root: shadow,
     state: EditorState.create({
@@ -82,4 +69,6 @@ export function mountXPath(host: HTMLElement, text: string, onChange: (text: str
       ],
     }),
   });
+  made.scrollDOM.tabIndex = 0; // What scrolls is reached by keys.
+  return made;
 }

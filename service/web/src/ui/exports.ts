@@ -1,7 +1,7 @@
 /** What a document can be exported as, as items of a menu. */
-import { address } from "../../api/client";
-import type { Item } from "../../ui/Menu";
-import { w } from "../../words";
+import { address } from "../api/client";
+import type { Item } from "./Menu";
+import { w } from "../words";
 
 const BODY_FORMATS = [["bvh", "BVH"], ["asf-amc", "ASF/AMC"], ["htr", "HTR"]];
 const MARKER_FORMATS = [["c3d", "C3D"], ["trc", "TRC"]];

@@ -1,0 +1,46 @@
+"""Requests about many documents at once."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from schemas.documents import DocumentChange
+from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT, shown
+from schemas.jobs import Selection
+
+
+class ManyDocuments(BaseModel):
+    """Documents by their ids."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"documents": [DOCUMENT]}))
+
+    documents: list[str] = Field(min_length=1, max_length=100_000)
+
+
+class ManyLabel(BaseModel):
+    """A motion name on frames of each; without `last`, to its end."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    name: str = Field(min_length=1, max_length=1024)
+    first: int = Field(1, ge=1)
+    last: int | None = Field(None, ge=1)
+
+
+class ManyChanges(BaseModel):
+    """What shall change in each of the documents; their names stay."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra=shown(
+            {
+                "selection": {"project": PROJECT},
+                "change": {"unit": "cm", "up": "Y"},
+                "labels": [{"name": MOTION_NAME, "first": 1}],
+            }
+        ),
+    )
+
+    selection: Selection
+    change: DocumentChange = Field(default_factory=lambda: DocumentChange(message=""))
+    labels: list[ManyLabel] = Field(default_factory=list, max_length=1000)

@@ -1,0 +1,75 @@
+"""Many documents at once: hidden, brought back, changed. All of them, or none."""
+
+from __future__ import annotations
+
+from schemas.documents import ChangedDocuments
+from schemas.jobs import Selection
+from schemas.selections import ManyChanges, ManyDocuments
+from service.actions.editing import change_document as changes
+from service.actions.labelling import edit_labels
+from service.operations.call import Call
+from service.operations.documents import changed_documents
+from service.storage.documents import StoredDocument
+
+
+def delete_documents(call: Call, selection: Selection) -> ChangedDocuments:
+    """Nothing is lost: `POST /selections/restore` with the ids that are answered brings them back. An import is undone
+    so, with the ids of its answer.
+    """
+    done: list[StoredDocument] = []
+
+    def delete() -> None:
+        uuids = _chosen(call, selection)
+        done.clear()
+        with call.database.write(call.author) as tx:
+            for uuid in uuids:
+                stored = tx.documents.get(uuid)
+                tx.documents.lock(stored.key)
+                changes.delete_document(tx, stored)
+                done.append(tx.documents.get(uuid, deleted=True))
+
+    call.database.reserve.spend(delete)
+    return changed_documents(done)
+
+
+def restore_documents(call: Call, request: ManyDocuments) -> ChangedDocuments:
+    """Those of them that are not deleted stay as they are."""
+    done = []
+    with call.database.write(call.author) as tx:
+        for uuid in dict.fromkeys(request.documents):
+            stored = tx.documents.get(uuid, deleted=True)
+            tx.documents.lock(stored.key)
+            if tx.documents.find(uuid) is None:
+                done.append(changes.restore_document(tx, stored))
+    return changed_documents(done)
+
+
+def change_documents(call: Call, request: ManyChanges) -> ChangedDocuments:
+    """Each is one revision, which `undo` takes back; a document that already is so makes none."""
+    uuids = _chosen(call, request.selection)
+    facts = request.change.model_dump(exclude_unset=True, exclude={"message", "properties", "name"})
+    facts = {name: value for name, value in facts.items() if value is not None}
+    if request.change.properties is not None:
+        facts["properties"] = [(item.name, item.value, item.unit) for item in request.change.properties]
+    done = []
+    with call.database.write(call.author) as tx:
+        for uuid in uuids:
+            stored = tx.documents.get(uuid)
+            tx.documents.lock(stored.key)
+            told = changes.set_facts(tx, stored, **facts)
+            for label in request.labels:
+                last = stored.frames if label.last is None else min(label.last, stored.frames)
+                if label.first <= last:
+                    told += edit_labels.name_frames(tx, stored, label.name, label.first, last)
+            if told:
+                tx.documents.add_revision(stored, "change", request.change.message or ", ".join(told)[:200])
+                done.append(tx.documents.get(uuid))
+    return changed_documents(done)
+
+
+def _chosen(call: Call, selection: Selection) -> list[str]:
+    # Imported here: it takes all that analyses need.
+    from service.actions.composing.select_documents import select_documents
+
+    found, _ = select_documents(call.database, call.queries, selection)
+    return [str(item["document"]) for item in found]

@@ -1,2 +1,0 @@
-import { kept } from "./settings";
-export const saved = kept<string[]>("saved", []);

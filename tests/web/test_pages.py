@@ -1,0 +1,107 @@
+"""Every page, in both themes and languages: no serious fault of accessibility, and a picture for a person to see."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from service.web.build import WEB
+from tests.web.conftest import Served, serve, walk
+from tests.web.test_journeys import ready
+
+AXE = WEB / "node_modules/axe-core/axe.min.js"
+PICTURES = Path(".pytest_cache/pages")
+"""Where pictures of pages are kept; CI shows them as an artefact."""
+
+SIZES = {"normal": (1280, 800), "wide": (1920, 1080), "narrow": (420, 800)}
+
+
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, dict[str, str]]]:
+    """A server with a few clips, and the addresses of all pages."""
+    for served in serve(tmp_path_factory.mktemp("pages"), closed=False):
+        one = served.upload(
+            "stride.bvh", walk(90), label="left-leg-flexion:10-40", property="age=23 year", project="Gait"
+        )
+        two = served.upload("kick.bvh", walk(40, seed=3), label="kick", project="Gait")
+        for number in range(6):
+            served.upload(f"take {number}.bvh", walk(20 + 5 * number, seed=number + 5))
+        clip = f"/clips/{one}?f=20&sel=left_up_leg"
+        yield (
+            served,
+            {
+                "library": "/library",
+                "list": "/library?view=list",
+                "nothing": "/library?q=nothing+is+called+so",
+                "tree": clip,
+                "graph": f"{clip}&tab=graph",
+                "structure": f"{clip}&tab=structure",
+                "text": f"{clip}&tab=text",
+                "history": f"{clip}&tab=history",
+                "info": f"{clip}&tab=info",
+                "xpath": "/xpath?q=//frame[motion_name='left-leg-flexion']",
+                "xpath-empty": "/xpath",
+                "composer": f"/compose?s={one}:10-60,{two}",
+                "composer-empty": "/compose",
+                "retarget": f"/retarget?from={one}&to={two}",
+                "retarget-empty": "/retarget",
+                "settings": "/settings",
+                "unknown": "/library/../nowhere",
+            },
+        )
+
+
+PAGES = [
+    "library", "list", "nothing", "tree", "graph", "structure", "text", "history", "info", "xpath", "xpath-empty",
+    "composer", "composer-empty", "retarget", "retarget-empty", "settings",
+]  # fmt: skip
+
+
+def shown(page: Any, name: str) -> None:
+    """Until a page stands as a visitor sees it."""
+    page.wait_for_function(
+        "() => document.querySelector('main')?.childElementCount && !document.querySelector('.busy')"
+    )
+    if name in ("tree", "graph", "structure", "text", "history", "info"):
+        ready(page)
+    if name in ("library", "list"):
+        page.wait_for_function("() => document.querySelectorAll('[data-id], .list-row[data-row]').length >= 8")
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_no_serious_fault_of_accessibility(filled: Any, visit_of: Any, name: str) -> None:
+    served, pages = filled
+    page = visit_of(served, color_scheme="dark", reduced_motion="reduce").open(pages[name])
+    shown(page, name)
+    page.evaluate(AXE.read_text(encoding="utf-8"))
+    for scheme in ("dark", "light"):
+        page.emulate_media(color_scheme=scheme)
+        page.wait_for_function("scheme => document.documentElement.dataset.theme === scheme", arg=scheme)
+        found = page.evaluate("() => axe.run()")
+        serious = [
+            (fault["id"], [node["html"][:160] for node in fault["nodes"]][:4])
+            for fault in found["violations"]
+            if fault["impact"] in ("serious", "critical")
+        ]
+        assert serious == [], scheme
+
+
+@pytest.mark.parametrize(
+    ("size", "scheme", "locale"),
+    [("normal", "dark", "en"), ("normal", "light", "ko"), ("wide", "dark", "en"), ("narrow", "light", "en")],
+)
+def test_pictures_of_pages(filled: Any, visit_of: Any, size: str, scheme: str, locale: str) -> None:
+    """Nothing goes wrong on any page, nothing is wider than the window, and each is kept as a picture."""
+    served, pages = filled
+    width, height = SIZES[size]
+    visit = visit_of(served, color_scheme=scheme, locale=locale, viewport={"width": width, "height": height})
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for name in PAGES:
+        page = visit.open(pages[name])
+        shown(page, name)
+        assert page.evaluate("() => document.documentElement.scrollWidth") <= width, f"{name} is wider than its window"
+        page.screenshot(path=PICTURES / f"{name}-{size}-{scheme}-{locale}.png")

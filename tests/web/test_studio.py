@@ -1,0 +1,96 @@
+"""The studio's files as the server gives them, and what they are made of."""
+
+from __future__ import annotations
+
+import gzip
+import re
+
+import pytest
+from fastapi.testclient import TestClient
+
+from service.web import STATIC
+from service.web.build import WEB, fingerprint, is_current
+from tests.web.types import TYPES, types
+
+START_UP = 250_000
+"""Bytes of script, compressed, before what is loaded later."""
+
+
+def test_the_types_are_those_of_the_api() -> None:
+    assert TYPES.read_text(encoding="utf-8") == types(), "run `make docs`"
+
+
+def test_what_is_built_is_built_of_these_sources() -> None:
+    assert is_current(), "run `make web`"
+    before = fingerprint()
+    probe = WEB / "src/probe.css"
+    probe.write_text("a {}")
+    try:
+        assert fingerprint() != before
+    finally:
+        probe.unlink()
+    assert fingerprint() == before
+
+
+@pytest.mark.parametrize("path", ["/", "/library", "/clips/0", "/xpath", "/compose", "/retarget", "/settings"])
+def test_pages_are_strict_and_asked_for_anew(client: TestClient, path: str) -> None:
+    answer = client.get(path)
+    assert answer.status_code == 200
+    assert answer.headers["cache-control"] == "no-cache"
+    policy = answer.headers["content-security-policy"]
+    assert "default-src 'none'" in policy
+    assert "unsafe" not in policy
+    assert "http" not in re.sub(r'"/[^"]*"', "", answer.text.replace("http-equiv", "")), (
+        "nothing is loaded from elsewhere"
+    )
+
+
+def test_built_files_are_compressed_and_kept(client: TestClient) -> None:
+    name = next(file.name for file in (STATIC / "assets").glob("index-*.js"))
+    kept = "public, max-age=31536000, immutable"
+    sizes = []
+    for encoding, ending in (("identity", ""), ("gzip", ".gz"), ("br", ".br")):
+        answer = client.get(f"/assets/{name}", headers={"accept-encoding": encoding})
+        assert answer.headers["cache-control"] == kept
+        assert answer.headers.get("content-encoding", "identity") == encoding
+        assert answer.headers["content-type"].startswith("text/javascript")
+        assert int(answer.headers["content-length"]) == (STATIC / "assets" / (name + ending)).stat().st_size
+        sizes.append(int(answer.headers["content-length"]))
+    assert sizes == sorted(sizes, reverse=True)
+
+
+def test_no_path_leaves_the_folder(client: TestClient) -> None:
+    for path in ("/assets/..%2Findex.html", "/assets/%2e%2e", "/assets/.sources", "/assets/nothing.js"):
+        assert client.get(path).status_code == 404, path
+
+
+def test_start_up_is_small() -> None:
+    page = (STATIC / "index.html").read_text(encoding="utf-8")
+    scripts = re.findall(r'(?:src|href)="(/assets/[^"]+\.js)"', page)
+    assert scripts
+    total = sum(len(gzip.compress((STATIC / script[1:]).read_bytes(), 9)) for script in scripts)
+    assert total <= START_UP
+
+
+def test_only_the_scene_knows_three() -> None:
+    for file in (WEB / "src").rglob("*.ts*"):
+        text = file.read_text(encoding="utf-8")
+        if re.search(r'from "three', text):
+            assert file.parent.name == "scene", file
+        if file.parent.name == "scene":
+            assert "fetch" not in text.replace("never fetches", ""), file
+
+
+def test_files_are_short() -> None:
+    for file in (WEB / "src").rglob("*.ts*"):
+        if file.name != "types.gen.ts":
+            assert len(file.read_text(encoding="utf-8").splitlines()) <= 400, file
+
+
+def test_panels_do_not_import_one_another() -> None:
+    panels = WEB / "src/panels"
+    for file in panels.rglob("*.ts*"):
+        for found in re.findall(
+            r'^import .*? from "(\.\./[^."][^"]*)"', file.read_text(encoding="utf-8"), re.MULTILINE
+        ):
+            raise AssertionError(f"{file}: {found}")
