@@ -127,15 +127,16 @@ async def ahead(content: Generator[Bytes], first: Bytes = b"") -> AsyncIterator[
     """
 
     def end(made: asyncio.Future[Bytes]) -> None:
-        # Nobody else asks for its error any more.
-        if made.cancelled() or made.exception() is None:
+        # Nobody else asks for its error any more. Cancelled with the loop: a thread may still be in it.
+        if not made.cancelled() and made.exception() is None:
             content.close()
 
     making = asyncio.ensure_future(run_in_threadpool(next, content, b""))
     try:
         if first:
             yield first
-        while piece := await making:
+        # A reader who leaves is cancelled here; the thread goes on to its end.
+        while piece := await asyncio.shield(making):
             making = asyncio.ensure_future(run_in_threadpool(next, content, b""))
             yield piece
     finally:

@@ -74,3 +74,33 @@ def test_a_content_is_closed_when_its_reader_leaves(fails: bool) -> None:
         assert await asyncio.to_thread(closed.wait, 30)
 
     asyncio.run(leave())
+
+
+def test_a_reader_who_leaves_while_it_waits_lets_the_thread_end() -> None:
+    asked, go_on, closed = threading.Event(), threading.Event(), threading.Event()
+    said: list[object] = []
+
+    def content() -> Generator[bytes]:
+        try:
+            yield b"a"
+            asked.set()
+            assert go_on.wait(30)
+            yield b"b"
+        finally:
+            closed.set()
+
+    async def leave() -> None:
+        asyncio.get_running_loop().set_exception_handler(lambda _, told: said.append(told))
+        stream = ahead(content())
+        assert await anext(stream) == b"a"
+        waiting = asyncio.ensure_future(anext(stream))
+        assert await asyncio.to_thread(asked.wait, 30)
+        waiting.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await waiting
+        assert not closed.is_set()
+        go_on.set()
+        assert await asyncio.to_thread(closed.wait, 30)
+
+    asyncio.run(leave())
+    assert said == []
