@@ -1379,7 +1379,7 @@ export interface components {
             /** @default 1 */
             step: number;
             encoding?: string | null;
-            repair?: ("split-numbers" | "whole-frames")[] | null;
+            repair?: string[] | null;
         };
         Body_put_media: {
             /** Format: binary */
@@ -1415,7 +1415,7 @@ export interface components {
              * @enum {string}
              */
             on_duplicate: "new" | "skip";
-            repair?: ("split-numbers" | "whole-frames")[] | null;
+            repair?: string[] | null;
             /** @default false */
             strict_names: boolean;
             movements?: number | null;
@@ -1541,7 +1541,7 @@ export interface components {
             author: string;
             changed: string;
             documents?: string[] | null;
-            where?: components["schemas"]["schemas__saved__Where"] | null;
+            where?: components["schemas"]["Conditions"] | null;
             /** @default  */
             description: string;
             total?: number | null;
@@ -1552,7 +1552,7 @@ export interface components {
         };
         CollectionToSave: {
             documents?: string[] | null;
-            where?: components["schemas"]["schemas__saved__Where"] | null;
+            where?: components["schemas"]["Conditions"] | null;
             /** @default  */
             description: string;
         };
@@ -1632,6 +1632,16 @@ export interface components {
             document: string;
             revision: number;
             source_first: number;
+        };
+        Conditions: {
+            project?: string | null;
+            q?: string | null;
+            motion_name?: string | null;
+            format?: string | null;
+            skeleton?: number | null;
+            property?: string[] | null;
+            length?: string | null;
+            rate?: string | null;
         };
         Conflict: {
             /** @enum {string} */
@@ -3238,22 +3248,6 @@ export interface components {
         };
         ValueItem: {
             value: string | number | boolean;
-        };
-        schemas__problem__Where: {
-            file?: string | null;
-            line?: number | null;
-            column?: number | null;
-            element?: string | null;
-        };
-        schemas__saved__Where: {
-            project?: string | null;
-            q?: string | null;
-            motion_name?: string | null;
-            format?: string | null;
-            skeleton?: number | null;
-            property?: string[] | null;
-            length?: string | null;
-            rate?: string | null;
         };
         Where: {
             /** @default null */
