@@ -10,7 +10,6 @@ from typing import Any
 from service.web.build import WEB, install
 from tests.web.thumbnail_cases import cases
 
-
 ONE_THREAD = ["--pool=threads", "--no-isolate", "--max-workers=1"]
 """Half of the time that a process for each file takes."""
 
