@@ -26,7 +26,7 @@ class QueryToSave(BaseModel):
     description: str = Field("", max_length=4096)
 
 
-class Where(BaseModel):
+class Conditions(BaseModel):
     """Conditions, as the list of documents has them."""
 
     model_config = ConfigDict(extra="forbid")
@@ -47,7 +47,7 @@ class CollectionToSave(BaseModel):
     model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_COLLECTION, {"where": {"project": PROJECT}}))
 
     documents: Annotated[list[str], Field(max_length=100_000)] | None = None
-    where: Where | None = None
+    where: Conditions | None = None
     description: str = Field("", max_length=4096)
 
     @model_validator(mode="after")
@@ -86,7 +86,7 @@ class Collection(_Kept):
     model_config = ConfigDict(json_schema_extra=shown({**_KEPT, **_COLLECTION, "total": 1}))
 
     documents: list[str] | None = None
-    where: Where | None = None
+    where: Conditions | None = None
     description: str = ""
     total: int | None = Field(None, description="Documents that are in it now")
 

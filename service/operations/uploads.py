@@ -10,7 +10,7 @@ from schemas.documents import FileProblem, InspectResult, UploadResult
 from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT
 from service.actions.checking.describe_problem import UploadError, problem_of
 from service.actions.importing.upload_files import upload_files
-from service.actions.reading.import_options import ImportOptions, parse_label, parse_property
+from service.actions.reading.import_options import ImportOptions, checked_repairs, parse_label, parse_property
 from service.formats.format import SourceFile
 from service.operations.arguments import Shown
 from service.operations.call import Call
@@ -21,7 +21,13 @@ Files: TypeAlias = Annotated[
     Upload(),
     Field(description="BVH, ASF and AMC, HTR, C3D, TRC, MCML, or zips of them", examples=[["walk.bvh"]]),
 ]
-Repair = Literal["split-numbers", "whole-frames"]
+Repairs: TypeAlias = Annotated[
+    list[str] | None,
+    Field(
+        description="Repairs of text files before they are read: split-numbers, whole-frames; may be repeated",
+        examples=[["split-numbers"]],
+    ),
+]
 Encoding: TypeAlias = Annotated[str | None, Field(description="Text encoding, if it is not UTF-8", examples=["cp949"])]
 
 
@@ -65,13 +71,7 @@ def upload_documents(
     on_duplicate: Annotated[
         Literal["new", "skip"], Field(description="What becomes of files that are stored already")
     ] = "new",
-    repair: Annotated[
-        list[Repair] | None,
-        Field(
-            description="Repair text files first: numbers that touch are set apart; only whole frames are read",
-            examples=[["split-numbers"]],
-        ),
-    ] = None,
+    repair: Repairs = None,
     strict_names: Annotated[bool, Field(description="Refuse labels that are no anatomical movement")] = False,
     movements: Annotated[
         float | None,
@@ -101,7 +101,7 @@ def upload_documents(
         on_duplicate=on_duplicate,
         strict_names=strict_names,
         movements=movements,
-        repair=tuple(repair or ()),
+        repair=checked_repairs(repair or ()),
     )
     result = upload_files(call.database, file, options, call.settings, author=call.author, progress=call.progress)
     if result.problems and not result.documents:
@@ -116,14 +116,12 @@ def inspect_files(
     file: Files,
     shown: Shown,
     encoding: Encoding = None,
-    repair: Annotated[
-        list[Repair] | None, Field(description="Repair text files first", examples=[["split-numbers"]])
-    ] = None,
+    repair: Repairs = None,
 ) -> InspectResult:
     """Nothing is stored."""
     from service.actions.reading import inspect_files as inspecting
 
-    options = ImportOptions(encoding=encoding, repair=tuple(repair or ()))
+    options = ImportOptions(encoding=encoding, repair=checked_repairs(repair or ()))
     clips, problems = inspecting.inspect_files(file, options, call.settings, shown.window)
     return InspectResult(
         clips=clips, problems=[FileProblem(file=name, problem=problem_of(error)) for name, error in problems]

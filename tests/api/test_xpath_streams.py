@@ -158,7 +158,7 @@ def test_variables_are_bound(library: TestClient) -> None:
 def test_completion(library: TestClient) -> None:
     found = library.get(f"{API}/xpath/complete", params={"q": "//frame[motion_name='wa"}).json()
     assert found["first"] == 21
-    assert {"text": "walk", "kind": "motion name", "detail": ""} in found["items"]
+    assert {"text": "walk", "kind": "motion name", "detail": "", "documents": 2} in found["items"]
     assert library.get(f"{API}/xpath/complete", params={"q": "//frame", "at": 4}).json()["items"][0]["text"] == "frame"
 
 

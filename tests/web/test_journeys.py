@@ -203,6 +203,38 @@ def test_two_windows_meet_and_merge(visit: Visit, visit_of: Any, studio: Served)
         assert [float(item["value"]) for item in studio.get("/xpath", q=value, document=uuid)["items"]] == [11.5]
 
 
+def test_a_draft_of_yesterday_meets_what_others_did(visit: Visit, studio: Served) -> None:
+    visit.wanted = {409, 412}
+    uuid = studio.upload("kick.bvh", walk())
+    page = visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg&tab=graph")
+    ready(page)
+    field = page.get_by_role("group", name="Value at frame 5").get_by_label("Rx")
+    expect(field).not_to_have_value("")
+    field.fill("11.5")
+    field.press("Enter")
+    expect(page.get_by_text("Draft: 1 change")).to_be_visible()
+    page.goto("about:blank")
+    with studio.client() as client:
+        edit = {"frames": [{"first": 5, "columns": ["left_up_leg.Rx"], "values": [[3.25]]}]}
+        answer = client.post(f"/documents/{uuid}/changes", json=edit, headers={"if-match": "1"})
+        assert answer.status_code == 200, answer.text
+    page = visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg&tab=graph")
+    ready(page)
+    expect(page.get_by_text("Draft: 1 change")).to_be_visible()
+    page.get_by_role("button", name="Save", exact=True).click()
+    expect(page.get_by_text("Someone saved another revision meanwhile.")).to_be_visible()
+    value = "/mcml/motion/frame[5]/frame_bone[@name='left_up_leg']/@Rx"
+    assert [item["value"] for item in studio.get("/xpath", q=value, document=uuid)["items"]] == ["3.25"], (
+        "not written over"
+    )
+    page.get_by_role("button", name="Merge").click()
+    expect(page.get_by_role("alert").get_by_role("row").last).to_contain_text("left_up_leg.Rx")
+    expect(page.get_by_role("alert").get_by_role("row").last).to_contain_text("3.25")
+    page.get_by_role("button", name="Keep yours").click()
+    expect(page.locator(".bar .chip").first).to_have_text("revision 3")
+    assert [item["value"] for item in studio.get("/xpath", q=value, document=uuid)["items"]] == ["11.5"]
+
+
 def test_two_clips_are_composed(visit: Visit, studio: Served) -> None:
     one, two = studio.upload("one.bvh", walk(40)), studio.upload("two.bvh", walk(30, seed=3))
     page = visit.open("/compose")

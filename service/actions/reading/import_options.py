@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from service.errors import DocumentError
+from service.errors import DocumentError, RequestError
+from service.formats.repairs import REPAIRS
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,14 @@ class ImportOptions:
     movements: float | None = None
     aliases: tuple[tuple[str, str], ...] = ()
     repair: tuple[str, ...] = ()
+
+
+def checked_repairs(names: Sequence[str]) -> tuple[str, ...]:
+    """Names of repairs. RequestError for one that is none."""
+    for name in names:
+        if name not in REPAIRS:
+            raise RequestError(f"There is no repair {name!r}.", remedy=f"There are: {', '.join(REPAIRS)}.")
+    return tuple(names)
 
 
 def parse_label(text: str) -> Label:

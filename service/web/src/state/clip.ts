@@ -37,6 +37,8 @@ export class Clip {
   readonly channels: Blocks<Float64Array>;
   readonly columns: Map<string, number>;
   private readonly stored: readonly Span[];
+  /** The revision that the draft was begun on: what it is saved for. */
+  private base: number;
   private done: Draft[] = [];
   private undone: Draft[] = [];
   private readonly stops: (() => void)[] = [];
@@ -54,6 +56,7 @@ export class Clip {
     this.blocks = new Blocks(positionsOf(detail.id, detail.revision, this.skeleton));
     this.channels = new Blocks(channelsOf(detail.id, detail.revision, this.skeleton));
     this.columns = columnsOf(view);
+    this.base = detail.revision;
     this.stored = detail.labels.map(({ id, name, first, last }) => ({ id, name, first, last }));
     if (pinned === null) this.revive();
     this.stops.push(
@@ -114,6 +117,7 @@ export class Clip {
       note(w("oldRevision"));
       return;
     }
+    if (drafts.isEmpty(this.draft.peek())) this.base = this.detail.revision;
     this.done = [...this.done, this.draft.peek()].slice(-REDO_STEPS);
     this.undone = [];
     this.draft.value = next;
@@ -173,7 +177,7 @@ export class Clip {
       const answer = await ask("post", "/documents/{id}/changes", {
         path: { id: this.id },
         query: { merge },
-        match: this.detail.revision,
+        match: this.base,
         body: drafts.asChanges(draft, message),
       });
       batch(() => {
@@ -187,6 +191,13 @@ export class Clip {
     } finally {
       this.saving.value = false;
     }
+  }
+
+  /** Save over what others did to the same places. */
+  async insist(): Promise<number | null> {
+    const newest = await get("/documents/{id}", { path: { id: this.id } });
+    this.base = newest.revision;
+    return this.save();
   }
 
   /** Show another revision of the same document as a ghost; null shows none. */
@@ -213,7 +224,7 @@ export class Clip {
     if (this.pinned !== null) return;
     try {
       if (drafts.isEmpty(draft)) localStorage.removeItem(this.key);
-      else localStorage.setItem(this.key, drafts.frozen(draft, this.detail.revision));
+      else localStorage.setItem(this.key, drafts.frozen(draft, this.base));
     } catch {
       /* A full or forbidden storage keeps nothing. */
     }
@@ -222,7 +233,10 @@ export class Clip {
   private revive(): void {
     try {
       const text = localStorage.getItem(this.key);
-      if (text) this.draft.value = drafts.revived(text).draft;
+      if (!text) return;
+      const found = drafts.revived(text);
+      this.base = found.base;
+      this.draft.value = found.draft;
     } catch {
       /* What cannot be read is no draft. */
     }

@@ -51,6 +51,22 @@ export function withElement(draft: Draft, change: ElementChange): Draft {
   return { ...draft, elements: new Map(draft.elements).set(change.address, merged), steps: draft.steps + 1 };
 }
 
+/** A draft without what conflicts: theirs stays. */
+export function without(draft: Draft, conflicts: readonly Schemas["Conflict"][]): Draft {
+  const samples = new Map(draft.samples);
+  const elements = new Map(draft.elements);
+  let labels = draft.labels;
+  for (const { kind, address, first, last } of conflicts) {
+    if (kind === "label") labels = null;
+    else if (kind === "frames") {
+      const kept = [...(samples.get(address) ?? [])].filter(([frame]) => frame < (first ?? 0) || frame > (last ?? Infinity));
+      if (kept.length) samples.set(address, new Map(kept));
+      else samples.delete(address);
+    } else elements.delete(address);
+  }
+  return { ...draft, samples, elements, labels };
+}
+
 /** The frames that some sample of the draft touches: (first, last), or null. */
 export function touched(draft: Draft): [number, number] | null {
   let [first, last] = [Infinity, -Infinity];

@@ -59,7 +59,7 @@ export const en = {
   curveTools: "Curve tools", setKey: "Value at frame {frame}", author: "by {who}", thisRevision: "shown", showGhost: "Show as ghost",
   hideGhost: "Hide the ghost", difference: "Difference", original: "Original file", created: "Stored", provenance: "Where it comes from", commandLines: "For scripts",
   addProperty: "Add a property", value: "Value", elements: "1 element|{n} elements", boneLength: "Length", offsets: "Offset", parent: "Parent", conflict: "Someone saved another revision meanwhile.", conflictHelp: "Merge what does not touch theirs, or discard your draft.",
-  merge: "Merge", openNewest: "Open the newest", textWindow: "Lines {first}–{last}", check: "Check", noFaults: "No fault found.", faults: "1 fault|{n} faults", exportAs: "as {format}", kept: "as it came",
+  bothChanged: "Both changed", theirs: "Theirs", mine: "Yours", keepMine: "Keep yours", takeTheirs: "Take theirs", merge: "Merge", openNewest: "Open the newest", textWindow: "Lines {first}–{last}", check: "Check", noFaults: "No fault found.", faults: "1 fault|{n} faults", exportAs: "as {format}", kept: "as it came",
 
   // XPath
   head: "Head", framesOf: "Frames {first}–{last}", sameFrames: "Frames are added and removed in the timeline or the tree, not here.",

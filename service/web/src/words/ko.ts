@@ -58,7 +58,7 @@ export const ko: typeof en = {
   curveTools: "곡선 도구", setKey: "{frame}프레임의 값", author: "{who}", thisRevision: "지금 보는 리비전", showGhost: "잔상으로 보기",
   hideGhost: "잔상 숨기기", difference: "차이", original: "원본 파일", created: "저장", provenance: "출처", commandLines: "스크립트에서",
   addProperty: "특성 추가", value: "값", elements: "요소 {n}개", boneLength: "길이", offsets: "오프셋", parent: "부모", conflict: "그사이 누군가 다른 리비전을 저장했습니다.", conflictHelp: "겹치지 않는 것을 합치거나 임시 변경을 버리세요.",
-  merge: "합치기", openNewest: "최신 열기", textWindow: "{first}–{last}줄", check: "검사", noFaults: "잘못된 곳이 없습니다.", faults: "잘못된 곳 {n}개", exportAs: "{format}(으)로", kept: "원본 그대로",
+  bothChanged: "둘 다 바꾼 곳", theirs: "상대", mine: "나", keepMine: "내 것으로", takeTheirs: "상대 것으로", merge: "합치기", openNewest: "최신 열기", textWindow: "{first}–{last}줄", check: "검사", noFaults: "잘못된 곳이 없습니다.", faults: "잘못된 곳 {n}개", exportAs: "{format}(으)로", kept: "원본 그대로",
 
   head: "머리", framesOf: "프레임 {first}–{last}", sameFrames: "프레임을 더하거나 빼는 일은 타임라인이나 트리에서 하세요.",
   reference: "참고 영상", referenceHelp: "촬영 영상이나 소리를 동작에 맞추어 재생합니다.", chooseMedia: "영상이나 소리 고르기", beginsAt: "동작이 시작하는 때", mediaGone: "뺐습니다", referenceOf: "영상이나 소리: {name}",

@@ -9,6 +9,7 @@ import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
 import { clipActions } from "./actions";
 import { exportItems } from "../../ui/exports";
+import { ConflictBanner } from "./ConflictBanner";
 import { saveClip } from "./keys";
 import { note, refuse } from "../../state/notes";
 
@@ -50,12 +51,7 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
         ]}>{w("exportWord")}<Icon name="down" /></Menu>
       </div>
       {conflict ? (
-        <div class="banner warn" role="alert">
-          <Icon name="warn" />
-          <div class="grow"><strong>{w("conflict")}</strong><p>{(clip.trouble.value as ApiError).message}</p><p>{w("conflictHelp")}</p></div>
-          <button type="button" class="button" onClick={() => void saveClip(clip, reload, true)}>{w("merge")}</button>
-          <button type="button" class="button" onClick={() => { clip.discard(); reload(); }}>{w("openNewest")}</button>
-        </div>
+        <ConflictBanner clip={clip} reload={reload} />
       ) : (
         <Trouble error={clip.trouble.value} retry={clip.trouble.value ? () => void saveClip(clip, reload) : undefined} />
       )}
