@@ -10,7 +10,7 @@ vi.hoisted(() => { (globalThis as { navigator?: object }).navigator ??= {}; });
 const { MCML_SERVER, MCML_DOCUMENTS } = process.env;
 const documents: [string, string][] = MCML_SERVER ? JSON.parse(MCML_DOCUMENTS!) : [];
 const answers = globalThis.fetch;
-vi.stubGlobal("fetch", (url: string, init: RequestInit) => answers(`${MCML_SERVER}${url}`, { signal: init.signal }));
+if (MCML_SERVER) vi.stubGlobal("fetch", (url: string, init: RequestInit) => answers(`${MCML_SERVER}${url}`, { signal: init.signal }));
 
 async function read(id: string, query: object): Promise<ArrayBuffer> {
   return (await fetch(address("/documents/{id}/frames", { id }, { format: "block", ...query }), {})).arrayBuffer();
