@@ -9,6 +9,7 @@ from fastapi import APIRouter, Header, Request
 from fastapi.responses import FileResponse, Response
 
 from service.api.page import page
+from service.api.policy import page_policy
 from service.errors import NotFoundError
 from service.web import STATIC
 
@@ -16,9 +17,11 @@ router = APIRouter(include_in_schema=False)
 
 PAGES = ("/", "/library", "/clips/{id}", "/xpath", "/compose", "/retarget", "/settings")
 POLICY = {
-    "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
-    "media-src 'self' blob:; connect-src 'self'; font-src 'self'; worker-src 'self'; manifest-src 'self'; "
-    "base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
+    **page_policy(
+        ["'self'"],
+        ["'self'"],
+        "img-src 'self' data: blob:; media-src 'self' blob:; connect-src 'self'; worker-src 'self'",
+    ),
     "cross-origin-opener-policy": "same-origin",
     "cross-origin-embedder-policy": "require-corp",
 }

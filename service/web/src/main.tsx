@@ -3,7 +3,9 @@ import "./styles/tokens.css";
 import "./styles/base.css";
 import "./styles/shell.css";
 import { App } from "./shell/App";
-import { followEvents } from "./state/events";
+import { effect } from "@preact/signals";
+import { forget } from "./motion/source";
+import { followEvents, news } from "./state/events";
 import { followHistory } from "./state/route";
 import { followKeys } from "./state/keys";
 import { followSettings } from "./state/settings";
@@ -12,4 +14,8 @@ followSettings();
 followHistory();
 followKeys();
 followEvents();
+// Motion that somebody changed is asked anew where it is played next.
+effect(() => {
+  if (news.value) forget(news.value.document);
+});
 render(<App />, document.getElementById("app")!);

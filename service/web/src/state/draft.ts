@@ -51,6 +51,15 @@ export function withElement(draft: Draft, change: ElementChange): Draft {
   return { ...draft, elements: new Map(draft.elements).set(change.address, merged), steps: draft.steps + 1 };
 }
 
+/** Put another text in the place of an element: what was changed within it before goes, for the text says it all. */
+export function withFragment(draft: Draft, address: string, fragment: string, frame: number | null): Draft {
+  const elements = new Map([...draft.elements].filter(([other]) => !other.startsWith(`${address}/`)));
+  elements.set(address, { address, attributes: {}, fragment });
+  if (frame === null) return { ...draft, elements };
+  const samples = new Map([...draft.samples].map(([track, values]) => [track, new Map([...values].filter(([at]) => at !== frame))] as const).filter(([, values]) => values.size));
+  return { ...draft, elements, samples };
+}
+
 /** A draft without what conflicts: theirs stays. */
 export function without(draft: Draft, conflicts: readonly Schemas["Conflict"][]): Draft {
   const samples = new Map(draft.samples);

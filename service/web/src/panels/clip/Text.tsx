@@ -10,8 +10,8 @@ import { tags } from "@lezer/highlight";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { ask, get } from "../../api/client";
 import type { Clip } from "../../state/clip";
-import { asChanges } from "../../state/draft";
-import { changedFrames, changedParts, FRAMES_AT_ONCE, readWindow, type Replacement, type Window } from "../../state/lines";
+import { asChanges, withFragment, withSamples } from "../../state/draft";
+import { changedFrames, changedParts, changedSamples, FRAMES_AT_ONCE, readWindow, type Replacement, type Window } from "../../state/lines";
 import { note, refuse } from "../../state/notes";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
@@ -135,10 +135,13 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
     const found = await check();
     if (!found?.length) return;
     let draft = clip.draft.peek();
-    const next = new Map(draft.elements);
-    for (const one of found) next.set(one.address, { address: one.address, attributes: {}, fragment: one.fragment });
-    draft = { ...draft, elements: next, steps: draft.steps + 1 };
-    clip.change(draft);
+    for (const one of found) {
+      const frame = shown.frames ? Number(/frame\[(\d+)\]/.exec(one.address)![1]) : null;
+      const samples = frame === null ? null : changedSamples(one.before, one.fragment);
+      if (samples && frame !== null) for (const [track, value] of samples) draft = withSamples(draft, track, [[frame, value]]);
+      else draft = withFragment(draft, one.address, one.fragment, frame);
+    }
+    clip.change({ ...draft, steps: clip.draft.peek().steps + 1 });
     setChanged(false);
   };
   return (
