@@ -14,7 +14,7 @@ import { a } from "./words";
 
 interface AxisWords { name: string; unit?: string }
 const MOST_ROWS = 500;
-const INKS = ["accent", "orange", "indigo", "green", "pink", "plum", "lime", "coral"];
+const INKS = ["accent", "name0", "name1", "name2", "name3", "name4", "name5", "name6"];
 
 export function PartView({ id, name, part, help }: { id: string; name: string; part: Part; help: string }) {
   return (

@@ -71,17 +71,19 @@ function Pictures({ id, info }: { id: string; info: Schemas["AnalysisInfo"] }) {
   const names = Object.keys(info.pictures ?? {});
   const [chosen, setChosen] = useState(names[0] ?? "");
   const [failed, setFailed] = useState<unknown>(null);
+  const [drawn, setDrawn] = useState(false);
   const file = (format: string) => address("/results/{id}/picture", { id }, { name: chosen || undefined, format });
   // An image cannot say why it is none: asked as text, the server can.
   const why = async () => { try { await get("/results/{id}/picture", { path: { id }, query: chosen ? { name: chosen } : {} }); } catch (error) { setFailed(error); } };
   return (
     <figure class="result-picture">
       <figcaption class="row wrap">
-        {names.length > 1 && <div class="segments" role="group" aria-label={w("pictureWord")}>{names.map((one) => <button key={one} type="button" aria-pressed={one === chosen} onClick={() => { setFailed(null); setChosen(one); }}>{one}</button>)}</div>}
+        {names.length > 1 && <div class="segments" role="group" aria-label={w("pictureWord")}>{names.map((one) => <button key={one} type="button" aria-pressed={one === chosen} onClick={() => { setFailed(null); setDrawn(false); setChosen(one); }}>{one}</button>)}</div>}
         <span class="grow dim">{info.pictures?.[chosen] ?? w("picturesFor")}</span>
         {["svg", "png"].map((format) => <a key={format} class="button dense" href={file(format)} download>{a("download", { format: format.toUpperCase() })}</a>)}
       </figcaption>
-      {failed ? <Trouble error={failed} /> : <img src={file("svg")} alt={info.pictures?.[chosen] ?? w("picturesFor")} onError={() => void why()} />}
+      {!drawn && !failed && <div class="busy" />}
+      {failed ? <Trouble error={failed} /> : <img class={drawn ? "" : "unseen"} onLoad={() => setDrawn(true)} src={file("svg")} alt={info.pictures?.[chosen] ?? w("picturesFor")} onError={() => void why()} />}
     </figure>
   );
 }
