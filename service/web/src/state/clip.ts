@@ -2,10 +2,12 @@
  * The clip that is open: its document, skeleton and frames, and what is selected, looked at and changed in it. Tree,
  * graph, text, timeline and viewer are views of these signals; none keeps a copy.
  */
-import { batch, computed, effect, signal } from "@preact/signals";
+import { batch, computed, effect, signal, type ReadonlySignal } from "@preact/signals";
 import { ask, get, type Schemas } from "../api/client";
 import { Blocks, channelsOf, positionsOf } from "../motion/blocks";
 import { columnsOf, posed } from "../motion/kinematics";
+import type { Vector } from "../motion/quaternions";
+import { reshaped, textsOf } from "../motion/shape";
 import { skeletonOf, type Skeleton } from "../motion/skeleton";
 import { w } from "../words";
 import * as drafts from "./draft";
@@ -32,6 +34,8 @@ export class Clip {
   readonly labels = computed<readonly Span[]>(() => this.draft.value.labels ?? this.stored);
   readonly changed = computed(() => !drafts.isEmpty(this.draft.value));
   readonly skeleton: Skeleton;
+  /** The skeleton with the bones as the draft has them. */
+  readonly shape: ReadonlySignal<Skeleton>;
   readonly player: Player;
   readonly blocks: Blocks;
   readonly channels: Blocks<Float64Array>;
@@ -52,6 +56,7 @@ export class Clip {
     readonly pinned: number | null,
   ) {
     this.skeleton = skeletonOf(view);
+    this.shape = computed(() => reshaped(this.skeleton, this.draft.value.elements));
     this.player = new Player(view.frames, 1 / (view.seconds_per_frame || 1 / USUAL_RATE));
     this.blocks = new Blocks(positionsOf(detail.id, detail.revision, this.skeleton));
     this.channels = new Blocks(channelsOf(detail.id, detail.revision, this.skeleton));
@@ -68,7 +73,8 @@ export class Clip {
         this.blocks.want(frame, direction, player.perSecond * Math.abs(player.speed.peek()), player.range[0]);
         this.compared.value?.blocks.want(frame, direction, player.perSecond, player.range[0]);
         const there = drafts.touched(this.draft.value);
-        if (there && frame + 1 >= there[0] && frame + 1 <= there[1]) this.channels.want(frame);
+        if (this.shape.value !== this.skeleton) this.channels.want(frame, direction, player.perSecond, player.range[0]);
+        else if (there && frame + 1 >= there[0] && frame + 1 <= there[1]) this.channels.want(frame);
       }),
     );
   }
@@ -81,19 +87,21 @@ export class Clip {
     return this.detail.frames;
   }
 
-  /** Joints' and tips' positions at a frame (from 0), as they will be when the draft is saved. */
-  positions(frame: number): Float32Array | null {
+  /** Joints' and tips' positions at a frame (from 0), as they will be when the draft is saved. asks: channels that the
+   * draft needs and that are not there are fetched; of many frames only the one that is looked at asks. */
+  positions(frame: number, asks = true): Float32Array | null {
     const draft = this.draft.value;
     const changes = [...draft.samples].filter(([, values]) => values.has(frame + 1));
-    if (!changes.length) return this.blocks.frame(frame);
+    const shape = this.shape.value;
+    if (!changes.length && shape === this.skeleton) return this.blocks.frame(frame);
     const stored = this.channels.has(frame) ? this.channels.frame(frame) : null;
     if (!stored) {
-      this.channels.want(frame);
+      if (asks) this.channels.want(frame);
       return this.blocks.frame(frame);
     }
     const values = Float64Array.from(stored);
     for (const [track, samples] of changes) values[this.columns.get(track)!] = samples.get(frame + 1)!;
-    return posed(this.skeleton, this.columns, values);
+    return posed(shape, this.columns, values);
   }
 
   /** A sample as the draft has it, else as stored; null while it is on its way. */
@@ -138,6 +146,16 @@ export class Clip {
 
   setElement(change: drafts.ElementChange): void {
     this.change(drafts.withElement(this.draft.peek(), change));
+  }
+
+  /** Change a bone's vector at rest (motion/shape.ts). before: the draft that a drag began on, whose step this stays. */
+  setBone(bone: number, vector: Vector, before?: Draft): void {
+    const from = before ?? this.draft.peek();
+    let next = from;
+    for (const { address, text } of textsOf(this.skeleton.view, bone, vector)) next = drafts.withElement(next, { address, attributes: {}, text });
+    next = { ...next, steps: from.steps + 1 };
+    if (before && this.draft.peek() !== before) this.amend(next);
+    else this.change(next);
   }
 
   get canUndo(): boolean {

@@ -45,6 +45,7 @@ export const en = {
   // Clip
   draft: "Draft: 1 change|Draft: {n} changes", discard: "Discard", saved: "Saved as revision {n}", share: "Share",
   persp: "Perspective", front: "Front", side: "Side", top: "Top", view: "View", follow: "follow", ghosts: "ghosts", trails: "trails", jointNames: "names", axes: "axes",
+  restPose: "rest pose", handlesHelp: "In the viewer, pull the arrows of the rest pose; the round one lengthens the bone.",
   gridOf: "grid {size}", play: "Play", pause: "Pause", firstFrame: "First frame", lastFrame: "Last frame", backFrame: "One frame back",
   nextFrame: "One frame on", frame: "Frame", ofFrames: "of {n}", speed: "Speed", loop: "loop {first}–{last} ({n})", noLoop: "whole clip",
   clearLoop: "Clear the loop", setIn: "Loop from here", setOut: "Loop to here", timeline: "Timeline", oldRevision: "This is an old revision. Restore it to change it.",

@@ -12,6 +12,7 @@ import { number, rate, w } from "../../words";
 import { cameraView, clipActions, frameAsked, shown } from "./actions";
 import { saveFilm, savePicture } from "./pictures";
 import { Reference } from "./Reference";
+import { restPose, restShown, type RestPose } from "./restPose";
 
 const GHOST_SECONDS = [-0.2, -0.1, 0.1, 0.2];
 const TRAIL_SECONDS = 1;
@@ -19,6 +20,7 @@ const TRAIL_SECONDS = 1;
 export function ViewerPane({ clip }: { clip: Clip }) {
   const host = useRef<HTMLDivElement>(null);
   const stage = useRef<Stage | null>(null);
+  const rest = useRef<RestPose | null>(null);
   const words = useRef<HTMLParagraphElement>(null);
   const [noWebgl, setNoWebgl] = useState<unknown>(null);
   const [grid, setGrid] = useState(0.5);
@@ -88,20 +90,23 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         if (!player.playing.value && words.current) words.current.textContent = w("viewerWords", { name: detail.name, frame: player.frame.value + 1, n: clip.frames });
       }),
     ];
+    rest.current = restPose(clip, made);
     made.onCamera = () => framed && noteParams({ cam: made.cameraText });
     return () => {
       for (const stop of stops) stop();
+      rest.current?.stop();
       made.close();
       stage.current = null;
     };
   }, [clip]);
 
+  const pulling = useRef(false);
   const press = useRef<[number, number] | null>(null);
   const place = (event: PointerEvent): [number, number] => {
     const box = host.current!.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
   };
-  const toggles = ["follow", "ghosts", "trails", "names", "axes"] as const;
+  const toggles = ["follow", "ghosts", "trails", "names", "axes", "rest"] as const;
   const passport = (
     <div class="passport">
       <span class={detail.unit ? "" : "guess"} title={w("unit")}>{skeleton.view.likely_unit ?? w("unitUnknown")}</span>
@@ -116,7 +121,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           {w(cameraView.value)}<Icon name="down" />
         </Menu>
         {toggles.map((one) => (
-          <button key={one} type="button" class="button quiet dense" aria-pressed={shown.value[one]} onClick={() => clipActions.toggle(one)}>{w(one === "names" ? "jointNames" : one)}</button>
+          <button key={one} type="button" class="button quiet dense" aria-pressed={one === "rest" ? restShown() : shown.value[one]} onClick={() => clipActions.toggle(one)}>{w(one === "names" ? "jointNames" : one === "rest" ? "restPose" : one)}</button>
         ))}
         <span class="grow" />
         {passport}
@@ -126,14 +131,24 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         ]}><Icon name="more" /></Menu>
       </div>
       <div ref={host} class="stage" role="img" aria-label={w("viewerWords", { name: detail.name, frame: player.frame.peek() + 1, n: clip.frames })} tabIndex={0}
-        onPointerDown={(event) => (press.current = place(event))}
+        onPointerDownCapture={(event) => {
+          press.current = place(event);
+          pulling.current = !event.button && Boolean(rest.current?.grab(...press.current));
+          if (pulling.current) event.currentTarget.setPointerCapture(event.pointerId);
+        }}
         onPointerMove={(event) => {
+          if (pulling.current) return rest.current!.pull(...place(event));
           const made = stage.current;
           if (!made || event.buttons) return;
           const found = made.pick(...place(event))?.point ?? -1;
           if (found !== made.hovered) { made.hovered = found; made.ask(); }
         }}
+        onPointerCancel={() => { pulling.current = false; rest.current?.drop(); }}
         onPointerUp={(event) => {
+          if (pulling.current) {
+            pulling.current = false;
+            return rest.current!.drop();
+          }
           const [x, y] = place(event);
           const moved = press.current ? Math.hypot(x - press.current[0], y - press.current[1]) : 9;
           if (moved > 4 || event.button) return;
@@ -158,7 +173,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
 function ghostsOf(clip: Clip, frame: number): (Float32Array | null)[] {
   return GHOST_SECONDS.map((seconds) => {
     const at = frame + Math.round(seconds * clip.player.perSecond);
-    return at >= 0 && at < clip.frames && clip.blocks.has(at) ? clip.positions(at) : null;
+    return at >= 0 && at < clip.frames && clip.blocks.has(at) ? clip.positions(at, false) : null;
   });
 }
 
@@ -171,7 +186,7 @@ function trailsOf(clip: Clip, frame: number, points: number[]): Float32Array[] {
   return chosen.map((point) => {
     const line: number[] = [];
     for (let at = Math.max(0, frame - around); at <= Math.min(frames - 1, frame + around); at += step) {
-      const positions = clip.blocks.has(at) ? clip.blocks.frame(at) : null;
+      const positions = clip.blocks.has(at) ? clip.positions(at, false) : null;
       if (positions) line.push(positions[point * 3], positions[point * 3 + 1], positions[point * 3 + 2]);
     }
     return Float32Array.from(line);

@@ -1,0 +1,60 @@
+"""Tools of the clip page in a real browser: bones pulled in the viewer, clips compared, frames and elements put in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from tests.web.conftest import Served, Visit, walk
+from tests.web.test_editing import expect_other_picture
+from tests.web.test_journeys import ready
+
+expect: Any = pytest.importorskip("playwright.sync_api").expect
+
+MIDDLE_OF = """token => {
+    const canvas = document.querySelector(".stage-overlay");
+    const hex = getComputedStyle(document.documentElement).getPropertyValue(token).trim();
+    const wanted = [1, 3, 5].map(at => parseInt(hex.slice(at, at + 2), 16));
+    const { data, width, height } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    const box = canvas.getBoundingClientRect();
+    let [x, y, count] = [0, 0, 0];
+    for (let at = 0; at < data.length; at += 4) {
+        if (data[at + 3] < 200 || wanted.some((one, part) => Math.abs(one - data[at + part]) > 6)) continue;
+        x += (at / 4) % width;
+        y += Math.floor(at / 4 / width);
+        count++;
+    }
+    return count && [box.left + (x / count) * box.width / width, box.top + (y / count) * box.height / height];
+}"""
+"""Where on the page the pixels of a colour are, over the viewer."""
+
+
+def test_a_bone_is_pulled_in_the_viewer_and_typed_in_the_structure(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk())
+    page = visit.open(f"/clips/{uuid}?f=5&sel=left_low_leg&tab=structure")
+    ready(page)
+    page.get_by_role("button", name="axes", exact=True).click()
+    page.wait_for_function(f"() => ({MIDDLE_OF})('--x')")
+    x, y = page.evaluate(MIDDLE_OF, "--x")
+    field = page.get_by_label("X", exact=True)
+    expect(field).to_have_value("0")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 30, y, steps=4)
+    page.mouse.up()
+    expect(page.get_by_text("Draft: 1 change")).to_be_visible()
+    expect(field).not_to_have_value("0")
+    page.keyboard.press("Control+z")
+    expect(field).to_have_value("0")
+    before = page.locator(".stage").screenshot()
+    length = page.get_by_label("Length")
+    old = float(length.input_value())
+    length.fill(str(old * 2))
+    length.press("Enter")
+    expect_other_picture(page, before)
+    page.keyboard.press("Control+s")
+    expect(page.get_by_text("Saved as revision 2")).to_be_visible()
+    bones = studio.get(f"/documents/{uuid}/skeleton")["bones"]
+    offset = next(bone["offset"] for bone in bones if bone["name"] == "left_low_leg")
+    assert sum(part**2 for part in offset) ** 0.5 == pytest.approx(2 * old, rel=1e-4)
