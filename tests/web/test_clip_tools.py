@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import pytest
@@ -58,3 +59,28 @@ def test_a_bone_is_pulled_in_the_viewer_and_typed_in_the_structure(visit: Visit,
     bones = studio.get(f"/documents/{uuid}/skeleton")["bones"]
     offset = next(bone["offset"] for bone in bones if bone["name"] == "left_low_leg")
     assert sum(part**2 for part in offset) ** 0.5 == pytest.approx(2 * old, rel=1e-4)
+
+
+def test_clips_are_compared_in_step_and_left(visit: Visit, studio: Served) -> None:
+    one = studio.upload("one.bvh", walk(60), label="kick:31-60")
+    two = studio.upload("two.bvh", walk(40, seed=3), label="kick:11-40", unit="cm")
+    page = visit.open(f"/clips/{one}?f=40")
+    ready(page)
+    before = page.locator(".stage").screenshot()
+    page.get_by_role("button", name="Compare", exact=True).click()
+    page.get_by_role("dialog").get_by_role("button", name="two").click()
+    page.get_by_role("dialog").get_by_role("button", name="Close").click()
+    compared = page.get_by_role("region", name="Compare")
+    expect(compared.get_by_role("listitem")).to_have_text([re.compile("one.*120"), re.compile("two.*cm.*120")])
+    expect_other_picture(page, before)
+    before = page.locator(".stage").screenshot()
+    compared.get_by_role("button", name="by span").click()
+    expect_other_picture(page, before)
+    compared.get_by_role("button", name="Laid over").click()
+    page.wait_for_url(re.compile(f"cmp={two}&cmpsync=span&cmpas=over"))
+    page.reload()
+    ready(page)
+    expect(compared.get_by_role("listitem")).to_have_count(2)
+    page.keyboard.press("Escape")
+    expect(compared).to_have_count(0)
+    page.wait_for_url(lambda url: "cmp" not in url)

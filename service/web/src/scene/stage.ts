@@ -6,32 +6,18 @@
  */
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { Body, type Tint } from "./body";
+import { actorOf, dispose, recolour, type Actor } from "./actor";
 import { Ground } from "./ground";
 import { arrowAt, drawHandle, reachOf, type Handle, type Surroundings } from "./handle";
 import { drawAxes } from "./axes";
 import { fillTrails } from "./trails";
-import { SIDE_TOKENS, type Skeleton } from "../motion/skeleton";
+import type { Skeleton } from "../motion/skeleton";
 
 export type CameraView = "persp" | "front" | "side" | "top";
 export interface Shown { follow: boolean; ghosts: boolean; trails: boolean; names: boolean; axes: boolean; rest?: boolean }
 
 export interface Pose { positions: Float32Array | null; before: (Float32Array | null)[]; trail: Float32Array[] }
 
-interface Actor {
-  skeleton: Skeleton;
-  group: THREE.Group;
-  body: Body;
-  ghosts: Body[];
-  trails: THREE.LineSegments;
-  trailRoom: number;
-  shift: THREE.Vector3;
-  positions: Float32Array | null;
-  dim: boolean;
-}
-
-const TRAIL_POINTS = 4096;
-const GHOST_OPACITY = 0.16;
 const PICK_PIXELS = 14;
 
 export class Stage {
@@ -89,34 +75,17 @@ export class Stage {
     this.resize();
   }
 
-  /** Put a skeleton on the stage. shift: metres to the side of the others. */
-  add(skeleton: Skeleton, { shift = 0, dim = false }: { shift?: number; dim?: boolean } = {}): number {
-    const group = new THREE.Group();
-    if (skeleton.zUp) group.rotation.x = -Math.PI / 2;
-    const body = new Body(skeleton, this.tintOf(skeleton), dim ? 0.45 : 1);
-    const ghosts = [0, 1, 2, 3].map(() => new Body(skeleton, this.tintOf(skeleton), GHOST_OPACITY));
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(TRAIL_POINTS * 6), 3).setUsage(THREE.DynamicDrawUsage));
-    geometry.setDrawRange(0, 0);
-    const trails = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: this.token("accent"), transparent: true, opacity: 0.75 }));
-    trails.frustumCulled = false;
-    group.add(body.group, trails, ...ghosts.map((ghost) => ghost.group));
-    const outer = new THREE.Vector3(shift, 0, 0);
-    group.position.copy(outer);
-    this.scene.add(group);
-    this.actors.push({ skeleton, group, body, ghosts, trails, trailRoom: TRAIL_POINTS, shift: outer, positions: null, dim });
+  /** Put a skeleton on the stage. shift: metres to the side of the others. ink: a token that colours all of it. */
+  add(skeleton: Skeleton, options: { shift?: number; dim?: boolean; ink?: string | null } = {}): number {
+    const made = actorOf(skeleton, this.token, options);
+    this.scene.add(made.group);
+    this.actors.push(made);
     this.ask();
     return this.actors.length - 1;
   }
 
   clear(): void {
-    for (const actor of this.actors.splice(0)) {
-      actor.body.dispose();
-      for (const ghost of actor.ghosts) ghost.dispose();
-      actor.trails.geometry.dispose();
-      (actor.trails.material as THREE.Material).dispose();
-      actor.group.removeFromParent();
-    }
+    for (const actor of this.actors.splice(0)) dispose(actor);
     this.ask();
   }
 
@@ -219,11 +188,7 @@ export class Stage {
     // Dark inks on a light ground need more light to be seen as colours.
     this.sky.intensity = well.getHSL({ h: 0, s: 0, l: 0 }).l > 0.5 ? 3.4 : 1.5;
     this.ground.ink(this.token("edge"));
-    for (const actor of this.actors) {
-      actor.body.tint(this.tintOf(actor.skeleton));
-      for (const ghost of actor.ghosts) ghost.tint(this.tintOf(actor.skeleton));
-      (actor.trails.material as THREE.LineBasicMaterial).color.set(this.token("accent"));
-    }
+    for (const actor of this.actors) recolour(actor, this.token);
     this.ask();
   }
 
@@ -347,9 +312,17 @@ export class Stage {
     if (this.shown.axes) drawAxes(pen, this.camera, this.token, this.host.clientWidth - 40, this.host.clientHeight - 40, actor?.skeleton.zUp ?? false);
   }
 
-  private tintOf(skeleton: Skeleton): Tint {
-    const colours = SIDE_TOKENS.map((name) => new THREE.Color(this.token(name)));
-    return (point) => colours[skeleton.sides[point]];
+  /** Colour all of an actor by a token; null: by its sides. */
+  paint(actor: number, ink: string | null): void {
+    if (this.actors[actor].ink === ink) return;
+    this.actors[actor].ink = ink;
+    this.recolour();
+  }
+
+  /** Put an actor elsewhere: metres in the world. */
+  place(actor: number, x: number, y: number, z: number): void {
+    this.actors[actor].shift.set(x, y, z);
+    this.actors[actor].group.position.set(x, y, z);
   }
 
   private resize(): void {

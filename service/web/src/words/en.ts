@@ -46,6 +46,8 @@ export const en = {
   draft: "Draft: 1 change|Draft: {n} changes", discard: "Discard", saved: "Saved as revision {n}", share: "Share",
   persp: "Perspective", front: "Front", side: "Side", top: "Top", view: "View", follow: "follow", ghosts: "ghosts", trails: "trails", jointNames: "names", axes: "axes",
   restPose: "rest pose", handlesHelp: "In the viewer, pull the arrows of the rest pose; the round one lengthens the bone.",
+  compare: "Compare", compareHelp: "Choose up to {n} clips; they move beside this one.", placed: "Placed", sideBySide: "Side by side", laidOver: "Laid over", inStep: "In step", byTime: "by time", byFrame: "by frame", bySpan: "by span",
+  notCompared: "Take {name} away", leaveCompared: "Leave the comparison", sizesGuessed: "Sizes are guessed where a unit has a ?.",
   gridOf: "grid {size}", play: "Play", pause: "Pause", firstFrame: "First frame", lastFrame: "Last frame", backFrame: "One frame back",
   nextFrame: "One frame on", frame: "Frame", ofFrames: "of {n}", speed: "Speed", loop: "loop {first}–{last} ({n})", noLoop: "whole clip",
   clearLoop: "Clear the loop", setIn: "Loop from here", setOut: "Loop to here", timeline: "Timeline", oldRevision: "This is an old revision. Restore it to change it.",

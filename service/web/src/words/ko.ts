@@ -45,6 +45,8 @@ export const ko: typeof en = {
   draft: "임시 변경 {n}개", discard: "버리기", saved: "리비전 {n}(으)로 저장했습니다", share: "공유",
   persp: "원근", front: "앞", side: "옆", top: "위", view: "보기", follow: "따라가기", ghosts: "잔상", trails: "궤적", jointNames: "이름", axes: "축",
   restPose: "기준 자세", handlesHelp: "뷰어에서 기준 자세의 화살표를 끌어 옮기세요. 둥근 손잡이는 뼈의 길이를 바꿉니다.",
+  compare: "비교", compareHelp: "클립을 {n}개까지 고르세요. 이 클립 옆에서 함께 움직입니다.", placed: "배치", sideBySide: "나란히", laidOver: "겹쳐서", inStep: "맞추기", byTime: "시간으로", byFrame: "프레임으로", bySpan: "구간으로",
+  notCompared: "{name} 빼기", leaveCompared: "비교 끝내기", sizesGuessed: "단위에 ?가 있으면 크기는 추정입니다.",
   gridOf: "격자 {size}", play: "재생", pause: "멈춤", firstFrame: "첫 프레임", lastFrame: "마지막 프레임", backFrame: "한 프레임 뒤로",
   nextFrame: "한 프레임 앞으로", frame: "프레임", ofFrames: "/ {n}", speed: "속력", loop: "반복 {first}–{last} ({n})", noLoop: "전체 클립",
   clearLoop: "반복 구간 지우기", setIn: "여기서부터 반복", setOut: "여기까지 반복", timeline: "타임라인", oldRevision: "지난 리비전입니다. 바꾸려면 복원하세요.",

@@ -8,9 +8,12 @@ import { Stage, type CameraView } from "../../scene/stage";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { Trouble } from "../../ui/Trouble";
-import { number, rate, w } from "../../words";
+import { rate, w } from "../../words";
 import { cameraView, clipActions, frameAsked, shown } from "./actions";
 import { saveFilm, savePicture } from "./pictures";
+import { bodiesBeside } from "./bodiesBeside";
+import { Compared } from "./Compare";
+import { floorOf, metresText, niceStep } from "./ground";
 import { Reference } from "./Reference";
 import { restPose, restShown, type RestPose } from "./restPose";
 
@@ -39,7 +42,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
     let ghost = -1;
     let framed = false;
     let floorFrom = -1;
-    const stops = [
+    const stops: (() => void)[] = [
       effect(() => {
         clip.blocks.arrived.value;
         clip.channels.arrived.value;
@@ -53,7 +56,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         const version = clip.blocks.arrived.peek();
         if (overview && floorFrom !== version && (floorFrom < 0 || overview.values.length)) {
           floorFrom = version;
-          const floor = floorOf(clip, overview.values);
+          const floor = floorOf(skeleton, overview.values);
           const step = niceStep(skeleton.height);
           made.setFloor(floor, step);
           setGrid(step);
@@ -91,6 +94,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
       }),
     ];
     rest.current = restPose(clip, made);
+    stops.push(bodiesBeside(clip, made, actor));
     made.onCamera = () => framed && noteParams({ cam: made.cameraText });
     return () => {
       for (const stop of stops) stop();
@@ -140,7 +144,8 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           if (pulling.current) return rest.current!.pull(...place(event));
           const made = stage.current;
           if (!made || event.buttons) return;
-          const found = made.pick(...place(event))?.point ?? -1;
+          const near = made.pick(...place(event));
+          const found = near?.actor === 0 ? near.point : -1;
           if (found !== made.hovered) { made.hovered = found; made.ask(); }
         }}
         onPointerCancel={() => { pulling.current = false; rest.current?.drop(); }}
@@ -153,7 +158,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           const moved = press.current ? Math.hypot(x - press.current[0], y - press.current[1]) : 9;
           if (moved > 4 || event.button) return;
           const found = stage.current?.pick(x, y);
-          const name = found && skeleton.view.bones[found.point].name;
+          const name = found?.actor === 0 && skeleton.view.bones[found.point].name;
           if (!name) return clip.select([]);
           const before = clip.selection.peek().bones;
           if (event.ctrlKey || event.shiftKey) clip.select(before.includes(name) ? before.filter((one) => one !== name) : [...before, name]);
@@ -165,6 +170,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
       </div>
       {detail.media && <Reference clip={clip} media={detail.media} />}
       {clip.blocks.trouble.value !== null && <Trouble error={clip.blocks.trouble.value} retry={() => clip.blocks.want(player.frame.peek())} />}
+      <Compared clip={clip} />
       <p ref={words} class="unseen" aria-live="polite" />
     </div>
   );
@@ -192,24 +198,3 @@ function trailsOf(clip: Clip, frame: number, points: number[]): Float32Array[] {
     return Float32Array.from(line);
   });
 }
-
-/** Height of the ground, metres from the clip's origin: the lowest that feet come, or zero of the file where it is near. */
-export function floorOf(clip: Clip, values: Float32Array): number {
-  const { skeleton } = clip;
-  const axis = skeleton.zUp ? 2 : 1;
-  let least = Infinity;
-  for (let at = axis; at < values.length; at += 3) if (values[at] < least) least = values[at];
-  if (!Number.isFinite(least)) return 0;
-  const zero = -skeleton.view.origin[axis] * skeleton.metres;
-  const lowest = least * skeleton.metres;
-  return Math.abs(lowest - zero) < 0.12 * skeleton.height ? zero : lowest;
-}
-
-/** A step of the grid that suits a body: a third of its height or so, 1, 2 or 5 times a power of ten. */
-export function niceStep(height: number): number {
-  const wanted = height / 3.2;
-  const power = 10 ** Math.floor(Math.log10(wanted));
-  return [1, 2, 5, 10].map((one) => one * power).reduce((best, one) => (Math.abs(one - wanted) < Math.abs(best - wanted) ? one : best));
-}
-
-export const metresText = (metres: number): string => (metres < 1 ? `${number(metres * 100, 1)} cm` : `${number(metres, 2)} m`);

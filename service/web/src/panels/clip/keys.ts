@@ -2,6 +2,7 @@
 import { useEffect } from "preact/hooks";
 import { ask } from "../../api/client";
 import type { Clip } from "../../state/clip";
+import { besideIds, putBeside } from "../../state/comparison";
 import { offer, type Command } from "../../state/keys";
 import { note, refuse } from "../../state/notes";
 import { param, setParams } from "../../state/route";
@@ -57,6 +58,7 @@ export function useClipKeys(clip: Clip, reload: () => void): void {
       { id: "view", word: "view", keys: ["V"], run: () => clipActions.nextView() },
       { id: "split", word: "spanSplit", keys: ["S"], run: () => clipActions.splitSpan(clip) },
       { id: "name", word: "spanAdd", keys: ["N"], run: () => clipActions.nameLoop(clip) },
+      { id: "leaveCompared", word: "leaveCompared", keys: ["Esc"], run: () => putBeside([]), when: () => besideIds().length > 0 && !clip.selection.value.bones.length },
       { id: "esc", word: "none", keys: ["Esc"], run: () => clip.select([]), when: () => clip.selection.value.bones.length > 0 },
     ];
     return offer("clip", list);

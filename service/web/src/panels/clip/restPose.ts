@@ -10,7 +10,7 @@ import { param } from "../../state/route";
 import { number } from "../../words";
 import { cameraView, shown } from "./actions";
 
-const BESIDE = 0.65; // body heights
+const BESIDE = -0.65; // body heights; clips that are compared stand on the other side
 const ALONG = "along";
 
 export const restShown = (): boolean => Boolean(shown.value.rest) || param("tab") === "structure";
