@@ -84,3 +84,41 @@ def test_clips_are_compared_in_step_and_left(visit: Visit, studio: Served) -> No
     page.keyboard.press("Escape")
     expect(compared).to_have_count(0)
     page.wait_for_url(lambda url: "cmp" not in url)
+
+
+def test_edges_snap_and_spans_are_split_by_menu(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk(600), label="kick:101-200")
+    page = visit.open(f"/clips/{uuid}?f=401")
+    ready(page)
+    lane = page.get_by_role("list", name="names")
+    box = lane.bounding_box()
+    spans = lane.get_by_role("listitem").get_by_role("button")
+
+    def pull(start: int, end: int, key: str = "") -> None:
+        """Draw from one frame's edge to 5 pixels beside another's."""
+        x, wide = box["x"], box["width"] / 600
+        page.mouse.move(x + start * wide, box["y"] + 12)
+        page.mouse.down()
+        page.mouse.move(x + end * wide - 20, box["y"] + 12)
+        if key:
+            page.keyboard.down(key)
+        page.mouse.move(x + end * wide - 5, box["y"] + 12)
+        expect(page.locator(".snap-line")).to_have_count(0 if key else 1)
+        page.mouse.up()
+        if key:
+            page.keyboard.up(key)
+
+    pull(198, 401)
+    expect(spans).to_have_accessible_name("kick, 101–401")
+    page.keyboard.press("Control+z")
+    pull(198, 401, "Alt")
+    expect(spans).not_to_have_accessible_name("kick, 101–401")
+    page.keyboard.press("Control+z")
+    expect(spans).to_have_accessible_name("kick, 101–200")
+    frame = page.get_by_label("Frame", exact=True)
+    frame.fill("150")
+    frame.press("Enter")
+    spans.press("F2")
+    page.get_by_role("form", name="Motion name").get_by_role("button", name="Split").click()
+    expect(spans).to_have_count(2)
+    expect(spans.last).to_have_accessible_name("kick, 150–200")
