@@ -122,3 +122,38 @@ def test_edges_snap_and_spans_are_split_by_menu(visit: Visit, studio: Served) ->
     page.get_by_role("form", name="Motion name").get_by_role("button", name="Split").click()
     expect(spans).to_have_count(2)
     expect(spans.last).to_have_accessible_name("kick, 150–200")
+
+
+def test_elements_are_added_and_deleted_in_the_tree(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk(), property="age=23")
+    page = visit.open(f"/clips/{uuid}")
+    ready(page)
+    tree = page.get_by_role("tree", name="Tree")
+
+    def row(text: str) -> Any:
+        return tree.get_by_role("treeitem").filter(has_text=re.compile(f"^{text}"))
+
+    row("header").click()
+    page.keyboard.press("ArrowRight")
+    expect(row("property")).to_be_visible()
+    row("header").click()
+    page.keyboard.press("Insert")
+    form = page.get_by_role("dialog", name="Add to header")
+    form.get_by_label("Element").select_option("property")
+    form.get_by_label("name", exact=True).fill("shoe")
+    expect(form.get_by_role("button", name="Add", exact=True)).to_be_disabled()
+    form.get_by_label("value", exact=True).fill("left & right")
+    form.get_by_role("button", name="Add", exact=True).click()
+    expect(page.get_by_text("Draft: 1 change")).to_be_visible()
+    expect(page.get_by_role("button", name="Take back the new property")).to_be_visible()
+    row("property").click(position={"x": 40, "y": 12})
+    page.keyboard.press("Delete")
+    expect(page.get_by_text("Draft: 2 changes")).to_be_visible()
+    expect(tree.locator(".gone").first).to_contain_text("property")
+    row("skeleton").click()
+    page.keyboard.press("Delete")
+    expect(page.get_by_text("Delete its frame_bone elements first.")).to_be_visible()
+    expect(page.get_by_text("Draft: 2 changes")).to_be_visible()
+    page.keyboard.press("Control+s")
+    expect(page.get_by_text("Saved as revision 2")).to_be_visible()
+    assert studio.get(f"/documents/{uuid}")["properties"] == [{"name": "shoe", "value": "left & right", "unit": None}]

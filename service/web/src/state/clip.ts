@@ -137,23 +137,54 @@ export class Clip {
   }
 
   setSamples(track: string, values: Iterable<readonly [number, number]>): void {
-    this.change(drafts.withSamples(this.draft.peek(), track, values));
+    this.attempt(() => drafts.withSamples(this.draft.peek(), track, values));
   }
 
   setLabels(labels: readonly Span[]): void {
-    this.change(drafts.withLabels(this.draft.peek(), labels));
+    this.attempt(() => drafts.withLabels(this.draft.peek(), labels, this.labels.peek()));
   }
 
   setElement(change: drafts.ElementChange): void {
-    this.change(drafts.withElement(this.draft.peek(), change));
+    this.attempt(() => drafts.withElement(this.draft.peek(), change));
+  }
+
+  /** Make a change, or say why it would be lost. */
+  attempt(make: () => Draft): void {
+    const next = drafts.orReplaced(make);
+    if (next) this.change(next);
+    else note(w("replacedByText"), { bad: true });
+  }
+
+  /** A change that the repository is asked about first: it says why not, and how it can be. Whether it was made. */
+  async tryChange(make: (draft: Draft) => Draft): Promise<boolean> {
+    const before = this.draft.peek();
+    const next = drafts.orReplaced(() => make(before));
+    if (!next) note(w("replacedByText"), { bad: true });
+    if (!next || this.pinned !== null) return false;
+    try {
+      const base = drafts.isEmpty(before) ? this.detail.revision : this.base;
+      const answer = await ask("post", "/documents/{id}/changes", { path: { id: this.id }, query: { dry_run: true, merge: true }, match: base, body: drafts.asChanges(next) });
+      const fault = answer.faults?.[0];
+      if (fault) {
+        note(fault.what, { detail: fault.remedy ?? undefined, bad: true });
+        return false;
+      }
+    } catch (error) {
+      refuse(error);
+      return false;
+    }
+    if (this.draft.peek() !== before) return this.tryChange(make);
+    this.change(next);
+    return true;
   }
 
   /** Change a bone's vector at rest (motion/shape.ts). before: the draft that a drag began on, whose step this stays. */
   setBone(bone: number, vector: Vector, before?: Draft): void {
     const from = before ?? this.draft.peek();
-    let next = from;
-    for (const { address, text } of textsOf(this.skeleton.view, bone, vector)) next = drafts.withElement(next, { address, attributes: {}, text });
-    next = { ...next, steps: from.steps + 1 };
+    const texts = textsOf(this.skeleton.view, bone, vector);
+    const made = drafts.orReplaced(() => texts.reduce((draft, { address, text }) => drafts.withElement(draft, { address, attributes: {}, text }), from));
+    if (!made) return note(w("replacedByText"), { bad: true });
+    const next = { ...made, steps: from.steps + 1 };
     if (before && this.draft.peek() !== before) this.amend(next);
     else this.change(next);
   }

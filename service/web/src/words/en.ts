@@ -49,6 +49,8 @@ export const en = {
   compare: "Compare", compareHelp: "Choose up to {n} clips; they move beside this one.", placed: "Placed", sideBySide: "Side by side", laidOver: "Laid over", inStep: "In step", byTime: "by time", byFrame: "by frame", bySpan: "by span",
   notCompared: "Take {name} away", leaveCompared: "Leave the comparison", sizesGuessed: "Sizes are guessed where a unit has a ?.",
   nothingToSplit: "The playhead is in no span.",
+  replacedByText: "This part was rewritten as text, or taken away, in this draft. Change it in Text, or save first.",
+  element: "Element", addTo: "Add to {name}", addChild: "Add a child", duplicate: "Duplicate", letStay: "Let it stay", takeBack: "Take back the new {name}", nothingToAdd: "Nothing else may stand in this element.", optionalAttributes: "More attributes",
   gridOf: "grid {size}", play: "Play", pause: "Pause", firstFrame: "First frame", lastFrame: "Last frame", backFrame: "One frame back",
   nextFrame: "One frame on", frame: "Frame", ofFrames: "of {n}", speed: "Speed", loop: "loop {first}–{last} ({n})", noLoop: "whole clip",
   clearLoop: "Clear the loop", setIn: "Loop from here", setOut: "Loop to here", timeline: "Timeline", oldRevision: "This is an old revision. Restore it to change it.",

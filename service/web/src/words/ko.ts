@@ -48,6 +48,8 @@ export const ko: typeof en = {
   compare: "비교", compareHelp: "클립을 {n}개까지 고르세요. 이 클립 옆에서 함께 움직입니다.", placed: "배치", sideBySide: "나란히", laidOver: "겹쳐서", inStep: "맞추기", byTime: "시간으로", byFrame: "프레임으로", bySpan: "구간으로",
   notCompared: "{name} 빼기", leaveCompared: "비교 끝내기", sizesGuessed: "단위에 ?가 있으면 크기는 추정입니다.",
   nothingToSplit: "재생 위치에 구간이 없습니다.",
+  replacedByText: "이 부분은 임시 변경에서 텍스트로 다시 쓰였거나 삭제되었습니다. 텍스트에서 바꾸거나 먼저 저장하세요.",
+  element: "요소", addTo: "추가할 곳: {name}", addChild: "하위 요소 추가", duplicate: "복제", letStay: "그대로 두기", takeBack: "새 요소 취소: {name}", nothingToAdd: "이 요소에는 더 넣을 수 있는 것이 없습니다.", optionalAttributes: "다른 속성",
   gridOf: "격자 {size}", play: "재생", pause: "멈춤", firstFrame: "첫 프레임", lastFrame: "마지막 프레임", backFrame: "한 프레임 뒤로",
   nextFrame: "한 프레임 앞으로", frame: "프레임", ofFrames: "/ {n}", speed: "속력", loop: "반복 {first}–{last} ({n})", noLoop: "전체 클립",
   clearLoop: "반복 구간 지우기", setIn: "여기서부터 반복", setOut: "여기까지 반복", timeline: "타임라인", oldRevision: "지난 리비전입니다. 바꾸려면 복원하세요.",

@@ -7,7 +7,7 @@ import { curvesOf } from "../../motion/blocks";
 import { scaled, shifted, smoothed, unwrapped } from "../../motion/curves";
 import { localRotation } from "../../motion/kinematics";
 import type { Clip } from "../../state/clip";
-import { withSamples, type Draft } from "../../state/draft";
+import { orReplaced, withSamples, type Draft } from "../../state/draft";
 import { colour, look } from "../../state/settings";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
@@ -113,12 +113,14 @@ function BoneGraph({ clip, bone }: { clip: Clip; bone: number }) {
 
   const apply = (tool: (values: Float64Array) => Float64Array) => {
     const [first, last] = range ?? [1, clip.frames];
-    let next: Draft = clip.draft.peek();
-    for (const one of visible) {
-      const changed = tool(one.values.slice(first - 1, last));
-      next = withSamples(next, `${joint.name}.${one.name}`, [...changed].map((value, at): [number, number] => [first + at, rounded(value)]).filter(([, value]) => value === value));
-    }
-    clip.change({ ...next, steps: clip.draft.peek().steps + 1 });
+    clip.attempt(() => {
+      let next: Draft = clip.draft.peek();
+      for (const one of visible) {
+        const changed = tool(one.values.slice(first - 1, last));
+        next = withSamples(next, `${joint.name}.${one.name}`, [...changed].map((value, at): [number, number] => [first + at, rounded(value)]).filter(([, value]) => value === value));
+      }
+      return { ...next, steps: clip.draft.peek().steps + 1 };
+    });
   };
   return (
     <div class="graph">
@@ -164,7 +166,8 @@ function grab(event: PointerEvent, clip: Clip, bone: string, made: uPlot, series
   let begun = false;
   const move = (moving: PointerEvent) => {
     const value = rounded(start + made.posToVal(moving.clientY - box.top, "y") - from);
-    const next = withSamples(before, track, [[frame, value]]);
+    const next = orReplaced(() => withSamples(before, track, [[frame, value]]));
+    if (!next) return;
     if (begun) clip.amend(next);
     else clip.change(next);
     begun = true;
