@@ -146,7 +146,7 @@ def test_elements_are_added_and_deleted_in_the_tree(visit: Visit, studio: Served
     form.get_by_role("button", name="Add", exact=True).click()
     expect(page.get_by_text("Draft: 1 change")).to_be_visible()
     expect(page.get_by_role("button", name="Take back the new property")).to_be_visible()
-    row("property").click(position={"x": 40, "y": 12})
+    row("property").click(position={"x": 75, "y": 12})
     page.keyboard.press("Delete")
     expect(page.get_by_text("Draft: 2 changes")).to_be_visible()
     expect(tree.locator(".gone").first).to_contain_text("property")
