@@ -156,4 +156,31 @@ def test_elements_are_added_and_deleted_in_the_tree(visit: Visit, studio: Served
     expect(page.get_by_text("Draft: 2 changes")).to_be_visible()
     page.keyboard.press("Control+s")
     expect(page.get_by_text("Saved as revision 2")).to_be_visible()
-    assert studio.get(f"/documents/{uuid}")["properties"] == [{"name": "shoe", "value": "left & right", "unit": None}]
+    assert studio.get(f"/documents/{uuid}")["properties"] == [{"name": "shoe", "value": "left & right", "unit": ""}]
+
+
+def test_frames_are_taken_out_held_and_taken_back(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk(60))
+    page = visit.open(f"/clips/{uuid}?f=5&in=11&out=20&sel=left_up_leg&tab=graph")
+    ready(page)
+
+    def choose(item: str) -> None:
+        page.get_by_role("toolbar", name="Play").get_by_role("button", name="Frames").click()
+        page.get_by_role("menuitem", name=item).click()
+
+    field = page.get_by_role("group", name="Value at frame 5").get_by_label("Rx")
+    expect(field).not_to_have_value("")
+    field.fill("1.5")
+    field.press("Enter")
+    choose("Delete frames 11–20")
+    expect(page.get_by_text("Save the draft first")).to_be_visible()
+    assert studio.get(f"/documents/{uuid}")["frames"] == 60
+    page.get_by_role("button", name="Discard").click()
+    choose("Delete frames 11–20")
+    expect(page.get_by_text("of 50", exact=True)).to_be_visible()
+    choose("Hold frame 5")
+    page.get_by_label("for more frames").fill("7")
+    page.keyboard.press("Enter")
+    expect(page.get_by_text("of 57", exact=True)).to_be_visible()
+    page.get_by_role("status").filter(has_text="Now 57 frames").get_by_role("button", name="Undo").click()
+    expect(page.get_by_text("of 50", exact=True)).to_be_visible()

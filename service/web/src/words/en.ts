@@ -51,6 +51,7 @@ export const en = {
   nothingToSplit: "The playhead is in no span.",
   replacedByText: "This part was rewritten as text, or taken away, in this draft. Change it in Text, or save first.",
   element: "Element", addTo: "Add to {name}", addChild: "Add a child", duplicate: "Duplicate", letStay: "Let it stay", takeBack: "Take back the new {name}", nothingToAdd: "Nothing else may stand in this element.", optionalAttributes: "More attributes",
+  framesWord: "Frames", editFrames: "Take out, copy, hold frames", deleteFrames: "Delete frames {first}–{last}", cropTo: "Crop to frames {first}–{last}", duplicateFrames: "Repeat frames {first}–{last} behind them", copyFramesTo: "Copy frames {first}–{last} before frame {n}|Copy frames {first}–{last} before frame {n}", chooseRange: "Set a loop (I, O) to edit its frames", holdFrame: "Hold frame {n}|Hold frame {n}", forFrames: "for more frames", framesNow: "Now 1 frame|Now {n} frames", saveFirst: "Save the draft first: its frames would be others afterwards.",
   gridOf: "grid {size}", play: "Play", pause: "Pause", firstFrame: "First frame", lastFrame: "Last frame", backFrame: "One frame back",
   nextFrame: "One frame on", frame: "Frame", ofFrames: "of {n}", speed: "Speed", loop: "loop {first}–{last} ({n})", noLoop: "whole clip",
   clearLoop: "Clear the loop", setIn: "Loop from here", setOut: "Loop to here", timeline: "Timeline", oldRevision: "This is an old revision. Restore it to change it.",
