@@ -184,3 +184,30 @@ def test_frames_are_taken_out_held_and_taken_back(visit: Visit, studio: Served) 
     expect(page.get_by_text("of 57", exact=True)).to_be_visible()
     page.get_by_role("status").filter(has_text="Now 57 frames").get_by_role("button", name="Undo").click()
     expect(page.get_by_text("of 50", exact=True)).to_be_visible()
+
+
+def test_revisions_are_flipped_and_two_of_them_compared(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk(60))
+    with studio.client() as client:
+        for revision, value in ((1, 70.0), (2, -70.0)):
+            edit = {"frames": [{"first": 20, "columns": ["left_low_leg.Rx"], "values": [[value]]}]}
+            client.post(f"/documents/{uuid}/changes", json=edit, headers={"if-match": str(revision)}).raise_for_status()
+    page = visit.open(f"/clips/{uuid}?f=20&tab=history")
+    ready(page)
+    page.get_by_role("button", name="Show as ghost").last.click()
+    told = page.get_by_role("button", name=re.compile(r"^left_foot: .* cm at frame 20$"))
+    expect(told).to_be_visible()
+    before = page.locator(".stage").screenshot()
+    page.keyboard.down("c")
+    expect_other_picture(page, before)
+    flipped = page.locator(".stage").screenshot()
+    page.keyboard.up("c")
+    expect_other_picture(page, flipped)
+    page.get_by_label("Pick revision 1").check()
+    page.get_by_label("Pick revision 2").check()
+    expect(page.get_by_role("region", name="Difference")).to_contain_text("Difference of revisions 1 and 2")
+    expect(told).to_be_visible()
+    page.get_by_label("Frame", exact=True).fill("1")
+    page.get_by_label("Frame", exact=True).press("Enter")
+    told.click()
+    expect(page.get_by_label("Frame", exact=True)).to_have_value("20")

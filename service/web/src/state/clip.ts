@@ -25,6 +25,9 @@ export interface Selection {
   channel: string | null;
 }
 
+/** Poses of another revision of the same document. */
+interface Pose { revision: number; frames: number; blocks: Blocks }
+
 export class Clip {
   readonly selection = signal<Selection>({ bones: [], channel: null });
   readonly draft = signal<Draft>(drafts.EMPTY);
@@ -46,8 +49,10 @@ export class Clip {
   private done: Draft[] = [];
   private undone: Draft[] = [];
   private readonly stops: (() => void)[] = [];
-  /** A revision that is shown as a ghost beside this one. */
-  readonly compared = signal<{ revision: number; blocks: Blocks } | null>(null);
+  /** A revision that is shown as a ghost beside this one. against: what it is compared with; null: this one. */
+  readonly compared = signal<(Pose & { against: Pose | null }) | null>(null);
+  /** Whether the old pose stands in the place of the new one, while a key is held. */
+  readonly flipped = signal(false);
 
   constructor(
     readonly detail: Detail,
@@ -249,18 +254,35 @@ export class Clip {
     return this.save();
   }
 
-  /** Show another revision of the same document as a ghost; null shows none. */
-  async compare(revision: number | null): Promise<void> {
-    this.compared.peek()?.blocks.close();
-    this.compared.value = null;
+  /** Show another revision of the same document as a ghost; null shows none. against: the revision that it is compared
+   * with, instead of the one that is open. */
+  async compare(revision: number | null, against: number | null = null): Promise<void> {
+    this.forgetCompared();
     if (revision === null) return;
     try {
-      const view = await get("/documents/{id}/skeleton", { path: { id: this.id }, query: { revision } });
-      const blocks = new Blocks(positionsOf(this.id, revision, skeletonOf(view)));
-      this.compared.value = { revision, blocks };
+      const [then, other] = await Promise.all([this.posesAt(revision), against === null ? null : this.posesAt(against)]);
+      if (then && (other || against === null)) this.compared.value = { ...then, against: other };
     } catch (error) {
       refuse(error);
     }
+  }
+
+  private async posesAt(revision: number): Promise<Pose | null> {
+    const skeleton = skeletonOf(await get("/documents/{id}/skeleton", { path: { id: this.id }, query: { revision } }));
+    if (skeleton.points !== this.skeleton.points) {
+      note(w("otherJoints", { n: revision }), { bad: true });
+      return null;
+    }
+    const blocks = new Blocks(positionsOf(this.id, revision, skeleton));
+    blocks.want(this.player.frame.peek());
+    return { revision, frames: skeleton.view.frames, blocks };
+  }
+
+  private forgetCompared(): void {
+    this.compared.peek()?.blocks.close();
+    this.compared.peek()?.against?.blocks.close();
+    this.compared.value = null;
+    this.flipped.value = false;
   }
 
   // Drafts survive a reload.
@@ -296,7 +318,7 @@ export class Clip {
     this.player.pause();
     this.blocks.close();
     this.channels.close();
-    this.compared.peek()?.blocks.close();
+    this.forgetCompared();
   }
 }
 

@@ -51,6 +51,7 @@ export const ko: typeof en = {
   replacedByText: "이 부분은 임시 변경에서 텍스트로 다시 쓰였거나 삭제되었습니다. 텍스트에서 바꾸거나 먼저 저장하세요.",
   element: "요소", addTo: "추가할 곳: {name}", addChild: "하위 요소 추가", duplicate: "복제", letStay: "그대로 두기", takeBack: "새 요소 취소: {name}", nothingToAdd: "이 요소에는 더 넣을 수 있는 것이 없습니다.", optionalAttributes: "다른 속성",
   framesWord: "프레임", editFrames: "프레임 빼기, 복사, 멈춤", deleteFrames: "{first}–{last}프레임 삭제", cropTo: "{first}–{last}프레임만 남기기", duplicateFrames: "{first}–{last}프레임을 바로 뒤에 되풀이", copyFramesTo: "{first}–{last}프레임을 {n}프레임 앞에 복사", chooseRange: "반복 구간(I, O)을 정하면 그 프레임을 고칠 수 있습니다", holdFrame: "{n}프레임에서 멈추기", forFrames: "더할 프레임 수", framesNow: "이제 {n}프레임입니다", saveFirst: "임시 변경을 먼저 저장하세요. 나중에는 다른 프레임을 가리키게 됩니다.",
+  flipRevisions: "누르는 동안 이전 리비전 보기", historyHelp: "하나를 잔상으로 보고 C를 누르고 있으면 이전과 지금이 바뀝니다. 두 개를 고르면 차이를 봅니다.", pickRevision: "리비전 {n} 선택", differenceOf: "리비전 {first}, {last}의 차이", apartAt: "{name}: {size}, {n}프레임", noDifference: "움직인 관절이 없습니다.", otherFrames: "프레임 수가 {first}개와 {last}개로 다릅니다. 첫 프레임부터 차례로 비교합니다.", otherJoints: "리비전 {n}: 관절이 달라 겹쳐 볼 수 없습니다.",
   gridOf: "격자 {size}", play: "재생", pause: "멈춤", firstFrame: "첫 프레임", lastFrame: "마지막 프레임", backFrame: "한 프레임 뒤로",
   nextFrame: "한 프레임 앞으로", frame: "프레임", ofFrames: "/ {n}", speed: "속력", loop: "반복 {first}–{last} ({n})", noLoop: "전체 클립",
   clearLoop: "반복 구간 지우기", setIn: "여기서부터 반복", setOut: "여기까지 반복", timeline: "타임라인", oldRevision: "지난 리비전입니다. 바꾸려면 복원하세요.",

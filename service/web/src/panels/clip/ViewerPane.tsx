@@ -47,7 +47,9 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         clip.blocks.arrived.value;
         clip.channels.arrived.value;
         const frame = player.frame.value;
-        const positions = clip.positions(frame);
+        const old = clip.flipped.value ? clip.compared.value : null;
+        old?.blocks.arrived.value;
+        const positions = old ? old.blocks.frame(Math.min(frame, old.frames - 1)) : clip.positions(frame);
         const show = shown.value;
         made.shown = show;
         made.selected = new Set(clip.selection.value.bones.map((name) => skeleton.byName.get(name)!));
@@ -70,13 +72,13 @@ export function ViewerPane({ clip }: { clip: Clip }) {
       }),
       effect(() => {
         const other = clip.compared.value;
-        if (!other) {
+        if (!other || clip.flipped.value) {
           if (ghost >= 0) made.pose(ghost, { positions: null, before: [], trail: [] });
           return;
         }
         if (ghost < 0) ghost = made.add(skeleton, { dim: true });
         other.blocks.arrived.value;
-        made.pose(ghost, { positions: other.blocks.frame(player.frame.value), before: [], trail: [] });
+        made.pose(ghost, { positions: other.blocks.frame(Math.min(player.frame.value, other.frames - 1)), before: [], trail: [] });
       }),
       effect(() => {
         look.value;
