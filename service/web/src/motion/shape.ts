@@ -47,7 +47,7 @@ export function reshaped(skeleton: Skeleton, changes: Changes): Skeleton {
   const vectors = new Map<number, Vector>();
   if (changes.size) {
     view.bones.forEach((bone, index) => {
-      const found = vectorIn(view, bone, changes);
+      const found = vectorSaid(view, bone, changes);
       if (found) vectors.set(index, found);
     });
   }
@@ -62,7 +62,7 @@ export function reshaped(skeleton: Skeleton, changes: Changes): Skeleton {
   return { ...skeleton, view: { ...view, bones, tips } };
 }
 
-function vectorIn(view: SkeletonView, bone: Bone, changes: Changes): Vector | null {
+function vectorSaid(view: SkeletonView, bone: Bone, changes: Changes): Vector | null {
   if (bone.convention === "fixed") {
     const direction = read(changes.get(`${bone.address}/direction`)?.text, 3);
     const length = read(changes.get(`${bone.address}/length`)?.text, 1);
