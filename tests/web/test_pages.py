@@ -76,8 +76,8 @@ def beats_of(database: Database) -> str:
 
 PAGES = [
     "library", "list", "nothing", "tree", "graph", "structure", "text", "history", "info", "xpath", "xpath-empty",
-    "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result", "result-table",
-    "settings",
+    "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result",
+    "result-table", "settings",
 ]  # fmt: skip
 
 

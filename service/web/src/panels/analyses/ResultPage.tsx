@@ -83,7 +83,7 @@ function Pictures({ id, info }: { id: string; info: Schemas["AnalysisInfo"] }) {
         {["svg", "png"].map((format) => <a key={format} class="button dense" href={file(format)} download>{a("download", { format: format.toUpperCase() })}</a>)}
       </figcaption>
       {!drawn && !failed && <div class="busy" />}
-      {failed ? <Trouble error={failed} /> : <img class={drawn ? "" : "unseen"} onLoad={() => setDrawn(true)} src={file("svg")} alt={info.pictures?.[chosen] ?? w("picturesFor")} onError={() => void why()} />}
+      {failed ? <Trouble error={failed} /> : <img class={drawn ? "" : "waiting"} onLoad={() => setDrawn(true)} src={file("svg")} alt={info.pictures?.[chosen] ?? w("picturesFor")} onError={() => void why()} />}
     </figure>
   );
 }
