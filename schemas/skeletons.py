@@ -12,6 +12,7 @@ Side = Literal["left", "right", "centre"]
 
 _CHANNELS = ["Tx", "Ty", "Tz", "Rz", "Rx", "Ry"]
 _ROOT = {
+    "address": "/mcml/root",
     "name": "Root",
     "source_name": "Hips",
     "mapped": True,
@@ -28,6 +29,7 @@ _ROOT = {
 }
 _HEAD = {
     **_ROOT,
+    "address": "/mcml/skeleton/bone",
     "name": "Head",
     "source_name": "Head",
     "parent": 0,
@@ -42,6 +44,7 @@ class SkeletonBone(BaseModel):
     """A joint and the bone that starts there. Vectors are x y z in the document's unit, in the axes of the world at
     rest; quaternions x y z w."""
 
+    address: str = Field(description="Of its element, a canonical XPath that finds it")
     name: str
     source_name: str = Field(description="As the file writes it")
     mapped: bool | None = Field(None, description="Whether the name is one of MCML's own")

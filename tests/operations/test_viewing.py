@@ -90,6 +90,15 @@ def test_sides_partners_and_the_likely_axis(client: TestClient) -> None:
     assert found["origin"] == [5.0, 6.0, 7.0]
 
 
+def test_bones_say_which_elements_they_are(client: TestClient) -> None:
+    uuid = stored(client, {"a.bvh": TWO_LEGS})
+    root, *legs = client.get(f"{API}/{uuid}/skeleton").json()["bones"]
+    assert root["address"] == "/mcml/root"
+    for bone in legs:
+        name = client.get(f"{API}/{uuid}/elements", params={"xpath": f"{bone['address']}/name"})
+        assert name.text == f"<name>{bone['name']}</name>"
+
+
 def test_stated_units_are_told_as_stated(client: TestClient) -> None:
     uuid = stored(client, {"a.bvh": TWO_LEGS}, unit="cm", up="y")
     found = client.get(f"{API}/{uuid}/skeleton").json()

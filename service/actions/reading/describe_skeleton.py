@@ -6,6 +6,8 @@ import numpy as np
 
 from schemas.skeletons import Side, SkeletonBone, SkeletonView, Tip
 from service.actions.reading.read_origin import first_pose, origin_in
+from service.mcml import vocabulary
+from service.mcml.element import addresses
 from service.mcml.elements import to_head
 from service.motion.guesses import likely_unit, likely_up
 from service.motion.hub import rest_of
@@ -31,6 +33,8 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
     unit, up = head.fields.get("calibration_unit"), head.fields.get("global_axis_of_gravity")
     likely, metres = likely_unit(head, head_pose)
     sides, others = sides_of(head.skeleton)
+    joints = (vocabulary.ROOT, vocabulary.BONE)
+    places = [address for address, element in addresses(tx.heads.document(stored)) if element.tag in joints]
     return SkeletonView(
         id=stored.uuid,
         name=stored.name,
@@ -48,6 +52,7 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
         radians=reading.motion_angle,
         bones=[
             SkeletonBone(
+                address=places[index],
                 name=joint.name,
                 source_name=joint.source_name,
                 mapped=joint.mapped,

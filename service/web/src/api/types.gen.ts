@@ -3177,6 +3177,7 @@ export interface components {
             link?: string | null;
         };
         SkeletonBone: {
+            address: string;
             name: string;
             source_name: string;
             mapped?: boolean | null;

@@ -6,29 +6,18 @@
  */
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { Body, type Tint } from "./body";
+import { actorOf, dispose, recolour, type Actor } from "./actor";
 import { Ground } from "./ground";
-import { SIDE_TOKENS, type Skeleton } from "../motion/skeleton";
+import { arrowAt, drawHandle, reachOf, type Handle, type Surroundings } from "./handle";
+import { drawAxes } from "./axes";
+import { fillTrails } from "./trails";
+import type { Skeleton } from "../motion/skeleton";
 
 export type CameraView = "persp" | "front" | "side" | "top";
-export interface Shown { follow: boolean; ghosts: boolean; trails: boolean; names: boolean; axes: boolean }
+export interface Shown { follow: boolean; ghosts: boolean; trails: boolean; names: boolean; axes: boolean; rest?: boolean }
 
 export interface Pose { positions: Float32Array | null; before: (Float32Array | null)[]; trail: Float32Array[] }
 
-interface Actor {
-  skeleton: Skeleton;
-  group: THREE.Group;
-  body: Body;
-  ghosts: Body[];
-  trails: THREE.LineSegments;
-  trailRoom: number;
-  shift: THREE.Vector3;
-  positions: Float32Array | null;
-  dim: boolean;
-}
-
-const TRAIL_POINTS = 4096;
-const GHOST_OPACITY = 0.16;
 const PICK_PIXELS = 14;
 
 export class Stage {
@@ -50,6 +39,8 @@ export class Stage {
   shown: Shown = { follow: false, ghosts: false, trails: false, names: false, axes: true };
   selected = new Set<number>();
   hovered = -1;
+  /** Arrows that a hand pulls; null: none. */
+  handle: Handle | null = null;
   /** Script time of the last frame, ms: matrices, scene and overlay. */
   lastScript = 0;
   onCamera: () => void = () => {};
@@ -84,34 +75,17 @@ export class Stage {
     this.resize();
   }
 
-  /** Put a skeleton on the stage. shift: metres to the side of the others. */
-  add(skeleton: Skeleton, { shift = 0, dim = false }: { shift?: number; dim?: boolean } = {}): number {
-    const group = new THREE.Group();
-    if (skeleton.zUp) group.rotation.x = -Math.PI / 2;
-    const body = new Body(skeleton, this.tintOf(skeleton), dim ? 0.45 : 1);
-    const ghosts = [0, 1, 2, 3].map(() => new Body(skeleton, this.tintOf(skeleton), GHOST_OPACITY));
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(TRAIL_POINTS * 6), 3).setUsage(THREE.DynamicDrawUsage));
-    geometry.setDrawRange(0, 0);
-    const trails = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: this.token("accent"), transparent: true, opacity: 0.75 }));
-    trails.frustumCulled = false;
-    group.add(body.group, trails, ...ghosts.map((ghost) => ghost.group));
-    const outer = new THREE.Vector3(shift, 0, 0);
-    group.position.copy(outer);
-    this.scene.add(group);
-    this.actors.push({ skeleton, group, body, ghosts, trails, trailRoom: TRAIL_POINTS, shift: outer, positions: null, dim });
+  /** Put a skeleton on the stage. shift: metres to the side of the others. ink: a token that colours all of it. */
+  add(skeleton: Skeleton, options: { shift?: number; dim?: boolean; ink?: string | null } = {}): number {
+    const made = actorOf(skeleton, this.token, options);
+    this.scene.add(made.group);
+    this.actors.push(made);
     this.ask();
     return this.actors.length - 1;
   }
 
   clear(): void {
-    for (const actor of this.actors.splice(0)) {
-      actor.body.dispose();
-      for (const ghost of actor.ghosts) ghost.dispose();
-      actor.trails.geometry.dispose();
-      (actor.trails.material as THREE.Material).dispose();
-      actor.group.removeFromParent();
-    }
+    for (const actor of this.actors.splice(0)) dispose(actor);
     this.ask();
   }
 
@@ -126,24 +100,8 @@ export class Stage {
       if (positions) ghost.pose(positions);
       else ghost.hide();
     });
-    this.trail(one, pose.trail);
+    fillTrails(one.trails, pose.trail, one.skeleton.metres);
     this.ask();
-  }
-
-  private trail(actor: Actor, lines: Float32Array[]): void {
-    const attribute = actor.trails.geometry.getAttribute("position") as THREE.BufferAttribute;
-    const room = attribute.array as Float32Array;
-    const metres = actor.skeleton.metres;
-    let used = 0;
-    for (const line of lines) {
-      for (let at = 0; at + 5 < line.length && used + 6 <= room.length; at += 3) {
-        for (let axis = 0; axis < 6; axis++) room[used + axis] = line[at + axis] * metres;
-        if (room[used] === room[used] && room[used + 3] === room[used + 3]) used += 6;
-      }
-    }
-    actor.trails.geometry.setDrawRange(0, used / 3);
-    attribute.needsUpdate = true;
-    actor.trails.visible = used > 0;
   }
 
   /** Where the ground is: the height of the lowest pose seen, metres in the world. */
@@ -153,8 +111,8 @@ export class Stage {
     this.ask();
   }
 
-  get grid(): number {
-    return this.gridStep;
+  get floorHeight(): number {
+    return this.floor;
   }
 
   /** Look at what stands there. */
@@ -230,11 +188,7 @@ export class Stage {
     // Dark inks on a light ground need more light to be seen as colours.
     this.sky.intensity = well.getHSL({ h: 0, s: 0, l: 0 }).l > 0.5 ? 3.4 : 1.5;
     this.ground.ink(this.token("edge"));
-    for (const actor of this.actors) {
-      actor.body.tint(this.tintOf(actor.skeleton));
-      for (const ghost of actor.ghosts) ghost.tint(this.tintOf(actor.skeleton));
-      (actor.trails.material as THREE.LineBasicMaterial).color.set(this.token("accent"));
-    }
+    for (const actor of this.actors) recolour(actor, this.token);
     this.ask();
   }
 
@@ -275,16 +229,54 @@ export class Stage {
   }
 
   private world(actor: Actor, point: number): THREE.Vector3 | null {
-    const { positions, skeleton, shift } = actor;
-    if (!positions) return null;
-    const [x, y, z] = [0, 1, 2].map((axis) => positions[point * 3 + axis] * skeleton.metres);
-    if (x !== x) return null;
+    const { positions } = actor;
+    if (!positions || positions[point * 3] !== positions[point * 3]) return null;
+    return this.placed(actor, [positions[point * 3], positions[point * 3 + 1], positions[point * 3 + 2]]);
+  }
+
+  /** A place of an actor, in its own unit and axes, in the world. */
+  private placed({ skeleton, shift }: Actor, at: readonly [number, number, number]): THREE.Vector3 {
+    const [x, y, z] = at.map((one) => one * skeleton.metres);
     return (skeleton.zUp ? new THREE.Vector3(x, z, -y) : new THREE.Vector3(x, y, z)).add(shift);
   }
 
+  private around(handle: Handle): Surroundings {
+    const actor = this.actors[handle.actor];
+    return { world: (at) => this.placed(actor, at), screen: (at) => this.projected(at), camera: this.camera, metres: actor.skeleton.metres, length: 0.13 * actor.skeleton.height };
+  }
+
+  /** The arrow of the handle under a place on the canvas. */
+  arrowAt(x: number, y: number): string | null {
+    return this.handle && arrowAt(this.handle, this.around(this.handle), x, y);
+  }
+
+  /** How far from the handle along one of its arrows a place on the canvas is, in the actor's unit. */
+  reachOf(handle: Handle, name: string, x: number, y: number): number {
+    return reachOf(handle, this.around(handle), name, x, y, this.host.clientWidth, this.host.clientHeight);
+  }
+
+  /** Whether the hand turns the camera; not while it pulls an arrow. */
+  set orbits(on: boolean) {
+    this.controls.enabled = on;
+  }
+
+  /** Whether all of an actor is in the picture. */
+  sees(actor: number): boolean {
+    const one = this.actors[actor];
+    return [...Array(one.skeleton.points).keys()].every((point) => {
+      const at = this.onScreen(one, point);
+      return at && at.x >= 0 && at.y >= 0 && at.x <= this.host.clientWidth && at.y <= this.host.clientHeight;
+    });
+  }
+
   private onScreen(actor: Actor, point: number): { x: number; y: number } | null {
-    const at = this.world(actor, point)?.project(this.camera);
-    if (!at || at.z > 1) return null;
+    const at = this.world(actor, point);
+    return at && this.projected(at);
+  }
+
+  private projected(world: THREE.Vector3): { x: number; y: number } | null {
+    const at = world.project(this.camera);
+    if (at.z > 1) return null;
     return { x: ((at.x + 1) / 2) * this.host.clientWidth, y: ((1 - at.y) / 2) * this.host.clientHeight };
   }
 
@@ -316,32 +308,21 @@ export class Stage {
         pen.fillText(bone.name, at.x + 14, at.y);
       });
     }
-    if (this.shown.axes) this.drawAxes(pen, actor?.skeleton.zUp ?? false);
+    if (this.handle) drawHandle(pen, this.handle, this.around(this.handle), this.token);
+    if (this.shown.axes) drawAxes(pen, this.camera, this.token, this.host.clientWidth - 40, this.host.clientHeight - 40, actor?.skeleton.zUp ?? false);
   }
 
-  private drawAxes(pen: CanvasRenderingContext2D, zUp: boolean): void {
-    const [x0, y0] = [this.host.clientWidth - 40, this.host.clientHeight - 40];
-    const axes: [string, THREE.Vector3][] = zUp
-      ? [["x", new THREE.Vector3(1, 0, 0)], ["y", new THREE.Vector3(0, 0, -1)], ["z", new THREE.Vector3(0, 1, 0)]]
-      : [["x", new THREE.Vector3(1, 0, 0)], ["y", new THREE.Vector3(0, 1, 0)], ["z", new THREE.Vector3(0, 0, 1)]];
-    pen.textAlign = "center";
-    for (const [name, axis] of axes.sort((a, b) => depth(b[1], this.camera) - depth(a[1], this.camera))) {
-      const seen = axis.clone().transformDirection(this.camera.matrixWorldInverse);
-      const [x, y] = [x0 + seen.x * 20, y0 - seen.y * 20];
-      pen.strokeStyle = pen.fillStyle = this.token(name);
-      pen.lineWidth = 2;
-      pen.beginPath();
-      pen.moveTo(x0, y0);
-      pen.lineTo(x, y);
-      pen.stroke();
-      pen.fillText(name.toUpperCase(), x0 + seen.x * 30, y0 - seen.y * 30);
-    }
-    pen.textAlign = "start";
+  /** Colour all of an actor by a token; null: by its sides. */
+  paint(actor: number, ink: string | null): void {
+    if (this.actors[actor].ink === ink) return;
+    this.actors[actor].ink = ink;
+    this.recolour();
   }
 
-  private tintOf(skeleton: Skeleton): Tint {
-    const colours = SIDE_TOKENS.map((name) => new THREE.Color(this.token(name)));
-    return (point) => colours[skeleton.sides[point]];
+  /** Put an actor elsewhere: metres in the world. */
+  place(actor: number, x: number, y: number, z: number): void {
+    this.actors[actor].shift.set(x, y, z);
+    this.actors[actor].group.position.set(x, y, z);
   }
 
   private resize(): void {
@@ -387,6 +368,3 @@ export class Stage {
     this.overlay.remove();
   }
 }
-
-const depth = (axis: THREE.Vector3, camera: THREE.Camera): number =>
-  -axis.clone().transformDirection(camera.matrixWorldInverse).z;

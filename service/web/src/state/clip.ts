@@ -2,10 +2,12 @@
  * The clip that is open: its document, skeleton and frames, and what is selected, looked at and changed in it. Tree,
  * graph, text, timeline and viewer are views of these signals; none keeps a copy.
  */
-import { batch, computed, effect, signal } from "@preact/signals";
+import { batch, computed, effect, signal, type ReadonlySignal } from "@preact/signals";
 import { ask, get, type Schemas } from "../api/client";
 import { Blocks, channelsOf, positionsOf } from "../motion/blocks";
 import { columnsOf, posed } from "../motion/kinematics";
+import type { Vector } from "../motion/quaternions";
+import { reshaped, textsOf } from "../motion/shape";
 import { skeletonOf, type Skeleton } from "../motion/skeleton";
 import { w } from "../words";
 import * as drafts from "./draft";
@@ -23,6 +25,9 @@ export interface Selection {
   channel: string | null;
 }
 
+/** Poses of another revision of the same document. */
+interface Pose { revision: number; frames: number; blocks: Blocks }
+
 export class Clip {
   readonly selection = signal<Selection>({ bones: [], channel: null });
   readonly draft = signal<Draft>(drafts.EMPTY);
@@ -32,6 +37,8 @@ export class Clip {
   readonly labels = computed<readonly Span[]>(() => this.draft.value.labels ?? this.stored);
   readonly changed = computed(() => !drafts.isEmpty(this.draft.value));
   readonly skeleton: Skeleton;
+  /** The skeleton with the bones as the draft has them. */
+  readonly shape: ReadonlySignal<Skeleton>;
   readonly player: Player;
   readonly blocks: Blocks;
   readonly channels: Blocks<Float64Array>;
@@ -42,8 +49,10 @@ export class Clip {
   private done: Draft[] = [];
   private undone: Draft[] = [];
   private readonly stops: (() => void)[] = [];
-  /** A revision that is shown as a ghost beside this one. */
-  readonly compared = signal<{ revision: number; blocks: Blocks } | null>(null);
+  /** A revision that is shown as a ghost beside this one. against: what it is compared with; null: this one. */
+  readonly compared = signal<(Pose & { against: Pose | null }) | null>(null);
+  /** Whether the old pose stands in the place of the new one, while a key is held. */
+  readonly flipped = signal(false);
 
   constructor(
     readonly detail: Detail,
@@ -52,6 +61,7 @@ export class Clip {
     readonly pinned: number | null,
   ) {
     this.skeleton = skeletonOf(view);
+    this.shape = computed(() => reshaped(this.skeleton, this.draft.value.elements));
     this.player = new Player(view.frames, 1 / (view.seconds_per_frame || 1 / USUAL_RATE));
     this.blocks = new Blocks(positionsOf(detail.id, detail.revision, this.skeleton));
     this.channels = new Blocks(channelsOf(detail.id, detail.revision, this.skeleton));
@@ -68,7 +78,8 @@ export class Clip {
         this.blocks.want(frame, direction, player.perSecond * Math.abs(player.speed.peek()), player.range[0]);
         this.compared.value?.blocks.want(frame, direction, player.perSecond, player.range[0]);
         const there = drafts.touched(this.draft.value);
-        if (there && frame + 1 >= there[0] && frame + 1 <= there[1]) this.channels.want(frame);
+        if (this.shape.value !== this.skeleton) this.channels.want(frame, direction, player.perSecond, player.range[0]);
+        else if (there && frame + 1 >= there[0] && frame + 1 <= there[1]) this.channels.want(frame);
       }),
     );
   }
@@ -81,19 +92,21 @@ export class Clip {
     return this.detail.frames;
   }
 
-  /** Joints' and tips' positions at a frame (from 0), as they will be when the draft is saved. */
-  positions(frame: number): Float32Array | null {
+  /** Joints' and tips' positions at a frame (from 0), as they will be when the draft is saved. asks: channels that the
+   * draft needs and that are not there are fetched; of many frames only the one that is looked at asks. */
+  positions(frame: number, asks = true): Float32Array | null {
     const draft = this.draft.value;
     const changes = [...draft.samples].filter(([, values]) => values.has(frame + 1));
-    if (!changes.length) return this.blocks.frame(frame);
+    const shape = this.shape.value;
+    if (!changes.length && shape === this.skeleton) return this.blocks.frame(frame);
     const stored = this.channels.has(frame) ? this.channels.frame(frame) : null;
     if (!stored) {
-      this.channels.want(frame);
+      if (asks) this.channels.want(frame);
       return this.blocks.frame(frame);
     }
     const values = Float64Array.from(stored);
     for (const [track, samples] of changes) values[this.columns.get(track)!] = samples.get(frame + 1)!;
-    return posed(this.skeleton, this.columns, values);
+    return posed(shape, this.columns, values);
   }
 
   /** A sample as the draft has it, else as stored; null while it is on its way. */
@@ -129,15 +142,56 @@ export class Clip {
   }
 
   setSamples(track: string, values: Iterable<readonly [number, number]>): void {
-    this.change(drafts.withSamples(this.draft.peek(), track, values));
+    this.attempt(() => drafts.withSamples(this.draft.peek(), track, values));
   }
 
   setLabels(labels: readonly Span[]): void {
-    this.change(drafts.withLabels(this.draft.peek(), labels));
+    this.attempt(() => drafts.withLabels(this.draft.peek(), labels, this.labels.peek()));
   }
 
   setElement(change: drafts.ElementChange): void {
-    this.change(drafts.withElement(this.draft.peek(), change));
+    this.attempt(() => drafts.withElement(this.draft.peek(), change));
+  }
+
+  /** Make a change, or say why it would be lost. */
+  attempt(make: () => Draft): void {
+    const next = drafts.orReplaced(make);
+    if (next) this.change(next);
+    else note(w("replacedByText"), { bad: true });
+  }
+
+  /** A change that the repository is asked about first: it says why not, and how it can be. Whether it was made. */
+  async tryChange(make: (draft: Draft) => Draft): Promise<boolean> {
+    const before = this.draft.peek();
+    const next = drafts.orReplaced(() => make(before));
+    if (!next) note(w("replacedByText"), { bad: true });
+    if (!next || this.pinned !== null) return false;
+    try {
+      const base = drafts.isEmpty(before) ? this.detail.revision : this.base;
+      const answer = await ask("post", "/documents/{id}/changes", { path: { id: this.id }, query: { dry_run: true, merge: true }, match: base, body: drafts.asChanges(next) });
+      const fault = answer.faults?.[0];
+      if (fault) {
+        note(fault.what, { detail: fault.remedy ?? undefined, bad: true });
+        return false;
+      }
+    } catch (error) {
+      refuse(error);
+      return false;
+    }
+    if (this.draft.peek() !== before) return this.tryChange(make);
+    this.change(next);
+    return true;
+  }
+
+  /** Change a bone's vector at rest (motion/shape.ts). before: the draft that a drag began on, whose step this stays. */
+  setBone(bone: number, vector: Vector, before?: Draft): void {
+    const from = before ?? this.draft.peek();
+    const texts = textsOf(this.skeleton.view, bone, vector);
+    const made = drafts.orReplaced(() => texts.reduce((draft, { address, text }) => drafts.withElement(draft, { address, attributes: {}, text }), from));
+    if (!made) return note(w("replacedByText"), { bad: true });
+    const next = { ...made, steps: from.steps + 1 };
+    if (before && this.draft.peek() !== before) this.amend(next);
+    else this.change(next);
   }
 
   get canUndo(): boolean {
@@ -200,18 +254,35 @@ export class Clip {
     return this.save();
   }
 
-  /** Show another revision of the same document as a ghost; null shows none. */
-  async compare(revision: number | null): Promise<void> {
-    this.compared.peek()?.blocks.close();
-    this.compared.value = null;
+  /** Show another revision of the same document as a ghost; null shows none. against: the revision that it is compared
+   * with, instead of the one that is open. */
+  async compare(revision: number | null, against: number | null = null): Promise<void> {
+    this.forgetCompared();
     if (revision === null) return;
     try {
-      const view = await get("/documents/{id}/skeleton", { path: { id: this.id }, query: { revision } });
-      const blocks = new Blocks(positionsOf(this.id, revision, skeletonOf(view)));
-      this.compared.value = { revision, blocks };
+      const [then, other] = await Promise.all([this.posesAt(revision), against === null ? null : this.posesAt(against)]);
+      if (then && (other || against === null)) this.compared.value = { ...then, against: other };
     } catch (error) {
       refuse(error);
     }
+  }
+
+  private async posesAt(revision: number): Promise<Pose | null> {
+    const skeleton = skeletonOf(await get("/documents/{id}/skeleton", { path: { id: this.id }, query: { revision } }));
+    if (skeleton.points !== this.skeleton.points) {
+      note(w("otherJoints", { n: revision }), { bad: true });
+      return null;
+    }
+    const blocks = new Blocks(positionsOf(this.id, revision, skeleton));
+    blocks.want(this.player.frame.peek());
+    return { revision, frames: skeleton.view.frames, blocks };
+  }
+
+  private forgetCompared(): void {
+    this.compared.peek()?.blocks.close();
+    this.compared.peek()?.against?.blocks.close();
+    this.compared.value = null;
+    this.flipped.value = false;
   }
 
   // Drafts survive a reload.
@@ -247,7 +318,7 @@ export class Clip {
     this.player.pause();
     this.blocks.close();
     this.channels.close();
-    this.compared.peek()?.blocks.close();
+    this.forgetCompared();
   }
 }
 

@@ -1,3 +1,4 @@
+// @vitest-environment happy-dom
 import { describe, expect, it } from "vitest";
 import { random, type Random } from "../testing/random";
 import { EMPTY, asChanges, frozen, isEmpty, revived, touched, withElement, withLabels, withSamples, type Draft } from "./draft";

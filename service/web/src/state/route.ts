@@ -35,6 +35,14 @@ export function go(path: string): void {
   route.value = parsed();
 }
 
+const loaders = new Map<Page, () => Promise<unknown>>();
+
+/** How a page's code is loaded: said by the shell, which knows the pages. */
+export const loadedBy = (page: Page, load: () => Promise<unknown>): void => void loaders.set(page, load);
+
+/** Load a page's code before it is opened; what fails is said when it is. */
+export const prefetch = (page: Page): void => void loaders.get(page)?.().catch(() => undefined);
+
 let waiting: Record<string, string | null> = {};
 let timer = 0;
 

@@ -9,6 +9,7 @@ import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
 import { clipActions } from "./actions";
 import { exportItems } from "../../ui/exports";
+import { CompareButton } from "./Compare";
 import { ConflictBanner } from "./ConflictBanner";
 import { saveClip } from "./keys";
 import { note, refuse } from "../../state/notes";
@@ -43,6 +44,7 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
         <span class="grow" />
         <button type="button" class="button quiet icon" aria-label={w("undo")} title={`${w("undo")} (Ctrl+Z)`} disabled={!clip.canUndo && (detail.revision <= 1 || clip.pinned !== null)} onClick={() => { if (!clip.undo()) void clipActions.undoStored(clip, reload); }}><Icon name="undo" /></button>
         <button type="button" class="button quiet icon" aria-label={w("redo")} title={`${w("redo")} (Ctrl+Shift+Z)`} disabled={!clip.canRedo} onClick={() => clip.redo()}><Icon name="redo" /></button>
+        <CompareButton clip={clip} />
         <button type="button" class="button" onClick={() => void copyText(location.href, w("addressCopied"))}>{w("share")}</button>
         <Menu label={w("exportWord")} side="right" items={() => [
           ...exportItems(clip.id, { markers: clip.skeleton.view.markers, original: detail.original, format: detail.format, revision: detail.revision }),

@@ -79,7 +79,7 @@ function OpenClip({ clip, reload }: { clip: Clip; reload: () => void }) {
         <h1 class="unseen">{clip.detail.name}</h1>
         <ClipBar clip={clip} reload={reload} />
         <ViewerPane clip={clip} />
-        <Transport clip={clip} />
+        <Transport clip={clip} reload={reload} />
         <Splitter size={timelineTall} least={96} most={420} initial={190} axis="y" label={w("timeline")} />
         <Timeline clip={clip} />
       </div>

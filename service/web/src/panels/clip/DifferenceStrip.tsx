@@ -1,44 +1,59 @@
 /** How far each joint is from where another revision had it, over the frames: a strip for each joint that moved. */
 import { effect } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { LEAST, apart, type Apart } from "../../motion/difference";
 import type { Clip } from "../../state/clip";
 import { colour, look } from "../../state/settings";
-import { w } from "../../words";
+import { number, w } from "../../words";
 
 const ROW = 14;
 const MOST = 24;
+const TOLD = 3; // joints that are told in words
 const NAME = 110;
-const LEAST = 1e-4; // metres: less is not seen
 
 export function DifferenceStrip({ clip }: { clip: Clip }) {
   const canvas = useRef<HTMLCanvasElement>(null);
+  const [found, setFound] = useState<{ joints: Apart[]; step: number } | null>(null);
+  const [under, setUnder] = useState("");
+  const other = clip.compared.value;
+  const frames = other?.against?.frames ?? clip.frames;
   useEffect(() => effect(() => {
-    const other = clip.compared.value;
+    const compared = clip.compared.value;
+    const newer = compared?.against?.blocks ?? clip.blocks;
     look.value;
-    clip.blocks.arrived.value;
-    other?.blocks.arrived.value;
-    const [now, then] = [clip.blocks.overview(), other?.blocks.overview()];
+    newer.arrived.value;
+    compared?.blocks.arrived.value;
+    const [now, then] = [newer.overview(), compared?.blocks.overview()];
     const element = canvas.current;
-    if (!element || !now || !then || now.values.length !== then.values.length) return;
-    draw(element, clip, now.values, then.values);
+    if (!element || !now || !then || now.step !== then.step) return;
+    const { skeleton } = clip;
+    const joints = apart(now.values, then.values, skeleton.points, skeleton.view.bones.length, skeleton.metres).slice(0, MOST);
+    draw(element, clip, joints);
+    setFound({ joints, step: now.step });
   }), [clip]);
-  return <canvas ref={canvas} class="difference" role="img" aria-label={w("difference")} />;
+  const told = (one: Apart, row: number) => w("apartAt", { name: clip.skeleton.view.bones[one.joint].name, size: `${number(one.away[row] * 100, 1)} cm`, n: row * (found?.step ?? 1) + 1 });
+  const at = (event: PointerEvent): [Apart, number] | null => {
+    const one = found?.joints[Math.floor(event.offsetY / ROW)];
+    const row = one ? Math.floor(((event.offsetX - NAME) / (canvas.current!.clientWidth - NAME)) * one.away.length) : -1;
+    return one && row >= 0 && row < one.away.length ? [one, row] : null;
+  };
+  const seek = (row: number) => { clip.player.pause(); clip.player.seek(row * (found?.step ?? 1)); };
+  return (
+    <>
+      {other && other.frames !== frames && <p class="dim">{w("otherFrames", { first: other.frames, last: frames })}</p>}
+      <canvas ref={canvas} class="difference" role="img" aria-label={w("difference")}
+        onPointerMove={(event) => { const here = at(event); setUnder(here ? told(...here) : ""); }} onPointerLeave={() => setUnder("")}
+        onClick={(event) => { const here = at(event as never); if (here) { seek(here[1]); clip.select([clip.skeleton.view.bones[here[0].joint].name]); } }} />
+      <ul class="apart">
+        {under ? <li>{under}</li> : found?.joints.slice(0, TOLD).map((one) => <li key={one.joint}><button type="button" class="button quiet dense" onClick={() => { seek(one.at); clip.select([clip.skeleton.view.bones[one.joint].name]); }}>{told(one, one.at)}</button></li>)}
+        {found && !found.joints.length && <li class="dim">{w("noDifference")}</li>}
+      </ul>
+    </>
+  );
 }
 
-function draw(element: HTMLCanvasElement, clip: Clip, now: Float32Array, then: Float32Array): void {
-  const { skeleton } = clip;
-  const stride = skeleton.points * 3;
-  const rows = now.length / stride;
-  const joints = skeleton.view.bones.map((bone, point) => {
-    const away = new Float32Array(rows);
-    let most = 0;
-    for (let row = 0; row < rows; row++) {
-      const at = row * stride + point * 3;
-      away[row] = Math.hypot(now[at] - then[at], now[at + 1] - then[at + 1], now[at + 2] - then[at + 2]) * skeleton.metres || 0;
-      if (away[row] > most) most = away[row];
-    }
-    return { name: bone.name, away, most };
-  }).filter((one) => one.most > LEAST).sort((a, b) => b.most - a.most).slice(0, MOST);
+function draw(element: HTMLCanvasElement, clip: Clip, joints: Apart[]): void {
+  const rows = joints[0]?.away.length ?? 1;
   const [width, height] = [element.clientWidth, Math.max(1, joints.length) * ROW + 18];
   const ratio = Math.min(devicePixelRatio, 2);
   element.style.height = `${height}px`;
@@ -52,7 +67,7 @@ function draw(element: HTMLCanvasElement, clip: Clip, now: Float32Array, then: F
   joints.forEach((joint, index) => {
     pen.fillStyle = colour("text2");
     pen.globalAlpha = 1;
-    pen.fillText(joint.name.slice(0, 20), 0, index * ROW + ROW / 2);
+    pen.fillText(clip.skeleton.view.bones[joint.joint].name.slice(0, 20), 0, index * ROW + ROW / 2);
     pen.fillStyle = colour("warn");
     const wide = (width - NAME) / rows;
     for (let row = 0; row < rows; row++) {

@@ -25,7 +25,7 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
       <Tabs label={w("dock")} tabs={VIEWS.map((one) => ({ id: one.id, text: w(one.word) }))} open={open} onOpen={(id) => setParams({ tab: id === "tree" ? null : id })} />
       <div class="dock-view" role="tabpanel" id={`panel-${open}`} aria-labelledby={`tab-${open}`}>
         {open === "tree" && <Tree clip={clip} />}
-        {open === "graph" && <Graph clip={clip} />}
+        {open === "graph" && <Graph clip={clip} reload={reload} />}
         {open === "structure" && <Structure clip={clip} />}
         {open === "text" && <Text clip={clip} reload={reload} />}
         {open === "history" && <History clip={clip} reload={reload} />}

@@ -1,5 +1,6 @@
 /** Channels of the selected joint over time. Points are dragged; stretches are smoothed, scaled and shifted. */
 import { effect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
@@ -7,24 +8,25 @@ import { curvesOf } from "../../motion/blocks";
 import { scaled, shifted, smoothed, unwrapped } from "../../motion/curves";
 import { localRotation } from "../../motion/kinematics";
 import type { Clip } from "../../state/clip";
-import { withSamples, type Draft } from "../../state/draft";
+import { orReplaced, withSamples, type Draft } from "../../state/draft";
 import { colour, look } from "../../state/settings";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";
+import { FramesMenu } from "./FramesMenu";
 import { inSight } from "./Timeline";
 
 const NEAR = 9; // px from a curve that take hold of it
 const AXIS_OF: Record<string, string> = { x: "x", y: "y", z: "z", w: "text2" };
 
-export function Graph({ clip }: { clip: Clip }) {
+export function Graph({ clip, reload }: { clip: Clip; reload: () => void }) {
   const name = clip.selection.value.bones[0];
   const index = name === undefined ? -1 : (clip.skeleton.byName.get(name) ?? -1);
   if (index < 0) return <div class="empty">{w("selectJoint")}</div>;
-  return <BoneGraph key={name} clip={clip} bone={index} />;
+  return <BoneGraph key={name} clip={clip} bone={index} reload={reload} />;
 }
 
-function BoneGraph({ clip, bone }: { clip: Clip; bone: number }) {
+function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: () => void }) {
   const joint = clip.skeleton.view.bones[bone];
   const [kind, setKind] = useState<"R" | "T" | "Q">(joint.channels.some((one) => one[0] === "R") ? "R" : "T");
   const [hidden, setHidden] = useState<ReadonlySet<string>>(new Set());
@@ -113,12 +115,14 @@ function BoneGraph({ clip, bone }: { clip: Clip; bone: number }) {
 
   const apply = (tool: (values: Float64Array) => Float64Array) => {
     const [first, last] = range ?? [1, clip.frames];
-    let next: Draft = clip.draft.peek();
-    for (const one of visible) {
-      const changed = tool(one.values.slice(first - 1, last));
-      next = withSamples(next, `${joint.name}.${one.name}`, [...changed].map((value, at): [number, number] => [first + at, rounded(value)]).filter(([, value]) => value === value));
-    }
-    clip.change({ ...next, steps: clip.draft.peek().steps + 1 });
+    clip.attempt(() => {
+      let next: Draft = clip.draft.peek();
+      for (const one of visible) {
+        const changed = tool(one.values.slice(first - 1, last));
+        next = withSamples(next, `${joint.name}.${one.name}`, [...changed].map((value, at): [number, number] => [first + at, rounded(value)]).filter(([, value]) => value === value));
+      }
+      return { ...next, steps: clip.draft.peek().steps + 1 };
+    });
   };
   return (
     <div class="graph">
@@ -138,7 +142,7 @@ function BoneGraph({ clip, bone }: { clip: Clip; bone: number }) {
       <Trouble error={stored.error} retry={stored.again} />
       {stored.busy && !stored.value && <div class="busy" />}
       <div class="graph-plot" ref={host} role="img" aria-label={`${joint.name}: ${series.map((one) => one.name).join(", ")}`}><div ref={playhead} class="graph-playhead" /></div>
-      {kind !== "Q" && clip.pinned === null && <Tools apply={apply} range={range} />}
+      {kind !== "Q" && clip.pinned === null && <Tools apply={apply} range={range}><FramesMenu clip={clip} range={range} reload={reload} /></Tools>}
       {kind !== "Q" && clip.pinned === null && <Keys clip={clip} bone={joint.name} channels={series.map((one) => one.name)} />}
     </div>
   );
@@ -164,7 +168,8 @@ function grab(event: PointerEvent, clip: Clip, bone: string, made: uPlot, series
   let begun = false;
   const move = (moving: PointerEvent) => {
     const value = rounded(start + made.posToVal(moving.clientY - box.top, "y") - from);
-    const next = withSamples(before, track, [[frame, value]]);
+    const next = orReplaced(() => withSamples(before, track, [[frame, value]]));
+    if (!next) return;
     if (begun) clip.amend(next);
     else clip.change(next);
     begun = true;
@@ -177,7 +182,7 @@ function grab(event: PointerEvent, clip: Clip, bone: string, made: uPlot, series
   addEventListener("pointerup", up);
 }
 
-function Tools({ apply, range }: { apply: (tool: (values: Float64Array) => Float64Array) => void; range: [number, number] | null }) {
+function Tools({ apply, range, children }: { apply: (tool: (values: Float64Array) => Float64Array) => void; range: [number, number] | null; children: ComponentChildren }) {
   const [width, setWidth] = useState(4);
   const [factor, setFactor] = useState(1.1);
   const [by, setBy] = useState(5);
@@ -186,7 +191,7 @@ function Tools({ apply, range }: { apply: (tool: (values: Float64Array) => Float
   );
   return (
     <div class="curve-tools" role="group" aria-label={w("curveTools")}>
-      <span class="dim">{range ? w("overRange", { first: range[0], last: range[1] }) : w("selectFrames")}</span>
+      <span class="row"><span class="dim">{range ? w("overRange", { first: range[0], last: range[1] }) : w("selectFrames")}</span>{range && children}</span>
       <span class="row wrap">
         {tool(w("smooth"), width, setWidth, 1, () => apply((values) => smoothed(values, Math.max(0.5, width))))}
         {tool(w("scale"), factor, setFactor, 0.05, () => apply((values) => scaled(values, factor)))}

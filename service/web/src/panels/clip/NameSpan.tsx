@@ -4,7 +4,7 @@ import type { Clip } from "../../state/clip";
 import { loadVocabulary, namesLike } from "../../state/vocabulary";
 import { nameColour } from "../../motion/colours";
 import { w } from "../../words";
-import { naming } from "./actions";
+import { clipActions, naming } from "./actions";
 
 export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
   const { span, fresh } = naming.value!;
@@ -18,6 +18,8 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
     box.current?.querySelector("input")?.select();
   }, []);
   const names = namesLike(name.trim(), 7);
+  const here = clip.player.frame.value + 1;
+  const splits = span.first < here && span.last >= here;
   const close = () => (naming.value = null);
   const done = (chosen = name.trim()) => {
     if (!chosen) return;
@@ -38,6 +40,7 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
         <label class="dim">{w("spanFrom")} <input class="field number" type="number" min={1} max={clip.frames} value={first} onInput={(event) => setFirst(Number(event.currentTarget.value))} /></label>
         <label class="dim">{w("spanTo")} <input class="field number" type="number" min={1} max={clip.frames} value={last} onInput={(event) => setLast(Number(event.currentTarget.value))} /></label>
         <span class="grow" />
+        {!fresh && <button type="button" class="button dense" disabled={!splits} title={`${w("spanSplit")} (S)`} onClick={() => { clipActions.splitSpan(clip, span.id); close(); }}>{w("split")}</button>}
         {!fresh && <button type="button" class="button dense" onClick={() => { clip.setLabels(clip.labels.peek().filter((one) => one.id !== span.id)); close(); }}>{w("delete")}</button>}
         <button type="submit" class="button dense primary" disabled={!name.trim()}>{w(fresh ? "add" : "apply")}</button>
       </span>

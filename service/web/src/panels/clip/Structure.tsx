@@ -1,6 +1,8 @@
 /** The hierarchy as a picture of nodes and links. A bone's offset and length are changed below it. */
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { tidy } from "../../motion/hierarchy";
+import type { Vector } from "../../motion/quaternions";
+import { vectorOf } from "../../motion/shape";
 import { SIDE_TOKENS } from "../../motion/skeleton";
 import type { Clip } from "../../state/clip";
 import { dockWide } from "../../state/panes";
@@ -61,24 +63,24 @@ export function Structure({ clip }: { clip: Clip }) {
 }
 
 function BoneForm({ clip, bone }: { clip: Clip; bone: number }) {
-  const joint = clip.skeleton.view.bones[bone];
-  const length = Math.hypot(...joint.offset);
-  const above = joint.parent >= 0 ? clip.skeleton.view.bones[joint.parent].name : "–";
-  const address = `//bone[name="${joint.name}"]/position`;
-  const drafted = clip.draft.value.elements.get(address)?.text?.split(/\s+/).map(Number);
-  const offset = drafted ?? joint.offset;
-  const editable = joint.convention === "listed" && joint.parent >= 0 && clip.pinned === null;
-  const set = (next: number[]) => clip.setElement({ address, attributes: {}, text: next.map((one) => Number(one.toFixed(6))).join(" ") });
-  const now = Math.hypot(...offset);
+  const { view } = clip.shape.value;
+  const joint = view.bones[bone];
+  const stored = vectorOf(clip.skeleton.view, bone);
+  const vector = vectorOf(view, bone) ?? stored ?? [0, 0, 0];
+  const length = Math.hypot(...vector);
+  const above = joint.parent >= 0 ? view.bones[joint.parent].name : "–";
+  const editable = stored !== null && clip.pinned === null;
+  const set = (next: number[]) => { if (next.every(Number.isFinite)) clip.setBone(bone, next as Vector); };
   return (
     <form class="bone-form" onSubmit={(event) => event.preventDefault()}>
       <h2 class="row"><span class="dot" style={{ background: `var(--${SIDE_TOKENS[clip.skeleton.sides[bone]]})` }} />{joint.name}{joint.name !== joint.source_name && <span class="dim">{joint.source_name}</span>}</h2>
       <div class="info-row"><span>{w("parent")}</span><button type="button" class="button quiet dense" disabled={joint.parent < 0} onClick={() => clip.select([above])}>{above}</button></div>
       <div class="info-row"><span>{w("channel")}</span><span>{joint.channels.join(" ") || "–"} <span class="dim">{joint.rotation_order}</span></span></div>
       <div class="info-row"><span>{w("offsets")}</span><span class="row">{["X", "Y", "Z"].map((axis, place) => (
-        <label key={axis} class="row"><span class="dim">{axis}</span><input class="field number" type="number" step="any" value={Number(offset[place].toFixed(4))} disabled={!editable} onChange={(event) => { const next = [...offset]; next[place] = Number(event.currentTarget.value); set(next); }} /></label>
+        <label key={axis} class="row"><span class="dim">{axis}</span><input class="field number" type="number" step="any" value={Number(vector[place].toFixed(4))} disabled={!editable} onChange={(event) => { const next = [...vector]; next[place] = Number(event.currentTarget.value); set(next); }} /></label>
       ))}</span></div>
-      <div class="info-row"><span>{w("boneLength")}</span><span class="row"><input class="field number" type="number" min="0" step="any" aria-label={w("boneLength")} value={Number(now.toFixed(4))} disabled={!editable || !length} onChange={(event) => set(offset.map((one) => (one / now) * Number(event.currentTarget.value)))} /> <span class="dim">{number(now * clip.skeleton.metres * 100, 1)} cm</span></span></div>
+      <div class="info-row"><span>{w("boneLength")}</span><span class="row"><input class="field number" type="number" min="0" step="any" aria-label={w("boneLength")} value={Number(length.toFixed(4))} disabled={!editable || !length} onChange={(event) => { const wanted = Number(event.currentTarget.value); if (wanted > 0) set(vector.map((one) => (one / length) * wanted)); else event.currentTarget.value = String(Number(length.toFixed(4))); }} /> <span class="dim">{number(length * clip.skeleton.metres * 100, 1)} cm</span></span></div>
+      {editable && <p class="dim">{w("handlesHelp")}</p>}
     </form>
   );
 }

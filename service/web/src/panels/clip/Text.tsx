@@ -10,15 +10,16 @@ import { tags } from "@lezer/highlight";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { ask, get } from "../../api/client";
 import type { Clip } from "../../state/clip";
-import { asChanges, withFragment, withSamples } from "../../state/draft";
+import { asChanges, withFragment, withSamples, orReplaced } from "../../state/draft";
 import { changedFrames, changedParts, changedSamples, FRAMES_AT_ONCE, readWindow, type Replacement, type Window } from "../../state/lines";
 import { note, refuse } from "../../state/notes";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
+import { theDtd } from "./AddElement";
 import { number, w } from "../../words";
+import { completions } from "../../state/dtd";
 import { editorTheme } from "../../ui/editorTheme";
-import { schema } from "./schema";
 
 const colours = HighlightStyle.define([
   { tag: tags.tagName, color: "var(--left)" },
@@ -32,7 +33,7 @@ export function TextView({ clip }: { clip: Clip; reload: () => void }) {
   const [frames, setFrames] = useState<[number, number] | null>(() => windowAt(clip, clip.player.frame.peek() + 1));
   const [search, setSearch] = useState("");
   const found = useAsync((signal) => readWindow(clip.id, clip.detail.revision, frames, signal), [clip, frames?.[0], frames?.[1]]);
-  const dtd = useAsync(async () => schema(await (await fetch("/mcml.dtd")).text()), []);
+  const dtd = useAsync(async () => completions(await theDtd()), []);
   const move = (by: number) => {
     if (by < 0 && (!frames || frames[0] === 1)) return setFrames(null);
     setFrames(windowAt(clip, frames ? frames[0] + by * FRAMES_AT_ONCE : 1));
@@ -138,8 +139,9 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
     for (const one of found) {
       const frame = shown.frames ? Number(/frame\[(\d+)\]/.exec(one.address)![1]) : null;
       const samples = frame === null ? null : changedSamples(one.before, one.fragment);
-      if (samples && frame !== null) for (const [track, value] of samples) draft = withSamples(draft, track, [[frame, value]]);
-      else draft = withFragment(draft, one.address, one.fragment, frame);
+      const from = draft;
+      const sampled = samples && frame !== null && orReplaced(() => [...samples].reduce((made, [track, value]) => withSamples(made, track, [[frame, value]]), from));
+      draft = sampled || withFragment(draft, one.address, one.fragment, frame);
     }
     clip.change({ ...draft, steps: clip.draft.peek().steps + 1 });
     setChanged(false);

@@ -8,6 +8,7 @@ import type { Clip } from "../../state/clip";
 import type { Span } from "../../state/draft";
 import { colour, look, timeAs } from "../../state/settings";
 import { lanes, moved, rulerStep, toFrame, toX, zoomed, type Range } from "../../motion/timeline";
+import { nearestMark, stills } from "../../motion/snapping";
 import { speedOf } from "../../motion/speed";
 import { nameColour } from "../../motion/colours";
 import { timelineTall } from "../../state/panes";
@@ -21,6 +22,7 @@ const RULER = 24;
 const LANE = 24;
 const EDGE = 6; // px of a span's end that trim it
 const SHORTEST_DRAG = 4;
+const SNAP = 6; // px
 const HEAD = 64; // px of lane names
 
 /** What is in sight; shared with the graph when the dock is below. */
@@ -30,12 +32,18 @@ export function Timeline({ clip }: { clip: Clip }) {
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const [wide, setWide] = useState(600);
+  const [tall, setTall] = useState(timelineTall.peek());
+  /** The edge that was snapped to; null: none. */
+  const snapLine = useSignal<number | null>(null);
   const drag = useSignal<{ span: Span; fresh: boolean } | null>(null);
   const { player, frames } = clip;
 
   useEffect(() => {
     inSight.value = { first: 0, last: Math.max(1, frames) };
-    const observer = new ResizeObserver(([entry]) => setWide(Math.max(100, entry.contentRect.width - HEAD)));
+    const observer = new ResizeObserver(([entry]) => {
+      setWide(Math.max(100, entry.contentRect.width - HEAD));
+      setTall(entry.contentRect.height);
+    });
     observer.observe(box.current!);
     return () => observer.disconnect();
   }, [clip]);
@@ -54,8 +62,8 @@ export function Timeline({ clip }: { clip: Clip }) {
     if (!element) return;
     look.value;
     clip.blocks.arrived.value;
-    drawRuler(element, clip, inSight.value, wide, timelineTall.value, Math.min(laneCount, 6));
-  }), [clip, wide, laneCount]);
+    drawRuler(element, clip, inSight.value, wide, tall, Math.min(laneCount, 6));
+  }), [clip, wide, tall, laneCount]);
 
   const frameAt = (event: PointerEvent | WheelEvent): number => {
     const left = box.current!.getBoundingClientRect().left + HEAD;
@@ -81,22 +89,33 @@ export function Timeline({ clip }: { clip: Clip }) {
     return () => element.removeEventListener("wheel", onWheel);
   });
 
+  /** An edge where it snaps, within a few pixels of a mark; Alt lets it be anywhere. */
+  const snap = (edge: number, side: "first" | "last", own: number | null, event: PointerEvent): number => {
+    const found = event.altKey ? null : nearestMark(edge, marksOf(clip, side, own), (SNAP * (range.last - range.first)) / wide);
+    snapLine.value = found;
+    return found ?? edge;
+  };
+
   /** Draw a new span on the empty lane. */
   const draw = (event: PointerEvent) => {
     if (event.button || event.target !== event.currentTarget) return;
     const element = event.currentTarget as HTMLElement;
     element.setPointerCapture(event.pointerId);
     const [from, x0] = [frameAt(event), event.clientX];
+    const begun = { first: snap(from, "first", null, event), last: snap(from + 1, "last", null, event) };
+    snapLine.value = null;
     element.onpointermove = (move) => {
       if (Math.abs(move.clientX - x0) < SHORTEST_DRAG) return;
       const to = frameAt(move);
-      drag.value = { span: newSpan("", Math.min(from, to) + 1, Math.max(from, to) + 1), fresh: true };
+      const first = to < from ? Math.min(begun.last - 1, snap(to, "first", null, move)) : begun.first;
+      const last = to < from ? begun.last : Math.max(begun.first + 1, snap(to + 1, "last", null, move));
+      drag.value = { span: newSpan("", first + 1, last), fresh: true };
     };
     element.onpointerup = () => {
       element.onpointermove = element.onpointerup = null;
       if (drag.value) naming.value = { ...drag.value };
       else { player.pause(); player.seek(from); clip.select([]); }
-      drag.value = null;
+      drag.value = snapLine.value = null;
     };
   };
 
@@ -113,10 +132,15 @@ export function Timeline({ clip }: { clip: Clip }) {
     element.onpointermove = (move) => {
       const by = frameAt(move) - from;
       const next = { ...span };
-      if (edge !== "last") next.first = span.first + by;
-      if (edge !== "first") next.last = span.last + by;
+      if (edge === "first") next.first = snap(span.first - 1 + by, "first", span.id, move) + 1;
+      if (edge === "last") next.last = snap(span.last + by, "last", span.id, move);
       if (edge === "both") {
-        const kept = Math.max(1 - span.first, Math.min(frames - span.last, by));
+        const last = snap(span.last + by, "last", span.id, move) - span.last;
+        const line = snapLine.peek();
+        const first = snap(span.first - 1 + by, "first", span.id, move) - span.first + 1;
+        const byLast = line !== null && (snapLine.peek() === null || Math.abs(last - by) < Math.abs(first - by));
+        if (byLast) snapLine.value = line;
+        const kept = Math.max(1 - span.first, Math.min(frames - span.last, byLast ? last : first));
         next.first = span.first + kept;
         next.last = span.last + kept;
       }
@@ -127,7 +151,7 @@ export function Timeline({ clip }: { clip: Clip }) {
     };
     element.onpointerup = () => {
       element.onpointermove = element.onpointerup = null;
-      drag.value = null;
+      drag.value = snapLine.value = null;
       if (changed && (changed.first !== span.first || changed.last !== span.last)) clip.setLabels(spans.map((one) => (one.id === span.id ? changed! : one)));
     };
   };
@@ -168,10 +192,24 @@ export function Timeline({ clip }: { clip: Clip }) {
           );
         })}
       </div>
+      {snapLine.value !== null && <span class="snap-line" style={{ left: `${HEAD + toX(snapLine.value, range, wide)}px` }} />}
       {naming.value && <NameSpan clip={clip} left={HEAD + Math.max(0, Math.min(wide - 300, toX(naming.value.span.first - 1, range, wide)))} />}
-      <Suggestions clip={clip} />
     </section>
   );
+}
+
+/** What an edge snaps to: the playhead (a span's last frame may be the one that is shown), the loop, edges of other spans,
+ * and where the body is slowest. */
+function marksOf(clip: Clip, side: "first" | "last", own: number | null): number[] {
+  const { player } = clip;
+  const loop = player.loop.peek();
+  const overview = clip.blocks.overview();
+  return [
+    player.frame.peek() + Number(side === "last"),
+    ...(loop ? [loop[0], loop[1] + 1] : []),
+    ...clip.labels.peek().filter((span) => span.id !== own).flatMap((span) => [span.first - 1, span.last]),
+    ...(overview ? stills(speedOf(clip.blocks, overview.values, clip.skeleton.points), overview.step, player.perSecond) : []),
+  ];
 }
 
 function drawRuler(element: HTMLCanvasElement, clip: Clip, range: Range, width: number, height: number, laneCount: number): void {

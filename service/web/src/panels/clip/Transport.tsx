@@ -7,10 +7,12 @@ import { timeAs } from "../../state/settings";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { number, w } from "../../words";
+import { FramesMenu } from "./FramesMenu";
+import { Suggestions } from "./Suggestions";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
 
-export function Transport({ clip }: { clip: Clip }) {
+export function Transport({ clip, reload }: { clip: Clip; reload: () => void }) {
   const { player } = clip;
   const field = useRef<HTMLInputElement>(null);
   const time = useRef<HTMLSpanElement>(null);
@@ -32,13 +34,15 @@ export function Transport({ clip }: { clip: Clip }) {
       {button("last", "lastFrame", () => player.seek(player.range[1]))}
       <input ref={field} class="field frame-field" aria-label={w("frame")} inputMode="numeric"
         onChange={(event) => { player.pause(); player.seek(Number(event.currentTarget.value) - 1); event.currentTarget.blur(); }} onKeyDown={(event) => { if (event.key === "Enter") event.currentTarget.blur(); }} />
-      <span class="dim">{w("ofFrames", { n: clip.frames })}</span>
+      <span class="dim nowrap">{w("ofFrames", { n: clip.frames })}</span>
       <button type="button" class="button quiet dense time" title={w("timeAs")} onClick={() => (timeAs.value = timeAs.value === "timecode" ? "seconds" : "timecode")}><span ref={time} /></button>
       <Menu label={w("speed")} className="button quiet dense" items={SPEEDS.map((one) => ({ text: `${number(one)}×`, checked: player.speed.value === one, run: () => (player.speed.value = one) }))}>{number(player.speed.value)}×<Icon name="down" /></Menu>
       <span class="grow" />
+      <Suggestions clip={clip} />
+      <FramesMenu clip={clip} range={loop && [loop[0] + 1, loop[1] + 1]} reload={reload} />
       {loop ? (
         <button type="button" class="button quiet dense" title={w("clearLoop")} onClick={() => (player.loop.value = null)}>{w("loop", { first: loop[0] + 1, last: loop[1] + 1, n: loop[1] - loop[0] + 1 })}<Icon name="close" /></button>
-      ) : <span class="dim loop-words">{w("noLoop")}</span>}
+      ) : <span class="dim nowrap loop-words">{w("noLoop")}</span>}
     </div>
   );
 }

@@ -1,12 +1,16 @@
 /** The whole document as a tree. Values are changed in place; frames are gone to. */
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Clip } from "../../state/clip";
+import { replacedBy, withElement, withoutAdded } from "../../state/draft";
+import { readWithin, sampleIn } from "../../state/fragment";
 import { Outline, type Element, type Row } from "../../state/outline";
 import { SIDE_TOKENS } from "../../motion/skeleton";
 import { Icon } from "../../ui/icons";
+import { Menu, type Item } from "../../ui/Menu";
 import { Trouble } from "../../ui/Trouble";
 import { VirtualList } from "../../ui/VirtualList";
 import { number, w } from "../../words";
+import { AddElement, deleteElement, duplicateElement } from "./AddElement";
 
 const TALL = 24;
 const SAMPLE = /^\/mcml(?:\[1\])?\/motion(?:\[1\])?\/frame\[(\d+)\]/;
@@ -17,6 +21,7 @@ export function Tree({ clip }: { clip: Clip }) {
   const [focus, setFocus] = useState(0);
   const [edited, setEdited] = useState<string | null>(null);
   const [seen, setSeen] = useState<number>();
+  const [parent, setParent] = useState<Element | null>(null);
   void outline.version.value;
   void clip.draft.value;
   void clip.channels.arrived.value;
@@ -51,6 +56,25 @@ export function Tree({ clip }: { clip: Clip }) {
     setSeen(next);
     requestAnimationFrame(() => document.querySelector<HTMLElement>(`.tree [data-row="${next}"]`)?.focus());
   };
+  const editable = clip.pinned === null;
+  /** An attribute goes at once; an element when the repository would let it go. */
+  const remove = (row: Row) => {
+    const node = row.node!;
+    if (!editable) return;
+    if (row.attribute) void clip.tryChange((draft) => withElement(draft, { address: node.address, attributes: { [row.attribute!]: null } }));
+    else void deleteElement(clip, node);
+  };
+  const chosenRow = focus < outline.rows ? outline.row(focus) : null;
+  const actions = (): Item[] => {
+    const node = chosenRow?.node;
+    if (!node || !editable) return [{ text: w("oldRevision"), disabled: true }];
+    const gone = clip.draft.peek().elements.get(node.address)?.deleted;
+    return [
+      { text: w("addChild"), detail: "Ins", icon: "plus", run: () => setParent(node) },
+      { text: w("duplicate"), disabled: Boolean(chosenRow.attribute), run: () => void duplicateElement(clip, node) },
+      { text: w(gone ? "letStay" : "delete"), detail: "Del", icon: "trash", run: () => remove(chosenRow) },
+    ];
+  };
   const onKey = (event: KeyboardEvent) => {
     if ((event.target as HTMLElement).tagName === "INPUT") return;
     const row = outline.row(focus);
@@ -63,6 +87,8 @@ export function Tree({ clip }: { clip: Clip }) {
       case "End": focusRow(outline.rows - 1); break;
       case "ArrowRight": if (opens && !row.open) outline.toggle(node.address, true); else focusRow(focus + 1); break;
       case "ArrowLeft": if (opens && row.open) outline.toggle(node.address, false); else { let up = focus; while (up > 0 && outline.row(up).depth >= row.depth) up--; focusRow(up); } break;
+      case "Insert": if (node && editable) setParent(node); break;
+      case "Delete": if (node) remove(row); break;
       case "F2": case "Enter": if (row.attribute || node?.text) setEdited(keyOf(row)); else if (opens) outline.toggle(node.address); choose(row, focus); break;
       default: return;
     }
@@ -71,23 +97,33 @@ export function Tree({ clip }: { clip: Clip }) {
   };
   return (
     <div class="tree" onKeyDown={onKey}>
-      <div class="tree-tools row"><span class="dim grow">{w("elements", { n: outline.rows })}</span><button type="button" class="button quiet dense" onClick={() => void gotoFrame()}>{w("frame")} {number(clip.player.frame.value + 1)}</button></div>
+      <div class="tree-tools row"><span class="dim grow">{w("elements", { n: outline.rows })}</span>{chosenRow?.node && <Menu label={w("element")} className="button quiet dense" side="right" items={actions}>{chosenRow.attribute ?? titleOf(chosenRow.node)}<Icon name="down" /></Menu>}<button type="button" class="button quiet dense" onClick={() => void gotoFrame()}>{w("frame")} {number(clip.player.frame.value + 1)}</button></div>
       <Trouble error={outline.trouble.value} />
       <VirtualList rows={outline.rows} height={TALL} label={w("tree")} role="tree" at={seen} render={(index) => {
         const row = outline.row(index);
         const node = row.node;
         if (!node) return <div class="tree-row dim" style={{ paddingLeft: `${row.depth * 16 + 24}px` }}>…</div>;
         const opens = !row.attribute && !outline.isLeaf(node) && node.address !== "/mcml";
+        const change = clip.draft.value.elements.get(node.address);
+        const gone = replacedBy(clip.draft.value, node.address)?.owner.deleted || (row.attribute !== null && change?.attributes[row.attribute] === null);
         const value = valueOf(clip, row);
         const bone = node.name === "frame_bone" ? node.attributes.name : null;
         const side = bone !== null ? SIDE_TOKENS[clip.skeleton.sides[clip.skeleton.byName.get(bone) ?? 0]] : null;
         return (
-          <div class={`tree-row ${index === focus ? "focus" : ""} ${bone && selected.includes(bone) ? "chosen" : ""}`} role="treeitem" data-row={index} tabIndex={index === focus ? 0 : -1} aria-level={row.depth + 1} aria-setsize={row.siblings} aria-posinset={row.place + 1}
+          <div class={`tree-row ${index === focus ? "focus" : ""} ${bone && selected.includes(bone) ? "chosen" : ""} ${gone ? "gone" : ""}`} role="treeitem" data-row={index} tabIndex={index === focus ? 0 : -1} aria-level={row.depth + 1} aria-setsize={row.siblings} aria-posinset={row.place + 1}
             aria-expanded={opens ? row.open : undefined} aria-selected={index === focus} style={{ paddingLeft: `${row.depth * 16 + 8}px` }}
-            onClick={() => choose(row, index)} onDblClick={() => (row.attribute || node.text) && setEdited(keyOf(row))}>
+            onClick={() => choose(row, index)} onContextMenu={(event) => { event.preventDefault(); choose(row, index); requestAnimationFrame(() => document.querySelector<HTMLElement>(".tree-tools .menu > button")?.click()); }} onDblClick={() => (row.attribute || node.text) && setEdited(keyOf(row))}>
             <span class="twist" onClick={(event) => { if (opens) { outline.toggle(node.address); event.stopPropagation(); } }}>{opens && <Icon name={row.open ? "down" : "right"} />}</span>
             {side && !row.attribute && <span class="dot" style={{ background: `var(--${side})` }} />}
             <span class="cut">{row.attribute ?? titleOf(node)}</span>
+            {row.attribute === null && change?.added?.map((one, place) => {
+              const name = /<([\w.-]+)/.exec(one.fragment)?.[1] ?? "";
+              return (
+                <span key={place} class="chip added" title={one.fragment}>{{ into: "↳", after: "↓", before: "↑" }[one.where]} {name}
+                  <button type="button" tabIndex={-1} aria-label={w("takeBack", { name })} title={w("takeBack", { name })} onClick={(event) => { event.stopPropagation(); clip.change(withoutAdded(clip.draft.peek(), node.address, place)); }}><Icon name="close" /></button>
+                </span>
+              );
+            })}
             {row.attribute === null && node.name === "motion" && <span class="dim tail">{w("frames", { n: clip.frames })}</span>}
             {edited === keyOf(row) ? (
               <ValueField value={value.exact} label={row.attribute ?? node.name} onDone={(text) => { setEdited(null); if (text !== null && text !== value.exact) write(clip, row, text); focusRow(index); }} />
@@ -95,6 +131,7 @@ export function Tree({ clip }: { clip: Clip }) {
           </div>
         );
       }} />
+      {parent && <AddElement clip={clip} node={parent} onClose={() => setParent(null)} />}
     </div>
   );
 }
@@ -118,11 +155,15 @@ function valueOf(clip: Clip, row: Row): { shown: string; exact: string; changed:
   const node = row.node!;
   const sample = trackOf(row);
   if (sample) {
-    const drafted = clip.draft.value.samples.get(sample.track)?.get(sample.frame);
+    const text = replacedBy(clip.draft.value, node.address)?.owner.fragment;
+    const drafted = clip.draft.value.samples.get(sample.track)?.get(sample.frame) ?? (text === undefined ? undefined : sampleIn(text, sample.track) ?? undefined);
     const exact = drafted === undefined ? node.attributes[row.attribute!] : String(drafted);
     const rounded = Number(exact);
     return { exact, shown: Number.isFinite(rounded) ? String(Number(rounded.toFixed(4))) : exact, changed: drafted !== undefined };
   }
+  const inside = replacedBy(clip.draft.value, node.address);
+  const text = inside?.owner.fragment === undefined ? null : readWithin(inside.owner.fragment, inside.steps, row.attribute);
+  if (text !== null) return { exact: text, shown: text, changed: text !== (row.attribute ? node.attributes[row.attribute] : node.text) };
   const change = clip.draft.value.elements.get(node.address);
   const changed = row.attribute ? change?.attributes[row.attribute] : change?.text;
   const exact = changed ?? (row.attribute ? node.attributes[row.attribute] : node.text);

@@ -8,10 +8,14 @@ import { Stage, type CameraView } from "../../scene/stage";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { Trouble } from "../../ui/Trouble";
-import { number, rate, w } from "../../words";
+import { rate, w } from "../../words";
 import { cameraView, clipActions, frameAsked, shown } from "./actions";
 import { saveFilm, savePicture } from "./pictures";
+import { bodiesBeside } from "./bodiesBeside";
+import { Compared } from "./Compare";
+import { floorOf, metresText, niceStep } from "./ground";
 import { Reference } from "./Reference";
+import { restPose, restShown, type RestPose } from "./restPose";
 
 const GHOST_SECONDS = [-0.2, -0.1, 0.1, 0.2];
 const TRAIL_SECONDS = 1;
@@ -19,6 +23,7 @@ const TRAIL_SECONDS = 1;
 export function ViewerPane({ clip }: { clip: Clip }) {
   const host = useRef<HTMLDivElement>(null);
   const stage = useRef<Stage | null>(null);
+  const rest = useRef<RestPose | null>(null);
   const words = useRef<HTMLParagraphElement>(null);
   const [noWebgl, setNoWebgl] = useState<unknown>(null);
   const [grid, setGrid] = useState(0.5);
@@ -37,12 +42,14 @@ export function ViewerPane({ clip }: { clip: Clip }) {
     let ghost = -1;
     let framed = false;
     let floorFrom = -1;
-    const stops = [
+    const stops: (() => void)[] = [
       effect(() => {
         clip.blocks.arrived.value;
         clip.channels.arrived.value;
         const frame = player.frame.value;
-        const positions = clip.positions(frame);
+        const old = clip.flipped.value ? clip.compared.value : null;
+        old?.blocks.arrived.value;
+        const positions = old ? old.blocks.frame(Math.min(frame, old.frames - 1)) : clip.positions(frame);
         const show = shown.value;
         made.shown = show;
         made.selected = new Set(clip.selection.value.bones.map((name) => skeleton.byName.get(name)!));
@@ -51,7 +58,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         const version = clip.blocks.arrived.peek();
         if (overview && floorFrom !== version && (floorFrom < 0 || overview.values.length)) {
           floorFrom = version;
-          const floor = floorOf(clip, overview.values);
+          const floor = floorOf(skeleton, overview.values);
           const step = niceStep(skeleton.height);
           made.setFloor(floor, step);
           setGrid(step);
@@ -65,13 +72,13 @@ export function ViewerPane({ clip }: { clip: Clip }) {
       }),
       effect(() => {
         const other = clip.compared.value;
-        if (!other) {
+        if (!other || clip.flipped.value) {
           if (ghost >= 0) made.pose(ghost, { positions: null, before: [], trail: [] });
           return;
         }
         if (ghost < 0) ghost = made.add(skeleton, { dim: true });
         other.blocks.arrived.value;
-        made.pose(ghost, { positions: other.blocks.frame(player.frame.value), before: [], trail: [] });
+        made.pose(ghost, { positions: other.blocks.frame(Math.min(player.frame.value, other.frames - 1)), before: [], trail: [] });
       }),
       effect(() => {
         look.value;
@@ -88,20 +95,24 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         if (!player.playing.value && words.current) words.current.textContent = w("viewerWords", { name: detail.name, frame: player.frame.value + 1, n: clip.frames });
       }),
     ];
+    rest.current = restPose(clip, made);
+    stops.push(bodiesBeside(clip, made, actor));
     made.onCamera = () => framed && noteParams({ cam: made.cameraText });
     return () => {
       for (const stop of stops) stop();
+      rest.current?.stop();
       made.close();
       stage.current = null;
     };
   }, [clip]);
 
+  const pulling = useRef(false);
   const press = useRef<[number, number] | null>(null);
   const place = (event: PointerEvent): [number, number] => {
     const box = host.current!.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
   };
-  const toggles = ["follow", "ghosts", "trails", "names", "axes"] as const;
+  const toggles = ["follow", "ghosts", "trails", "names", "axes", "rest"] as const;
   const passport = (
     <div class="passport">
       <span class={detail.unit ? "" : "guess"} title={w("unit")}>{skeleton.view.likely_unit ?? w("unitUnknown")}</span>
@@ -116,7 +127,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           {w(cameraView.value)}<Icon name="down" />
         </Menu>
         {toggles.map((one) => (
-          <button key={one} type="button" class="button quiet dense" aria-pressed={shown.value[one]} onClick={() => clipActions.toggle(one)}>{w(one === "names" ? "jointNames" : one)}</button>
+          <button key={one} type="button" class="button quiet dense" aria-pressed={one === "rest" ? restShown() : shown.value[one]} onClick={() => clipActions.toggle(one)}>{w(one === "names" ? "jointNames" : one === "rest" ? "restPose" : one)}</button>
         ))}
         <span class="grow" />
         {passport}
@@ -126,19 +137,30 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         ]}><Icon name="more" /></Menu>
       </div>
       <div ref={host} class="stage" role="img" aria-label={w("viewerWords", { name: detail.name, frame: player.frame.peek() + 1, n: clip.frames })} tabIndex={0}
-        onPointerDown={(event) => (press.current = place(event))}
+        onPointerDownCapture={(event) => {
+          press.current = place(event);
+          pulling.current = !event.button && Boolean(rest.current?.grab(...press.current));
+          if (pulling.current) event.currentTarget.setPointerCapture(event.pointerId);
+        }}
         onPointerMove={(event) => {
+          if (pulling.current) return rest.current!.pull(...place(event));
           const made = stage.current;
           if (!made || event.buttons) return;
-          const found = made.pick(...place(event))?.point ?? -1;
+          const near = made.pick(...place(event));
+          const found = near?.actor === 0 ? near.point : -1;
           if (found !== made.hovered) { made.hovered = found; made.ask(); }
         }}
+        onPointerCancel={() => { pulling.current = false; rest.current?.drop(); }}
         onPointerUp={(event) => {
+          if (pulling.current) {
+            pulling.current = false;
+            return rest.current!.drop();
+          }
           const [x, y] = place(event);
           const moved = press.current ? Math.hypot(x - press.current[0], y - press.current[1]) : 9;
           if (moved > 4 || event.button) return;
           const found = stage.current?.pick(x, y);
-          const name = found && skeleton.view.bones[found.point].name;
+          const name = found?.actor === 0 && skeleton.view.bones[found.point].name;
           if (!name) return clip.select([]);
           const before = clip.selection.peek().bones;
           if (event.ctrlKey || event.shiftKey) clip.select(before.includes(name) ? before.filter((one) => one !== name) : [...before, name]);
@@ -150,6 +172,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
       </div>
       {detail.media && <Reference clip={clip} media={detail.media} />}
       {clip.blocks.trouble.value !== null && <Trouble error={clip.blocks.trouble.value} retry={() => clip.blocks.want(player.frame.peek())} />}
+      <Compared clip={clip} />
       <p ref={words} class="unseen" aria-live="polite" />
     </div>
   );
@@ -158,7 +181,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
 function ghostsOf(clip: Clip, frame: number): (Float32Array | null)[] {
   return GHOST_SECONDS.map((seconds) => {
     const at = frame + Math.round(seconds * clip.player.perSecond);
-    return at >= 0 && at < clip.frames && clip.blocks.has(at) ? clip.positions(at) : null;
+    return at >= 0 && at < clip.frames && clip.blocks.has(at) ? clip.positions(at, false) : null;
   });
 }
 
@@ -171,30 +194,9 @@ function trailsOf(clip: Clip, frame: number, points: number[]): Float32Array[] {
   return chosen.map((point) => {
     const line: number[] = [];
     for (let at = Math.max(0, frame - around); at <= Math.min(frames - 1, frame + around); at += step) {
-      const positions = clip.blocks.has(at) ? clip.blocks.frame(at) : null;
+      const positions = clip.blocks.has(at) ? clip.positions(at, false) : null;
       if (positions) line.push(positions[point * 3], positions[point * 3 + 1], positions[point * 3 + 2]);
     }
     return Float32Array.from(line);
   });
 }
-
-/** Height of the ground, metres from the clip's origin: the lowest that feet come, or zero of the file where it is near. */
-export function floorOf(clip: Clip, values: Float32Array): number {
-  const { skeleton } = clip;
-  const axis = skeleton.zUp ? 2 : 1;
-  let least = Infinity;
-  for (let at = axis; at < values.length; at += 3) if (values[at] < least) least = values[at];
-  if (!Number.isFinite(least)) return 0;
-  const zero = -skeleton.view.origin[axis] * skeleton.metres;
-  const lowest = least * skeleton.metres;
-  return Math.abs(lowest - zero) < 0.12 * skeleton.height ? zero : lowest;
-}
-
-/** A step of the grid that suits a body: a third of its height or so, 1, 2 or 5 times a power of ten. */
-export function niceStep(height: number): number {
-  const wanted = height / 3.2;
-  const power = 10 ** Math.floor(Math.log10(wanted));
-  return [1, 2, 5, 10].map((one) => one * power).reduce((best, one) => (Math.abs(one - wanted) < Math.abs(best - wanted) ? one : best));
-}
-
-export const metresText = (metres: number): string => (metres < 1 ? `${number(metres * 100, 1)} cm` : `${number(metres, 2)} m`);

@@ -44,10 +44,11 @@ export const clipActions = {
     const [first, last] = player.loop.peek() ?? [Math.max(0, here - half), Math.min(clip.frames - 1, here + half)];
     naming.value = { span: newSpan("", first + 1, last + 1), fresh: true };
   },
-  splitSpan(clip: Clip): void {
+  /** Split the spans under the playhead; only: the one that is meant. */
+  splitSpan(clip: Clip, only?: number): void {
     const here = clip.player.frame.peek() + 1;
-    const inside = clip.labels.peek().filter((span) => span.first < here && span.last >= here);
-    if (!inside.length) return;
+    const inside = clip.labels.peek().filter((span) => span.first < here && span.last >= here && (only === undefined || span.id === only));
+    if (!inside.length) return note(w("nothingToSplit"));
     clip.setLabels(clip.labels.peek().flatMap((span) => inside.includes(span) ? [{ ...span, last: here - 1 }, newSpan(span.name, here, span.last)] : [span]));
   },
   async undoStored(clip: Clip, reload: () => void): Promise<void> {

@@ -2,6 +2,7 @@
 import { useEffect } from "preact/hooks";
 import { ask } from "../../api/client";
 import type { Clip } from "../../state/clip";
+import { besideIds, putBeside } from "../../state/comparison";
 import { offer, type Command } from "../../state/keys";
 import { note, refuse } from "../../state/notes";
 import { param, setParams } from "../../state/route";
@@ -23,6 +24,20 @@ export async function undoSaved(clip: Clip, revision: number, reload: () => void
   } catch (error) {
     refuse(error);
   }
+}
+
+/** The old pose instead of the new one, until the key is let go. */
+function flipWhileHeld(clip: Clip): void {
+  if (clip.flipped.peek()) return;
+  clip.flipped.value = true;
+  const back = (event: Event) => {
+    if (event instanceof KeyboardEvent && event.code !== "KeyC") return;
+    clip.flipped.value = false;
+    removeEventListener("keyup", back);
+    removeEventListener("blur", back);
+  };
+  addEventListener("keyup", back);
+  addEventListener("blur", back);
 }
 
 export function useClipKeys(clip: Clip, reload: () => void): void {
@@ -57,6 +72,8 @@ export function useClipKeys(clip: Clip, reload: () => void): void {
       { id: "view", word: "view", keys: ["V"], run: () => clipActions.nextView() },
       { id: "split", word: "spanSplit", keys: ["S"], run: () => clipActions.splitSpan(clip) },
       { id: "name", word: "spanAdd", keys: ["N"], run: () => clipActions.nameLoop(clip) },
+      { id: "flip", word: "flipRevisions", keys: ["C"], run: () => flipWhileHeld(clip), when: () => clip.compared.value !== null },
+      { id: "leaveCompared", word: "leaveCompared", keys: ["Esc"], run: () => putBeside([]), when: () => besideIds().length > 0 && !clip.selection.value.bones.length },
       { id: "esc", word: "none", keys: ["Esc"], run: () => clip.select([]), when: () => clip.selection.value.bones.length > 0 },
     ];
     return offer("clip", list);

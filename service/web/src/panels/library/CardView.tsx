@@ -4,6 +4,7 @@ import * as library from "../../state/library";
 import type { Card } from "../../state/library";
 import { Icon } from "../../ui/icons";
 import { ThumbnailView } from "../../ui/ThumbnailView";
+import { prefetch } from "../../state/route";
 import { duration, rate, w } from "../../words";
 import { pickBy } from "./CardGrid";
 
@@ -34,7 +35,7 @@ export function CardView({ card, row, runs, tabIndex, onFocus, onOpen }: {
     <div class={`card ${isPicked ? "picked" : ""} ${library.current.value === card.id ? "current" : ""}`} role="gridcell" data-row={row} data-id={card.id} tabIndex={tabIndex}
       aria-selected={isPicked}
       onFocus={() => { library.current.value = card.id; onFocus(); }}
-      onPointerEnter={() => { library.current.value = card.id; void import("../clip/ClipPage"); }}
+      onPointerEnter={() => { library.current.value = card.id; prefetch("clip"); }}
       onPointerLeave={() => setScrub(null)}
       onPointerMove={(event) => {
         const box = event.currentTarget.getBoundingClientRect();

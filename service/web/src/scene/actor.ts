@@ -1,0 +1,63 @@
+/** One skeleton on the stage: its body, its ghosts in time, the lines that its points have gone along. */
+import * as THREE from "three";
+import { SIDE_TOKENS, type Skeleton } from "../motion/skeleton";
+import { Body, type Tint } from "./body";
+
+export interface Actor {
+  skeleton: Skeleton;
+  group: THREE.Group;
+  body: Body;
+  ghosts: Body[];
+  trails: THREE.LineSegments;
+  shift: THREE.Vector3;
+  positions: Float32Array | null;
+  dim: boolean;
+  /** A token that colours all of it; null: its sides'. */
+  ink: string | null;
+}
+
+type Token = (name: string) => string;
+
+const TRAIL_POINTS = 4096;
+const GHOST_OPACITY = 0.16;
+const DIM_OPACITY = 0.45;
+
+export function actorOf(skeleton: Skeleton, token: Token, { shift = 0, dim = false, ink = null }: { shift?: number; dim?: boolean; ink?: string | null }): Actor {
+  const group = new THREE.Group();
+  if (skeleton.zUp) group.rotation.x = -Math.PI / 2;
+  const tint = tintOf(skeleton, token, ink);
+  const body = new Body(skeleton, tint, dim ? DIM_OPACITY : 1);
+  const ghosts = [0, 1, 2, 3].map(() => new Body(skeleton, tint, GHOST_OPACITY));
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(TRAIL_POINTS * 6), 3).setUsage(THREE.DynamicDrawUsage));
+  geometry.setDrawRange(0, 0);
+  const trails = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: token("accent"), transparent: true, opacity: 0.75 }));
+  trails.frustumCulled = false;
+  group.add(body.group, trails, ...ghosts.map((ghost) => ghost.group));
+  group.position.set(shift, 0, 0);
+  return { skeleton, group, body, ghosts, trails, shift: group.position.clone(), positions: null, dim, ink };
+}
+
+export function recolour(actor: Actor, token: Token): void {
+  const tint = tintOf(actor.skeleton, token, actor.ink);
+  actor.body.tint(tint);
+  for (const ghost of actor.ghosts) ghost.tint(tint);
+  (actor.trails.material as THREE.LineBasicMaterial).color.set(token("accent"));
+}
+
+export function dispose(actor: Actor): void {
+  actor.body.dispose();
+  for (const ghost of actor.ghosts) ghost.dispose();
+  actor.trails.geometry.dispose();
+  (actor.trails.material as THREE.Material).dispose();
+  actor.group.removeFromParent();
+}
+
+function tintOf(skeleton: Skeleton, token: Token, ink: string | null): Tint {
+  if (ink) {
+    const one = new THREE.Color(token(ink));
+    return () => one;
+  }
+  const colours = SIDE_TOKENS.map((name) => new THREE.Color(token(name)));
+  return (point) => colours[skeleton.sides[point]];
+}

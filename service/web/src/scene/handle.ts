@@ -1,0 +1,110 @@
+/** Arrows at a point that a hand pulls, each along its own line. Drawn flat over the scene, so that nothing hides them. */
+import * as THREE from "three";
+
+export interface Arrow {
+  name: string;
+  /** Of length 1, in the actor's axes. */
+  direction: readonly [number, number, number];
+  /** The colour's token. */
+  token: string;
+  /** Times the usual length; a longer one ends in a knob. */
+  reach: number;
+}
+
+export interface Handle {
+  actor: number;
+  /** In the actor's unit and axes. */
+  at: readonly [number, number, number];
+  arrows: Arrow[];
+  held: string | null;
+  /** What stands beside it. */
+  words: string;
+}
+
+/** The scene that a handle is in: places of the actor in the world (metres) and on the screen. */
+export interface Surroundings {
+  world: (at: readonly [number, number, number]) => THREE.Vector3;
+  screen: (world: THREE.Vector3) => { x: number; y: number } | null;
+  camera: THREE.PerspectiveCamera;
+  /** Metres of one unit of the actor. */
+  metres: number;
+  /** Of an arrow of reach 1, metres. */
+  length: number;
+}
+
+const NEAR = 11; // px
+const HEAD = 7;
+
+function linesOf(handle: Handle, around: Surroundings) {
+  const from = around.screen(around.world(handle.at));
+  return handle.arrows.flatMap((arrow) => {
+    const by = (arrow.reach * around.length) / around.metres;
+    const to = around.screen(around.world([0, 1, 2].map((axis) => handle.at[axis] + arrow.direction[axis] * by) as [number, number, number]));
+    return from && to ? [{ arrow, from, to }] : [];
+  });
+}
+
+export function drawHandle(pen: CanvasRenderingContext2D, handle: Handle, around: Surroundings, token: (name: string) => string): void {
+  const font = pen.font;
+  for (const { arrow, from, to } of linesOf(handle, around)) {
+    const knob = arrow.reach > 1;
+    const long = Math.hypot(to.x - from.x, to.y - from.y) || 1;
+    const [ux, uy] = [(to.x - from.x) / long, (to.y - from.y) / long];
+    for (const [ink, wide] of [[token("well"), 6], [token(arrow.token), handle.held === arrow.name ? 4 : 2.5]] as const) {
+      pen.strokeStyle = pen.fillStyle = ink;
+      pen.lineWidth = wide;
+      pen.setLineDash(knob ? [4, 4] : []);
+      pen.beginPath();
+      pen.moveTo(from.x, from.y);
+      pen.lineTo(to.x, to.y);
+      pen.stroke();
+      pen.setLineDash([]);
+    }
+    pen.beginPath();
+    if (knob) pen.arc(to.x, to.y, 6, 0, Math.PI * 2);
+    else {
+      pen.moveTo(to.x + ux * HEAD, to.y + uy * HEAD);
+      pen.lineTo(to.x - uy * HEAD * 0.7, to.y + ux * HEAD * 0.7);
+      pen.lineTo(to.x + uy * HEAD * 0.7, to.y - ux * HEAD * 0.7);
+    }
+    pen.fill();
+    if (knob) continue;
+    pen.font = `600 ${font}`;
+    pen.textAlign = "center";
+    pen.fillText(arrow.name, to.x + ux * 18, to.y + uy * 18);
+    pen.textAlign = "start";
+    pen.font = font;
+  }
+  const at = around.screen(around.world(handle.at));
+  if (!at) return;
+  pen.lineWidth = 4;
+  pen.strokeStyle = token("well");
+  pen.strokeText(handle.words, at.x + 16, at.y + 20);
+  pen.fillStyle = token("select");
+  pen.fillText(handle.words, at.x + 16, at.y + 20);
+}
+
+/** The arrow under a place on the screen; of several the one whose end is nearest. */
+export function arrowAt(handle: Handle, around: Surroundings, x: number, y: number): string | null {
+  const near = linesOf(handle, around).flatMap(({ arrow, from, to }) => {
+    const [dx, dy] = [to.x - from.x, to.y - from.y];
+    const along = Math.max(0.25, Math.min(1, ((x - from.x) * dx + (y - from.y) * dy) / (dx * dx + dy * dy || 1)));
+    const away = Math.hypot(from.x + dx * along - x, from.y + dy * along - y);
+    return away < NEAR ? [{ name: arrow.name, end: Math.hypot(to.x - x, to.y - y) }] : [];
+  });
+  return near.sort((a, b) => a.end - b.end)[0]?.name ?? null;
+}
+
+/** How far along an arrow's line the pointer is, in the actor's unit: where the ray through it comes nearest. */
+export function reachOf(handle: Handle, around: Surroundings, name: string, x: number, y: number, width: number, height: number): number {
+  const arrow = handle.arrows.find((one) => one.name === name);
+  if (!arrow) return 0;
+  const start = around.world(handle.at);
+  const line = around.world([0, 1, 2].map((axis) => handle.at[axis] + arrow.direction[axis]) as [number, number, number]).sub(start).normalize();
+  const ray = new THREE.Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, 0.5).unproject(around.camera).sub(around.camera.position).normalize();
+  const between = start.clone().sub(around.camera.position);
+  const across = line.dot(ray);
+  // A line that points at the eye cannot be pulled along.
+  if (1 - across * across < 0.01) return 0;
+  return (across * ray.dot(between) - line.dot(between)) / (1 - across * across) / around.metres;
+}
