@@ -76,4 +76,17 @@ export const en = {
 
   // Retarget
   sourceClip: "Motion", targetClip: "Onto the body of", choose: "Choose a clip", mapping: "Mapping", mappedOf: "{n} of {total} joints", notMapped: "not mapped", retargetNow: "Make the clip", retargeting: "Retargeting", retargetEmpty: "Put a motion on another body", retargetHelp: "Choose the motion, and a clip with the body it shall move.", report: "Report", mappingName: "Save this mapping as", retargeted: "Stored as {name}", cleanFeet: "Hold feet where they stand", slides: "{foot} slides",
+
+  // Storyboard
+  binSearch: "words, or //xpath for runs", addAll: "Add all {n}", binFirst: "The first {n} are shown; a narrower question finds fewer.",
+  addLayer: "Add as a layer", layer: "Layer", layerAt: "begins at", strength: "Strength", ease: "eases over", chooseJoints: "Choose joints",
+  chooseJointsHelp: "These joints move as in the layer, the others as in the piece. A click on a joint in the viewer does the same.",
+  partUpper: "upper body", partArms: "arms", partLeftArm: "left arm", partRightArm: "right arm", partHead: "neck and head", partLegs: "legs",
+  mirror: "Mirror", mirrored: "mirrored", allTransitions: "Transitions", startAnew: "Start anew", seamOf: "Seam {n} to {next}, {frames} frames",
+  seamHelp: "Press to edit this transition; drag to make it longer or shorter", seamBetween: "Seam {n} to {next}",
+  transitionStyle: "Kind of transition", asAll: "as all: {what}", asAllSeams: "As all seams", bridgeHelp: "New frames between the two pieces",
+  crossfadeHelp: "So many frames of both, blended", seamSmooth: "Smooth: the largest step is {step} of those inside.",
+  seamRough: "Jumps: the largest step is {step} times those inside.", seamPlaced: "Turned {degrees}°, moved {shift}.",
+  seamNone: "These frames follow one another in their clip: nothing is changed.", seamLonger: "Make it {n} frames",
+  layersHelp: "A layer puts some joints of one clip on another, such as the arms of a wave on a walk: drop it below a piece.",
 };

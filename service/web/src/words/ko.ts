@@ -72,4 +72,14 @@ export const ko: typeof en = {
   newName: "새 클립의 이름", composed: "저장했습니다: {name}", total: "조각 {n}개, {time}", seam: "이음매", composeEmpty: "저장된 클립으로 새 클립을 만드세요", fitOnAdd: "다른 스켈레톤의 조각은 리타기팅합니다.",
 
   sourceClip: "동작", targetClip: "옮길 몸", choose: "클립 고르기", mapping: "관절 대응", mappedOf: "관절 {total}개 중 {n}개", notMapped: "대응 없음", retargetNow: "클립 만들기", retargeting: "리타기팅 중", retargetEmpty: "동작을 다른 몸으로 옮기세요", retargetHelp: "동작과, 그 동작을 할 몸이 있는 클립을 고르세요.", report: "보고", mappingName: "이 대응을 저장", retargeted: "저장했습니다: {name}", cleanFeet: "디딘 발을 고정", slides: "{foot} 미끄러짐",
+
+  // Storyboard
+  binSearch: "단어, 또는 연속 프레임을 찾는 //xpath", addAll: "{n}개 모두 추가", binFirst: "처음 {n}개만 보입니다. 질의를 더 좁혀 보세요.", addLayer: "레이어로 추가", layer: "레이어",
+  layerAt: "시작 프레임", strength: "세기", ease: "서서히 바뀌는 프레임", chooseJoints: "관절 고르기",
+  chooseJointsHelp: "고른 관절은 레이어처럼, 나머지는 조각처럼 움직입니다. 화면에서 관절을 눌러도 됩니다.", partUpper: "상체", partArms: "두 팔", partLeftArm: "왼팔", partRightArm: "오른팔",
+  partHead: "목과 머리", partLegs: "두 다리", mirror: "좌우 바꾸기", mirrored: "좌우 바뀜", allTransitions: "전체 전환", startAnew: "새로 시작",
+  seamOf: "이음매 {n}-{next}, {frames}프레임", seamHelp: "누르면 이 전환을 고치고, 끌면 길이가 바뀝니다", seamBetween: "이음매 {n}-{next}", transitionStyle: "전환 방식",
+  asAll: "전체와 같게: {what}", asAllSeams: "모든 이음매와 같게", bridgeHelp: "두 조각 사이에 새 프레임을 만듭니다", crossfadeHelp: "두 조각의 프레임을 그만큼 섞습니다",
+  seamSmooth: "매끄럽습니다. 가장 큰 변화가 조각 안의 {step}배입니다.", seamRough: "튑니다. 가장 큰 변화가 조각 안의 {step}배입니다.", seamPlaced: "{degrees}° 돌리고 {shift}만큼 옮겼습니다.",
+  seamNone: "원래 클립에서 이어지는 프레임이라 바뀐 것이 없습니다.", seamLonger: "{n}프레임으로 늘리기", layersHelp: "레이어는 한 클립의 관절 일부를 다른 클립에 얹습니다. 걷기에 손 흔들기를 얹으려면 조각 아래에 놓으세요.",
 };
