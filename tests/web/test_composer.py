@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -17,13 +16,13 @@ expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
 @pytest.fixture
-def board(open_studio: Served, visit_of: Any) -> Iterator[Any]:
+def board(open_studio: Served, visit_of: Any) -> Any:
     """A page with two pieces, of the clips `one` (42 frames of a walk) and `two` (30 of a wave, 11-20 are named)."""
     one = open_studio.upload("one.bvh", person("one", body.walk(170.0, 0.7, 1.0, 6.0)))
     two = open_studio.upload("two.bvh", person("two", body.wave(170.0, 0.5, 1.5)), label="kick:11-20")
     page = visit_of(open_studio).open(f"/compose?s={one},{two}")
     shown(page, "in 2 pieces")
-    yield page
+    return page
 
 
 def person(name: str, motion: Any) -> bytes:

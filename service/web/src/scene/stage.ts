@@ -30,6 +30,7 @@ interface Actor {
 const TRAIL_POINTS = 4096;
 const GHOST_OPACITY = 0.16;
 const PICK_PIXELS = 14;
+const MOST_NAMED = 4; // of joints that are selected: more names would cover one another
 
 export class Stage {
   readonly canvas: HTMLCanvasElement;
@@ -309,6 +310,7 @@ export class Stage {
           pen.arc(at.x, at.y, 9, 0, Math.PI * 2);
           pen.stroke();
         }
+        if (!this.shown.names && point !== this.hovered && this.selected.size > MOST_NAMED) return;
         pen.lineWidth = 3;
         pen.strokeStyle = this.token("well");
         pen.strokeText(bone.name, at.x + 14, at.y);

@@ -89,4 +89,15 @@ export const en = {
   seamRough: "Jumps: the largest step is {step} times those inside.", seamPlaced: "Turned {degrees}°, moved {shift}.",
   seamNone: "These frames follow one another in their clip: nothing is changed.", seamLonger: "Make it {n} frames",
   layersHelp: "A layer puts some joints of one clip on another, such as the arms of a wave on a walk: drop it below a piece.",
+
+  // Retargeting of one and of many
+  options: "Options", scaleOf: "way × {value}", cleanFeetHelp: "Where a foot stands it does not slide; the legs give way.",
+  matchRest: "Match the rest poses", matchRestHelp: "Joints turn from their rest pose as in the motion. Otherwise bones point where they pointed.",
+  ownScale: "Scale of the way", ownScaleHelp: "How far the body goes, against the motion. Otherwise by the length of the legs.",
+  goToFrame: "Go to frame {n}", worstFrame: "The worst frame is {n}", bone: "Bone", mean: "mean", largest: "largest", atFrame: "at frame",
+  footSlides: "{foot} slides {before}, then {after}. Stands in", contactOf: "{foot} stands in frames {first} to {last}", andMore: "and {n} more",
+  applyToMany: "Apply to many", applyMany: "Put many clips on {name}", whichClips: "Which clips", noCollections: "There is no collection yet",
+  applyHelp: "The mapping and the options of this page are used for each clip.", applyNow: "Make the clips", manyRunning: "{done} of {n} done",
+  manyDone: "1 clip made.|{n} clips made.", manyStopped: "Stopped; 1 clip made stays.|Stopped; {n} clips made stay.",
+  manyFailed: "1 failed.|{n} failed.", manyWorst: "at most {value}° off", chooseOthers: "Choose others",
 };
