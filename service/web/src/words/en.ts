@@ -100,4 +100,15 @@ export const en = {
   applyHelp: "The mapping and the options of this page are used for each clip.", applyNow: "Make the clips", manyRunning: "{done} of {n} done",
   manyDone: "1 clip made.|{n} clips made.", manyStopped: "Stopped; 1 clip made stays.|Stopped; {n} clips made stay.",
   manyFailed: "1 failed.|{n} failed.", manyWorst: "at most {value}° off", chooseOthers: "Choose others",
+
+  // Questions by choosing
+  builder: "Builder", framesWhere: "Frames where", everyRow: "all of these hold", anyRow: "any of these holds", and: "and", or: "or", is: "is",
+  isNot: "is not", contains: "contains", jointValue: "Value of a bone", frameNumbersOf: "Place in the clip", comparison: "Comparison",
+  conditionOf: "Condition {n}", removeCondition: "Remove condition {n}", builderFolded: "The expression below was written by hand.",
+  builderAgain: "Use the builder instead", asPython: "as Python", firstShown: "The first {n} are listed; scroll for more.",
+  cutOff: "Stopped at a limit: this is what was found until then. Choose a scope, or ask for a motion name first.",
+  toComposerFirst: "First {n} to composer", noAnswerHelp: "Choose a wider scope, or begin with one condition and add others.",
+  exampleName: "Frames of one motion name", exampleBent: "Frames in which the left elbow is bent",
+  exampleBegin: "The first thirty frames of each clip", exampleNot: "Frames without that name", exampleNames: "All motion names there are",
+  exampleCount: "How many frames there are", exampleBones: "The head of each skeleton", exampleClips: "Clips whose file was called so",
 };

@@ -91,4 +91,12 @@ export const ko: typeof en = {
   applyMany: "여러 클립을 {name}에 리타기팅", whichClips: "대상 클립", noCollections: "아직 모음이 없습니다", applyHelp: "이 화면의 관절 대응과 옵션을 모든 클립에 씁니다.", applyNow: "클립 만들기",
   manyRunning: "{n}개 중 {done}개 완료", manyDone: "클립 {n}개를 만들었습니다.", manyStopped: "멈췄습니다. 만든 클립 {n}개는 남아 있습니다.", manyFailed: "{n}개는 만들지 못했습니다.",
   manyWorst: "최대 {value}° 차이", chooseOthers: "다시 고르기",
+
+  // Questions by choosing
+  builder: "조건 만들기", framesWhere: "다음에 맞는 프레임", everyRow: "모두 만족", anyRow: "하나라도 만족", and: "그리고", or: "또는", is: "같음", isNot: "같지 않음", contains: "포함",
+  jointValue: "뼈의 값", frameNumbersOf: "클립 안의 위치", comparison: "비교", conditionOf: "조건 {n}", removeCondition: "조건 {n} 제거",
+  builderFolded: "아래 식은 직접 쓴 것입니다.", builderAgain: "조건 만들기로 바꾸기", asPython: "Python으로", firstShown: "처음 {n}개입니다. 더 보려면 내리세요.",
+  cutOff: "한도에서 멈췄고, 그때까지 찾은 것입니다. 범위를 고르거나 동작 이름부터 물어보세요.", toComposerFirst: "처음 {n}개 이어붙이기로", noAnswerHelp: "범위를 넓히거나, 조건 하나로 시작해 더해 보세요.",
+  exampleName: "동작 이름 하나의 프레임", exampleBent: "왼쪽 팔꿈치를 굽힌 프레임", exampleBegin: "클립마다 처음 서른 프레임", exampleNot: "그 이름이 없는 프레임",
+  exampleNames: "있는 모든 동작 이름", exampleCount: "프레임이 모두 몇 개인지", exampleBones: "스켈레톤마다의 머리", exampleClips: "파일 이름으로 찾은 클립",
 };
