@@ -111,4 +111,14 @@ export const en = {
   exampleName: "Frames of one motion name", exampleBent: "Frames in which the left elbow is bent",
   exampleBegin: "The first thirty frames of each clip", exampleNot: "Frames without that name", exampleNames: "All motion names there are",
   exampleCount: "How many frames there are", exampleBones: "The head of each skeleton", exampleClips: "Clips whose file was called so",
+
+  // Saved filters, first start
+  lengthInSeconds: "Length in seconds", clear: "Clear", savedFilters: "Saved filters", saveFilter: "Save this filter",
+  saveFilterHelp: "It is kept for the team, and finds what fits whenever it is chosen. Its address can be shared.",
+  saveFilterNot: "A filter with a collection, or with XPath and more, is kept by its address (Y).", removeFilter: "Remove the filter {name}",
+  filterRemoved: "Filter removed: {name}", welcome: "Motion, read and written",
+  welcomeHelp: "This library has {n} demo clips. Look round in them, or begin with your own.", welcomeDrop: "Drop your files",
+  welcomeDropHelp: "BVH, ASF and AMC, HTR, C3D, TRC, MCML, or a zip", welcomeAsk: "Try a query",
+  welcomeAskHelp: "Find every frame in which someone waves", welcomeMake: "Make a motion",
+  welcomeMakeHelp: "A walk that becomes a dance, from two demo clips", welcomeGone: "Do not show this again", welcomePlays: "{name} plays",
 };

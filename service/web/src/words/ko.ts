@@ -99,4 +99,11 @@ export const ko: typeof en = {
   cutOff: "한도에서 멈췄고, 그때까지 찾은 것입니다. 범위를 고르거나 동작 이름부터 물어보세요.", toComposerFirst: "처음 {n}개 이어붙이기로", noAnswerHelp: "범위를 넓히거나, 조건 하나로 시작해 더해 보세요.",
   exampleName: "동작 이름 하나의 프레임", exampleBent: "왼쪽 팔꿈치를 굽힌 프레임", exampleBegin: "클립마다 처음 서른 프레임", exampleNot: "그 이름이 없는 프레임",
   exampleNames: "있는 모든 동작 이름", exampleCount: "프레임이 모두 몇 개인지", exampleBones: "스켈레톤마다의 머리", exampleClips: "파일 이름으로 찾은 클립",
+
+  // Saved filters, first start
+  lengthInSeconds: "길이(초)", clear: "지우기", savedFilters: "저장한 필터", saveFilter: "이 필터 저장",
+  saveFilterHelp: "팀에 저장되며, 고를 때마다 그때 맞는 클립을 찾습니다. 주소로 나눌 수 있습니다.", saveFilterNot: "모음이나 XPath가 섞인 필터는 주소(Y)로 보관하세요.", removeFilter: "필터 {name} 제거",
+  filterRemoved: "필터를 제거했습니다: {name}", welcome: "움직임을 읽고 씁니다", welcomeHelp: "데모 클립 {n}개가 들어 있습니다. 둘러보거나 내 파일로 시작하세요.", welcomeDrop: "내 파일 놓기",
+  welcomeDropHelp: "BVH, ASF와 AMC, HTR, C3D, TRC, MCML, zip", welcomeAsk: "질의해 보기", welcomeAskHelp: "손을 흔드는 모든 프레임 찾기", welcomeMake: "동작 만들기",
+  welcomeMakeHelp: "데모 클립 두 개로 걷다가 춤추기", welcomeGone: "다시 보지 않기", welcomePlays: "{name} 재생",
 };

@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import { PARTS, partNamed, partsOf } from "../../motion/parts";
 import { FASTEST, LONGEST, SLOWEST, sizeOf, type Layer, type Piece, type Style } from "../../state/composition";
 import { Dialog } from "../../ui/Dialog";
+import { NumberField } from "../../ui/NumberField";
 import { Icon, type IconName } from "../../ui/icons";
 import { number, w, type Word } from "../../words";
 import type { Board } from "./board";
@@ -23,8 +24,7 @@ export function ChosenForm({ board, composed }: { board: Board; composed: Compos
 function Amount({ word, value, least, most, step = 1, onChange }: { word: Word; value: number; least: number; most: number; step?: number; onChange: (value: number) => void }) {
   return (
     <label class="row"><span class="dim">{w(word)}</span>
-      <input class="field number" type="number" min={least} max={most} step={step} value={value}
-        onChange={(event) => { const now = event.currentTarget.valueAsNumber; if (Number.isFinite(now)) onChange(now); else event.currentTarget.value = String(value); }} />
+      <NumberField least={least} most={most} step={step} value={value} onChange={(now) => now !== null && onChange(now)} />
     </label>
   );
 }

@@ -1,4 +1,5 @@
 /** How a motion is put on a body, with what each choice means. */
+import { NumberField } from "../../ui/NumberField";
 import { number, w, type Word } from "../../words";
 
 export interface Choices { clean_feet: boolean; match_rest: boolean; /** null: by the legs. */ scale: number | null }
@@ -18,7 +19,7 @@ export function Options({ choices, fitted, onChange }: { choices: Choices; /** T
       <div class="option">
         <input type="checkbox" id="own-scale" checked={choices.scale !== null} onChange={(event) => onChange({ ...choices, scale: event.currentTarget.checked ? Number((fitted ?? 1).toPrecision(4)) : null })} />
         <span><label for="own-scale">{w("ownScale")}</label>
-          {choices.scale !== null && <input class="field number" type="number" min={0.0001} step={0.01} aria-label={w("ownScale")} value={choices.scale} onChange={(event) => { const scale = event.currentTarget.valueAsNumber; if (scale > 0) onChange({ ...choices, scale }); else event.currentTarget.value = String(choices.scale); }} />}
+          {choices.scale !== null && <NumberField label={w("ownScale")} least={0.0001} value={choices.scale} onChange={(scale) => scale !== null && scale > 0 && onChange({ ...choices, scale })} />}
           <span class="dim block">{w("ownScaleHelp")}</span></span>
       </div>
     </details>
