@@ -4,12 +4,12 @@ COPY . .
 # The image has no history of git to find the version in: docker build --build-arg VERSION=0.2.0 .
 ARG VERSION=
 RUN ${VERSION:+env SETUPTOOLS_SCM_PRETEND_VERSION=$VERSION} pip wheel --no-cache-dir --no-deps --wheel-dir /wheels . \
-  && pip wheel --no-cache-dir --wheel-dir /wheels /wheels/*.whl
+  && pip wheel --no-cache-dir --wheel-dir /wheels "$(ls /wheels/*.whl)[plots]"
 
 FROM python:3.12-slim
 RUN useradd --create-home --uid 10001 mcml
 COPY --from=build /wheels /wheels
-RUN pip install --no-cache-dir --no-index --find-links /wheels mcml-repository && rm -rf /wheels
+RUN pip install --no-cache-dir --no-index --find-links /wheels "mcml-repository[plots]" && rm -rf /wheels
 USER mcml
 # Made by its owner, or Docker would make the volume's folder as root.
 RUN mkdir /home/mcml/data

@@ -130,10 +130,9 @@ class FrameValues(BaseModel):
     values: list[list[float]] = Field(min_length=1)
 
 
-class PreviewMotion(BaseModel):
-    """Positions of joints, and after them of the ends of chains, of a motion that is not stored. data: little-endian
-    f4, base64: frame after frame, point after point, x y z, told from the origin, which is where the first joint is in
-    frame 1."""
+class MotionHead(BaseModel):
+    """What positions of a motion that is not stored mean: joints, and after them the ends of chains, frame after frame,
+    point after point, x y z, told from the origin, which is where the first joint is in frame 1."""
 
     first: int
     shape: list[int] = Field(description="Frames, points, 3")
@@ -142,6 +141,12 @@ class PreviewMotion(BaseModel):
     origin: list[float]
     seconds_per_frame: float | None = None
     up: str = Field(description="Axis that points up: stated, or likely")
+    metres: float | None = Field(None, description="Of the motion's unit of length, where it is known")
+
+
+class PreviewMotion(MotionHead):
+    """Positions of a motion that is not stored. data: little-endian f4, base64."""
+
     data: str
 
 

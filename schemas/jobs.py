@@ -205,6 +205,7 @@ class AnalysisInfo(BaseModel):
     parameters: dict[str, Any]
     parts: dict[str, PartKind]
     operations: dict[str, OperationInfo]
+    pictures: dict[str, str] = Field({}, description="Pictures that it draws of a result: name, and what it shows")
     rules: dict[str, str] = Field({}, description="Versions of its rules, by name, as new results record them")
     fewest: int
     most: int

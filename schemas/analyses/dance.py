@@ -140,6 +140,55 @@ class GraphParameters(BeatsParameters):
     )
 
 
+class EdgesWish(_Parameters):
+    """Another threshold for a graph that was made."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"threshold": 0.08}]})
+
+    threshold: float = Field(ge=0, le=10, description="Greatest distance of a jump, in body sizes", examples=[0.08])
+    most: int = Field(5000, ge=0, le=20_000, description="Most jumps to be listed, the nearest first", examples=[5000])
+
+
+class GraphEdge(BaseModel):
+    """One bar after another: as in their clip, or by a jump. Bars are numbered from 1 through all clips."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"first": 3, "second": 7, "distance": 0.061, "natural": False}]}
+    )
+
+    first: int
+    second: int
+    distance: float = Field(description="Body sizes; 0 where the second follows the first in its clip")
+    natural: bool
+
+
+class GraphEdges(BaseModel):
+    """A graph with another threshold. components: of each bar, 0 for the largest: there a dance can go on for ever.
+    least, greatest: distances of the jumps that the result knows."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "threshold": 0.08,
+                    "least": 0.021,
+                    "greatest": 0.31,
+                    "edges_in_all": 1,
+                    "edges": [{"first": 3, "second": 7, "distance": 0.061, "natural": False}],
+                    "components": [0, 0, 1],
+                }
+            ]
+        }
+    )
+
+    threshold: float
+    least: float | None
+    greatest: float | None
+    edges_in_all: int
+    edges: list[GraphEdge]
+    components: list[int]
+
+
 class AllowedBars(_Parameters):
     """What may be danced at a position, or anywhere. Given together, all must hold."""
 

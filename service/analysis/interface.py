@@ -151,6 +151,20 @@ class ResultUse:
 
 
 @dataclass(frozen=True)
+class Picture:
+    """A picture of a finished result, for a page or a paper.
+
+    parts: what it is drawn of; those that a result lacks are left out, and without the first there is no picture.
+    draw: (parts, an empty figure of matplotlib) fills the figure. inches: width and height.
+    """
+
+    description: str
+    parts: tuple[str, ...]
+    draw: Callable[[Parts, Any], None]
+    inches: tuple[float, float] = (7.0, 4.5)
+
+
+@dataclass(frozen=True)
 class Analysis:
     """An entry of the catalogue.
 
@@ -165,6 +179,8 @@ class Analysis:
     cannot grow.
     check: (parameters, ids of the documents) raises AnalysisError for what is wrong on sight, before there is a job.
     rules: the versions of its rules, by name, which results record: a rule whose results change gets a new one.
+    pictures: by name, the first is the one that is meant where none is named. Where there are none, each part is drawn
+    as its kind says.
     """
 
     name: str
@@ -179,5 +195,6 @@ class Analysis:
     extend: Callable[[Parts, Sequence[Motion], Any, Progress], Parts] | None = None
     check: Callable[[Any, Sequence[str]], None] = lambda parameters, documents: None
     rules: Mapping[str, str] = field(default_factory=dict)
+    pictures: Mapping[str, Picture] = field(default_factory=dict)
     fewest: int = 1
     most: int = 2000

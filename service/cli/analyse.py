@@ -50,6 +50,7 @@ def add_to(app: typer.Typer) -> None:
             group.command(verb, help=_help(analysis.description, analysis.parameters))(_run(analysis))
             operations |= analysis.operations
         group.command("info", help="Show a result: its parts and what can be done with it.")(info)
+        group.command("picture")(picture)
         for name, operation in operations.items():
             group.command(name, help=_help(operation.description, operation.parameters))(_use(name))
         app.add_typer(group, name=subject)
@@ -143,6 +144,32 @@ def info(
     """Show a result: its parts and what can be done with it."""
     found = opened(database, server).call("get_result", id=id)
     present(OPERATIONS["get_result"], found, as_json)
+
+
+def picture(
+    id: ResultArgument,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="SVG or PNG, as its ending says; default NAME.svg here")
+    ] = None,
+    name: Annotated[str | None, typer.Option(help="Which picture; default the first that there is")] = None,
+    dpi: Annotated[int, typer.Option(help="Dots an inch, of PNG")] = 200,
+    width: Annotated[float | None, typer.Option(help="Inches")] = None,
+    height: Annotated[float | None, typer.Option(help="Inches")] = None,
+    force: ForceOption = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Draw a result: curves, graph, map or table as a file for a page or a paper. Needs the extra `plots`."""
+    target = output or Path()
+    form = target.suffix.lstrip(".").lower() or "svg"
+    if form not in ("svg", "png"):
+        raise typer.BadParameter(f"{target.name} is to end in .svg or .png")
+    client = opened(database, server)
+    drawn = client.call("get_result_picture", id=id, name=name, format=form, dpi=dpi, width=width, height=height)
+    if target.is_dir():
+        target = target / local_name(drawn.name or f"picture.{form}")
+    write_file(target, drawn.blocks, force=force)
+    console.print(f"wrote    {target}")
 
 
 def _use(operation: str) -> Callable[..., None]:

@@ -216,6 +216,8 @@ _ROWS = [
               "A result with its parts.", "results", terse=True),
     Operation("delete_result", "DELETE /results/{id}", WRITES, EDIT,
               "Delete a result and the results made from it.", "results", "analyse delete ID", status=204),
+    Operation("get_result_picture", "GET /results/{id}/picture", STREAMS, READ,
+              "A picture of a result: curves, graph, map or table as SVG or PNG.", "results"),
     Operation("get_result_part", "GET /results/{id}/{part}", READS, READ,
               "One part of a result.", "results", terse=True),
     Operation("get_result_array", "GET /results/{id}/{part}/{array}", READS, READ,

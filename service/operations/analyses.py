@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable, Iterator
 from typing import Annotated, Any
 
+import orjson
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from schemas.examples import DOCUMENT, JOB, PROJECT, example_of, shown
@@ -136,12 +138,17 @@ def _using(name: str, used: Use) -> Callable[..., Any]:
             name=request.name,
             project=request.project,
         )
+        if format == "block":
+            return motion_block(told(value=done.answer.value, document=done.document, result=done.result), done)
         if format != "json":
             return _clip_file(done, format)
         clip = None if done.answer.clip is None else _motion(done.answer.clip, positions)
         return told(value=done.answer.value, clip=clip, document=done.document, result=done.result)
 
-    words = "json; or the clip alone: npy (positions: frames, joints, 3), or bvh, htr, mcml …"
+    words = (
+        "json; block: the answer as JSON, then positions as f4 (docs/api/analyses.md); or the clip alone: npy "
+        "(positions: frames, joints, 3), or bvh, htr, mcml …"
+    )
     use.__annotations__ = {
         "call": Call,
         "id": ResultId,
@@ -193,6 +200,21 @@ def _motion(clip: MadeClip, positions: bool) -> ClipMotion:
         parents=[joint.parent for joint in clip.skeleton.joints],
         positions=None if found is None else found.round(5).tolist(),
     )
+
+
+def motion_block(told: BaseModel, done: Done) -> Content:
+    """An answer for an eye: the length of its JSON as u4, the JSON, then positions as f4. The JSON has the head of the
+    motion as `motion`, and spaces at its end so that the numbers are aligned."""
+    from service.actions.analysing.show_motion import shown_motion
+
+    clip = done.answer.clip
+    if clip is None:
+        raise NotFoundError("The operation makes no clip.", remedy="Ask for format=json.")
+    head, positions = shown_motion(clip)
+    text = orjson.dumps({**told.model_dump(mode="json", exclude_none=True), "motion": head.model_dump(mode="json")})
+    text += b" " * (-len(text) % 4)
+    blocks = [struct.pack("<I", len(text)) + text, positions.tobytes()]
+    return Content(iter(blocks), "application/octet-stream", f"{clip.name}.block", size=sum(map(len, blocks)))
 
 
 def _clip_file(done: Done, format: str) -> Content:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from typing import Annotated, Any, Literal
+from zlib import crc32
 
 import numpy as np
 from pydantic import Field
@@ -23,6 +24,9 @@ PartName = Annotated[str, Field(description="Name of the part", examples=["speed
 
 INLINE_NUMBERS = 2_000_000
 """Most numbers in one JSON answer."""
+
+MOST_ROWS = 500
+"""Of those that one question may name."""
 
 
 def list_results(
@@ -72,12 +76,28 @@ def get_result_array(
     array: Annotated[str, Field(description="Name of the array", examples=["speed"])],
     first: Annotated[int, Field(ge=0, le=MOST, description="First row, from 0", examples=[0])] = 0,
     rows: Annotated[int | None, Field(ge=1, le=MOST, description="Most rows; default all", examples=[100])] = None,
+    row: Annotated[
+        list[int] | None,
+        Field(max_length=MOST_ROWS, description="These rows alone, in this order, from 0", examples=[[0, 5]]),
+    ] = None,
+    dtype: Annotated[
+        Literal["f4"] | None, Field(description="Numbers in single precision; default as they were computed")
+    ] = None,
     format: Annotated[Literal["json", "npy"], Field(description="JSON, or a NumPy file")] = "json",
 ) -> ArrayValues | Content:
+    """A result never changes, and the answer says so."""
     with call.database.read() as tx:
         stored, found = _part(tx, id, part)
-        values = tx.results.array(stored.key, found, array)
-    chosen = values[first : None if rows is None else first + rows] if values.ndim else values
+        asked = crc32(repr((id, part, array, first, rows, row, dtype, format)).encode())
+        call.tagged(f"{array}-{asked:08x}", lasting=True)
+        if row is not None:
+            values = tx.results.rows(stored.key, found, array, np.array(row, dtype=np.intp))
+        else:
+            values = tx.results.array(stored.key, found, array)
+    if dtype is not None:
+        values = values.astype("<f4")
+    whole = row is not None or not values.ndim
+    chosen = values if whole else values[first : None if rows is None else first + rows]
     if format == "npy":
         return npy(chosen, f"{part}-{array}")
     if chosen.size > INLINE_NUMBERS:
@@ -90,6 +110,33 @@ def get_result_array(
     return ArrayValues(
         dtype=values.dtype.str, shape=list(values.shape), first=first, values=np.atleast_1d(plain).tolist()
     )
+
+
+@gives("The picture", {"image/svg+xml": None, "image/png": None})
+def get_result_picture(
+    call: Call,
+    id: ResultId,
+    name: Annotated[
+        str | None, Field(description="Which picture: one of the analysis, or a part", examples=["map"])
+    ] = None,
+    format: Annotated[Literal["svg", "png"], Field(description="SVG, or PNG", examples=["svg"])] = "svg",
+    dpi: Annotated[int, Field(ge=30, le=600, description="Dots an inch, of PNG", examples=[200])] = 200,
+    width: Annotated[
+        float | None, Field(ge=1, le=30, description="Inches; default as it is meant", examples=[7.0])
+    ] = None,
+    height: Annotated[
+        float | None, Field(ge=1, le=30, description="Inches; default as it is meant", examples=[7.0])
+    ] = None,
+) -> Content:
+    """For a page or a paper; needs the extra `plots`. A result never changes, and the answer says so."""
+    from service.actions.analysing.draw_result import draw_result
+
+    with call.database.read() as tx:
+        asked = crc32(repr((id, name, format, dpi, width, height)).encode())
+        call.tagged(f"picture-{asked:08x}", lasting=True)
+        chosen, data = draw_result(tx, id, name, format, dpi, (width, height))
+    kind = {"svg": "image/svg+xml", "png": "image/png"}[format]
+    return Content(iter([data]), kind, f"{chosen}.{format}", size=len(data), shown=True)
 
 
 def npy(values: Any, name: str) -> Content:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -173,17 +174,51 @@ class Results:
 
     def array(self, key: int, part: StoredPart, name: str) -> NDArray[Any]:
         """An array of a part, whole. NotFoundError."""
-        if name not in part.arrays:
-            names = ", ".join(part.arrays) or "none"
-            raise NotFoundError(f"The part {part.name} has no array {name!r}.", remedy=f"It has: {names}.")
-        about = part.arrays[name]
-        values = np.empty(tuple(about["shape"]), dtype=np.dtype(about["dtype"]))
+        dtype, shape = _about(part, name)
+        values = np.empty(shape, dtype=dtype)
         flat, start = values.reshape(-1).view(np.uint8), 0
+        for block in self._blocks(key, part, name):
+            flat[start : start + len(block)] = block
+            start += len(block)
+        if start != flat.nbytes:
+            raise damage("The store", f"the array {name!r} of a result")
+        return values
+
+    def rows(self, key: int, part: StoredPart, name: str, wanted: NDArray[np.intp]) -> NDArray[Any]:
+        """Rows of an array of a part, in the order in which they are wanted; what holds none of them is not read.
+        NotFoundError, also for a row that the array does not have."""
+        dtype, shape = _about(part, name)
+        if not shape or (len(wanted) and not (wanted.min() >= 0 and wanted.max() < shape[0])):
+            raise NotFoundError(
+                f"The array {name!r} has rows 0 to {shape[0] - 1 if shape else 0}.", remedy="Ask for rows of these."
+            )
+        values = np.empty((len(wanted), *shape[1:]), dtype=dtype)
+        size = dtype.itemsize * math.prod(shape[1:])
+        flat = values.reshape(len(wanted), -1).view(np.uint8)
+        starts = wanted * size
+        touched = sorted({int(n) for n in starts // BLOCK_BYTES} | {int(n) for n in (starts + size - 1) // BLOCK_BYTES})
+        if not size or not touched:
+            return values
+        numbers = range(touched[0], touched[-1] + 1) if size > BLOCK_BYTES else touched
+        for number, block in zip(numbers, self._blocks(key, part, name, numbers), strict=True):
+            low = number * BLOCK_BYTES
+            inside = np.flatnonzero((starts < low + len(block)) & (starts + size > low))
+            for row in inside.tolist():
+                begin, end = max(int(starts[row]), low), min(int(starts[row]) + size, low + len(block))
+                flat[row, begin - starts[row] : end - starts[row]] = block[begin - low : end - low]
+        return values
+
+    def _blocks(
+        self, key: int, part: StoredPart, name: str, numbers: Sequence[int] | None = None
+    ) -> Iterator[NDArray[np.uint8]]:
+        """The bytes of an array, block after block. Raises DamageError."""
         query = (
             select(result_block.c.data)
             .where(result_block.c.result == key, result_block.c.part == part.name, result_block.c.array == name)
             .order_by(result_block.c.number)
         )
+        if numbers is not None:
+            query = query.where(result_block.c.number.in_(numbers))
         sealed = checked(query, result_block)
         rows = self._tx.connection.execute(sealed.statement.execution_options(yield_per=4))
         for row in rows:
@@ -191,12 +226,7 @@ class Results:
             if damaged is not None:
                 raise describe_damage(self._tx, *damaged)
             ((data,),) = found
-            block = np.frombuffer(zstandard.ZstdDecompressor().decompress(data), np.uint8)
-            flat[start : start + len(block)] = block
-            start += len(block)
-        if start != flat.nbytes:
-            raise damage("The store", f"the array {name!r} of a result")
-        return values
+            yield np.frombuffer(zstandard.ZstdDecompressor().decompress(data), np.uint8)
 
     def remove(self, key: int) -> None:
         """Drop a result and all that was made from it; documents that came of them stay."""
@@ -207,6 +237,15 @@ class Results:
         for table in (result_block, result_part):
             connection.execute(delete(table).where(table.c.result == key))
         connection.execute(delete(result).where(result.c.id == key))
+
+
+def _about(part: StoredPart, name: str) -> tuple[np.dtype[Any], tuple[int, ...]]:
+    """Type and shape of an array of a part. NotFoundError."""
+    if name not in part.arrays:
+        names = ", ".join(part.arrays) or "none"
+        raise NotFoundError(f"The part {part.name} has no array {name!r}.", remedy=f"It has: {names}.")
+    about = part.arrays[name]
+    return np.dtype(about["dtype"]), tuple(about["shape"])
 
 
 def _blocks(values: NDArray[Any]) -> Iterator[bytes]:

@@ -77,6 +77,11 @@ def test_reach_from_fit_to_file(mcml: Run, tmp_path: Path, place: str, request: 
     where = ("--server", request.getfixturevalue("server")) if place == "server" else ()
     result = fitted(mcml, *where)
     assert result in mcml("analyse", "results", *where)[1]
+    code, output, errors = mcml("analyse", "reach", "picture", result, "-o", "fit.png", "--dpi", "40", *where)
+    assert (code, Path("fit.png").read_bytes()[:4]) == (0, b"\x89PNG"), errors
+    assert mcml("analyse", "reach", "picture", result, "-o", "fit.jpg", *where)[0] == 2
+    code, _, errors = mcml("analyse", "reach", "picture", result, "--name", "none", *where)
+    assert (code, "variance" in errors) == (1, True), "what there is to draw is named"
     shown = mcml("analyse", "reach", "info", result, *where)[1]
     assert "synthesize" in shown
     assert "name age, unit year" in shown, "what the model can be asked for"

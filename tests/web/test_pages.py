@@ -8,7 +8,13 @@ from typing import Any
 
 import pytest
 
+from schemas.analyses.dance import BeatsParameters
+from service.actions.analysing.save_results import add_parts
+from service.analysis.dance.analyses import BEATS
+from service.analysis.interface import silent
+from service.storage.database import Database
 from service.web.build import WEB
+from tests.analysis.dance.motions import generated
 from tests.web.conftest import Served, serve, walk
 from tests.web.test_journeys import ready
 
@@ -30,6 +36,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, d
         for number in range(6):
             served.upload(f"take {number}.bvh", walk(20 + 5 * number, seed=number + 5))
         clip = f"/clips/{one}?f=20&sel=left_up_leg"
+        result = beats_of(served.database)
         yield (
             served,
             {
@@ -48,15 +55,29 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, d
                 "composer-empty": "/compose",
                 "retarget": f"/retarget?from={one}&to={two}",
                 "retarget-empty": "/retarget",
+                "analyses": "/analyses",
+                "analysis": "/analyses/beats?project=Gait",
+                "result": f"/results/{result}",
+                "result-table": f"/results/{result}?part=bars",
                 "settings": "/settings",
                 "unknown": "/library/../nowhere",
             },
         )
 
 
+def beats_of(database: Database) -> str:
+    """A result, as a job would have kept it."""
+    parts = BEATS.run([generated("groove", "a", bars=6)[0]], BeatsParameters(), silent)
+    with database.write("kim") as tx:
+        key, uuid = tx.results.add(tx.projects.get_or_add("Gait"), "beats", "beats of Gait", "kim", [], {}, {})
+        add_parts(tx, key, parts, {})
+    return uuid
+
+
 PAGES = [
     "library", "list", "nothing", "tree", "graph", "structure", "text", "history", "info", "xpath", "xpath-empty",
-    "composer", "composer-empty", "retarget", "retarget-empty", "settings",
+    "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result",
+    "result-table", "settings",
 ]  # fmt: skip
 
 

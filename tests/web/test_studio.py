@@ -32,7 +32,9 @@ def test_what_is_built_is_built_of_these_sources() -> None:
     assert fingerprint() == before
 
 
-@pytest.mark.parametrize("path", ["/", "/library", "/clips/0", "/xpath", "/compose", "/retarget", "/settings"])
+@pytest.mark.parametrize(
+    "path", ["/", "/library", "/clips/0", "/xpath", "/compose", "/reach/0", "/faces", "/results/0", "/settings"]
+)
 def test_pages_are_strict_and_asked_for_anew(client: TestClient, path: str) -> None:
     answer = client.get(path)
     assert answer.status_code == 200

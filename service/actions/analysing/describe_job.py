@@ -90,6 +90,7 @@ def analysis_answer(analysis: Analysis) -> AnalysisInfo:
             )
             for name, operation in analysis.operations.items()
         },
+        pictures={name: picture.description for name, picture in analysis.pictures.items()},
         rules=dict(analysis.rules),
         fewest=analysis.fewest,
         most=analysis.most,

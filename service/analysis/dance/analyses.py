@@ -7,18 +7,33 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from schemas.analyses.dance import BeatsParameters, DanceParameters, GraphParameters
+import numpy as np
+
+from schemas.analyses.dance import BeatsParameters, DanceParameters, EdgesWish, GraphEdge, GraphEdges, GraphParameters
 from service.analysis.dance import tables
 from service.analysis.dance.assembly import Dance
 from service.analysis.dance.bar_graph import BarGraph, bar_graph
 from service.analysis.dance.choreography import MOST_OUT, Choice, Plan, Wish, check_pulse, dance_of, plan_dance
 from service.analysis.dance.figure import laid_back
 from service.analysis.dance.measured import measure
+from service.analysis.dance.motion_graph import strong_components
 from service.analysis.dance.music import check_bpm, music_grid
+from service.analysis.dance.pictures import BEATS_PICTURES, DANCE_PICTURES, GRAPH_PICTURES
 from service.analysis.dance.sources import Clip, Search, channels_of, on_one_skeleton, read_clip, upright_clip
 from service.analysis.dance.tempo import tempo_of
 from service.analysis.dance.time_warp import even_grid
-from service.analysis.interface import Analysis, AnalysisError, MadeClip, Motion, Part, PartInfo, Parts, Progress
+from service.analysis.interface import (
+    Analysis,
+    AnalysisError,
+    Answer,
+    MadeClip,
+    Motion,
+    Part,
+    PartInfo,
+    Parts,
+    Progress,
+    ResultUse,
+)
 from service.motion.skeleton import Array
 
 
@@ -107,6 +122,36 @@ def run_graph(motions: Sequence[Motion], parameters: GraphParameters, progress: 
         parts["labels"] = tables.source_labels(clips, parameters.labels)
     progress("done", 1.0)
     return parts
+
+
+def edges(graph: Part, wish: EdgesWish) -> Answer:
+    """Edges and components of the graph with another threshold. Raises AnalysisError `old-result`."""
+    if "jumps" not in graph.arrays:
+        raise AnalysisError(
+            "old-result", "This graph does not hold the jumps beyond its threshold.", remedy="Make the graph again."
+        )
+    jumps, distances = graph.arrays["jumps"], graph.arrays["jump_distances"]
+    near = distances <= wish.threshold
+    steps = graph.arrays["pairs"][graph.arrays["natural"].astype(bool)]
+    pairs = np.concatenate([jumps[near], steps])
+    components = strong_components(len(graph.data["nodes"]), pairs[:, 0], pairs[:, 1])
+    listed = min(wish.most, int(near.sum()))
+    return Answer(
+        GraphEdges(
+            threshold=wish.threshold,
+            least=float(distances.min(initial=np.inf)) if len(distances) else None,
+            greatest=float(distances.max(initial=0.0)) if len(distances) else None,
+            edges_in_all=len(pairs),
+            edges=[
+                *(GraphEdge(first=int(a) + 1, second=int(b) + 1, distance=0.0, natural=True) for a, b in steps),
+                *(
+                    GraphEdge(first=int(a) + 1, second=int(b) + 1, distance=float(d), natural=False)
+                    for (a, b), d in zip(jumps[:listed], distances[:listed], strict=True)
+                ),
+            ],
+            components=components.tolist(),
+        )
+    )
 
 
 def run_dance(motions: Sequence[Motion], parameters: DanceParameters, progress: Progress) -> Parts:
@@ -286,6 +331,7 @@ BEATS = Analysis(
     run=run_beats,
     check=_check,
     rules=_RULES,
+    pictures=BEATS_PICTURES,
 )
 
 MOTION_GRAPH = Analysis(
@@ -298,6 +344,11 @@ MOTION_GRAPH = Analysis(
     run=run_graph,
     check=_check,
     rules=_RULES,
+    pictures=GRAPH_PICTURES,
+    operations={
+        "edges": ResultUse("Which bar may follow which with another threshold", EdgesWish, GraphEdges, edges),
+    },
+    prepare=lambda parts: parts["graph"],
 )
 
 DANCE = Analysis(
@@ -318,4 +369,5 @@ DANCE = Analysis(
     run=run_dance,
     check=_check,
     rules=_RULES,
+    pictures=DANCE_PICTURES,
 )

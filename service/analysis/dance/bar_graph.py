@@ -15,6 +15,7 @@ from service.analysis.dance.motion_graph import (
     REACH,
     Edges,
     Indices,
+    Pairs,
     Told,
     cloud_frames,
     cloud_weights,
@@ -57,7 +58,8 @@ class AllBars:
 class BarGraph:
     """edges: all. kept: (B,) whether a bar is in the largest strongly connected component. size: the body's.
 
-    ends, starts: (B, K, 3) clouds, weights (K,), kept for errors that must look for another threshold.
+    ends, starts: (B, K, 3) clouds, weights (K,), kept for errors that must look for another threshold. jumps: the
+    nearest ones, also beyond the threshold.
     """
 
     bars: AllBars
@@ -68,6 +70,7 @@ class BarGraph:
     ends: Array
     starts: Array
     weights: Array
+    jumps: Pairs
 
 
 def all_bars(clips: Sequence[Clip]) -> AllBars:
@@ -130,9 +133,9 @@ def bar_graph(
     middles = bars.entries if cloud_at == "entry" else bars.frames[:, 0]
     ends, starts = _clouds(clips, figures, bars, bars.frames[:, 3]), _clouds(clips, figures, bars, middles)
     weights, size = cloud_weights(points), clips[0].figure.size or 1.0
-    edges, level = connect(ends, starts, weights, size, bars.natural, threshold, coverage, allow_repeat, told)
+    edges, level, jumps = connect(ends, starts, weights, size, bars.natural, threshold, coverage, allow_repeat, told)
     kept = largest_component(len(bars), edges.first, edges.second)
-    return BarGraph(bars, edges, level, kept, size, ends, starts, weights)
+    return BarGraph(bars, edges, level, kept, size, ends, starts, weights, jumps)
 
 
 def shared_points(clips: Sequence[Clip]) -> list[Figure]:

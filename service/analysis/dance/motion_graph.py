@@ -183,11 +183,20 @@ def _nearest(
 
 def largest_component(count: int, first: Indices, second: Indices) -> NDArray[np.bool_]:
     """(count,) nodes of the largest strongly connected component; of equal ones, that of the lowest node."""
+    chosen: NDArray[np.bool_] = strong_components(count, first, second) == 0
+    return chosen
+
+
+def strong_components(count: int, first: Indices, second: Indices) -> NDArray[np.intp]:
+    """(count,) the strongly connected component of each node: 0 for the largest and so on, of equal ones the one with
+    the lowest node first."""
     graph = csr_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
     _, labels = connected_components(graph, directed=True, connection="strong")
-    sizes = np.bincount(labels)[labels]
-    chosen: NDArray[np.bool_] = labels == labels[int(sizes.argmax())]
-    return chosen
+    _, lowest, sizes = np.unique(labels, return_index=True, return_counts=True)
+    rank = np.empty(len(sizes), dtype=np.intp)
+    rank[np.lexsort((lowest, -sizes))] = np.arange(len(sizes))
+    ranked: NDArray[np.intp] = rank[labels]
+    return ranked
 
 
 def least_threshold(count: int, pairs: Pairs, wanted: int) -> float | None:
@@ -220,8 +229,8 @@ def connect(
     coverage: float = 0.8,
     allow_repeat: bool = False,
     told: Told = lambda share: None,
-) -> tuple[Edges, float]:
-    """Edges between bars, and the threshold. Dance.md 7.
+) -> tuple[Edges, float, Pairs]:
+    """Edges between bars, the threshold, and all jumps that were found, also beyond it. Dance.md 7.
 
     threshold: body sizes; None: the least for which the jumps alone have a component of max(2, ceil(coverage B)) bars,
     the greatest distance if none does. How many pairs that needs is guessed; where they do not suffice, four times as
@@ -231,7 +240,7 @@ def connect(
     everything = count * count
     if threshold is not None:
         pairs = nearest_jumps(ends, starts, weights, size, natural, allow_repeat, everything, threshold, told)
-        return _edges(ends, starts, weights, size, natural, pairs), threshold
+        return _edges(ends, starts, weights, size, natural, pairs), threshold, pairs
     wanted, keep = max(2, int(np.ceil(coverage * count - 1e-9))), max(4096, 32 * count)
     while True:
         pairs = nearest_jumps(ends, starts, weights, size, natural, allow_repeat, min(keep, everything), told=told)
@@ -242,7 +251,7 @@ def connect(
     level = float(pairs.distances.max(initial=0.0)) if found is None else found
     near = pairs.distances <= level
     chosen = Pairs(pairs.first[near], pairs.second[near], pairs.distances[near], pairs.complete)
-    return _edges(ends, starts, weights, size, natural, chosen), level
+    return _edges(ends, starts, weights, size, natural, chosen), level, pairs
 
 
 def _edges(ends: Array, starts: Array, weights: Array, size: float, natural: NDArray[np.intp], pairs: Pairs) -> Edges:

@@ -23,6 +23,8 @@ SHOWN = 2000
 """Values of a curve in its data; all are in the arrays."""
 LISTED = 20_000
 """Rows of a table; what is left out is counted."""
+MOST_JUMPS = 200_000
+"""Of a graph, that another threshold can be tried on."""
 JUMP = 6.0
 """Mean speeds of a clip. Real dances reach 3; files that begin with a pose of calibration 12 to 65."""
 _UNITS = {
@@ -166,8 +168,10 @@ def source_labels(clips: Sequence[Clip], wanted: Sequence[str]) -> Part:
 
 
 def graph_part(clips: Sequence[Clip], graph: BarGraph) -> Part:
-    """Nodes: bars numbered from 1. Edges: pairs with their distance. Transforms of the jumps are in the arrays."""
-    bars, edges = graph.bars, graph.edges
+    """Nodes: bars numbered from 1. Edges: pairs with their distance. Transforms of the jumps are in the arrays, and the
+    nearest jumps, also beyond the threshold, the nearest first: bars from 0."""
+    bars, edges, jumps = graph.bars, graph.edges, graph.jumps
+    nearest = np.argsort(jumps.distances, kind="stable")[:MOST_JUMPS]
     nodes = [
         {
             "id": bar + 1,
@@ -200,6 +204,8 @@ def graph_part(clips: Sequence[Clip], graph: BarGraph) -> Part:
         "natural": edges.natural,
         "transforms": edges.transforms,
         "kept": graph.kept,
+        "jumps": np.stack([jumps.first, jumps.second], axis=1)[nearest].astype(np.int32),
+        "jump_distances": jumps.distances[nearest],
     }
     return Part("graph", data, arrays)
 

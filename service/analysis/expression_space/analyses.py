@@ -46,6 +46,7 @@ from service.analysis.expression_space.navigation import (
 )
 from service.analysis.expression_space.options import Options, check_options, options_of
 from service.analysis.expression_space.parts import parts_of
+from service.analysis.expression_space.pictures import PICTURES
 from service.analysis.expression_space.playback import markers_of, sample
 from service.analysis.expression_space.space import build
 from service.analysis.expression_space.stored import Path, Stored, from_stored, on_path, path_part
@@ -390,6 +391,7 @@ EXPRESSION = Analysis(
     extend=lambda parts, motions, _, progress: extend(parts, motions, progress),
     check=lambda parameters, _: check_options(options_from(parameters)),
     rules={"threshold": "2 (near faces near on the graph)"},
+    pictures=PICTURES,
     fewest=1,
     most=2000,
 )

@@ -34,6 +34,7 @@ from service.analysis.reach_blending.fit import fit
 from service.analysis.reach_blending.model import Model, Source
 from service.analysis.reach_blending.options import Options, options_of
 from service.analysis.reach_blending.parts import parts_of
+from service.analysis.reach_blending.pictures import PICTURES
 from service.analysis.reach_blending.stored import from_stored
 from service.analysis.reach_blending.synthesis import Wish, synthesize
 
@@ -179,6 +180,7 @@ REACH = Analysis(
     prepare=prepare,
     check=_check,
     rules={"fit": "1"},
+    pictures=PICTURES,
     fewest=2,
     most=2000,
 )

@@ -8,12 +8,14 @@ import { forget } from "./motion/source";
 import { followEvents, news } from "./state/events";
 import { followHistory } from "./state/route";
 import { followKeys } from "./state/keys";
+import { followKept } from "./state/jobs";
 import { followSettings } from "./state/settings";
 
 followSettings();
 followHistory();
 followKeys();
 followEvents();
+followKept();
 // Motion that somebody changed is asked anew where it is played next.
 effect(() => {
   if (news.value) forget(news.value.document);

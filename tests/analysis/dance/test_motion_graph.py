@@ -143,7 +143,7 @@ def test_the_threshold_is_the_least_that_connects(seed: int, wanted: int, coarse
 def test_edges_are_natural_pairs_and_jumps_up_to_the_threshold(threshold: float | None) -> None:
     ends, starts, weights = clouds(3, bars=9)
     natural = np.array([1, 2, -1, 4, 5, -1, -1, -1, -1])
-    edges, level = graph.connect(ends, starts, weights, 2.0, natural, threshold, 0.8)
+    edges, level, _ = graph.connect(ends, starts, weights, 2.0, natural, threshold, 0.8)
     pairs = all_pairs(ends, starts, weights, 2.0, natural, False)
     jumps = {p for p, d in pairs.items() if d <= level + 1e-9}
     found = set(zip(edges.first.tolist(), edges.second.tolist(), strict=True))
@@ -171,7 +171,7 @@ def test_too_few_pairs_are_guessed_anew(monkeypatch: pytest.MonkeyPatch) -> None
 
     expected = graph.connect(ends, starts, weights, 1.0, natural)
     monkeypatch.setattr(graph, "nearest_jumps", few)
-    edges, level = graph.connect(ends, starts, weights, 1.0, natural)
+    edges, level, _ = graph.connect(ends, starts, weights, 1.0, natural)
     assert len(asked) > 1
     assert level == expected[1]
     assert np.array_equal(edges.distances, expected[0].distances)
@@ -180,10 +180,10 @@ def test_too_few_pairs_are_guessed_anew(monkeypatch: pytest.MonkeyPatch) -> None
 def test_without_any_connection_the_greatest_distance_stands() -> None:
     ends, starts, weights = clouds(1, bars=2)
     natural = np.array([1, -1])
-    edges, level = graph.connect(ends, starts, weights, 1.0, natural)
+    edges, level, _ = graph.connect(ends, starts, weights, 1.0, natural)
     assert len(edges) == 2
     assert level == edges.distances.max()
-    single, level = graph.connect(ends[:1], starts[:1], weights, 1.0, np.array([-1]))
+    single, level, _ = graph.connect(ends[:1], starts[:1], weights, 1.0, np.array([-1]))
     assert (len(single), level) == (0, 0.0)
 
 

@@ -804,6 +804,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/results/{id}/picture": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_result_picture"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/results/{id}/{part}": {
         parameters: {
             query?: never;
@@ -1038,6 +1054,22 @@ export interface paths {
         get?: never;
         put?: never;
         post: operations["use_phases"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/results/{id}/edges": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["use_edges"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1289,6 +1321,10 @@ export interface components {
             };
             operations: {
                 [key: string]: components["schemas"]["OperationInfo"];
+            };
+            /** @default {} */
+            pictures: {
+                [key: string]: string;
             };
             /** @default {} */
             rules: {
@@ -1837,6 +1873,24 @@ export interface components {
             next_cursor?: string | null;
             total: number;
         };
+        EdgesDone: {
+            value: components["schemas"]["GraphEdges"];
+            clip?: components["schemas"]["ClipMotion"] | null;
+            document?: string | null;
+            result?: string | null;
+        };
+        EdgesRequest: {
+            /** @default false */
+            save: boolean;
+            name?: string | null;
+            project?: string | null;
+            parameters: components["schemas"]["EdgesWish"];
+        };
+        EdgesWish: {
+            threshold: number;
+            /** @default 5000 */
+            most: number;
+        };
         ElementChange: {
             attributes?: {
                 [key: string]: string | null;
@@ -2172,6 +2226,20 @@ export interface components {
         FramesEdited: {
             revision: number;
             frames: number;
+        };
+        GraphEdge: {
+            first: number;
+            second: number;
+            distance: number;
+            natural: boolean;
+        };
+        GraphEdges: {
+            threshold: number;
+            least: number | null;
+            greatest: number | null;
+            edges_in_all: number;
+            edges: components["schemas"]["GraphEdge"][];
+            components: number[];
         };
         GraphParameters: {
             source_bpm?: number | null;
@@ -2636,6 +2704,7 @@ export interface components {
             origin: number[];
             seconds_per_frame?: number | null;
             up: string;
+            metres?: number | null;
             data: string;
         };
         Problem: {
@@ -7205,6 +7274,58 @@ export interface operations {
             };
         };
     };
+    get_result_picture: {
+        parameters: {
+            query?: {
+                name?: string | null;
+                format?: "svg" | "png";
+                dpi?: number;
+                width?: number | null;
+                height?: number | null;
+            };
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/svg+xml": unknown;
+                    "image/png": unknown;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_result_part: {
         parameters: {
             query?: never;
@@ -7256,6 +7377,8 @@ export interface operations {
             query?: {
                 first?: number;
                 rows?: number | null;
+                row?: number[] | null;
+                dtype?: "f4" | null;
                 format?: "json" | "npy";
             };
             header?: never;
@@ -7893,6 +8016,59 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["PhasesDone"];
+                    "application/octet-stream": string;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    use_edges: {
+        parameters: {
+            query?: {
+                format?: string;
+                positions?: boolean;
+            };
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["EdgesRequest"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["EdgesDone"];
                     "application/octet-stream": string;
                 };
             };

@@ -30,6 +30,7 @@ export class Preview {
 }
 
 export type Told = Schemas["PreviewMotion"];
+type Head = Omit<Told, "data">;
 
 const MOST_FRAMES = 4000; // of one answer
 
@@ -38,23 +39,33 @@ export const stepFor = (frames: number, points: number): number => Math.max(1, M
 
 /** What the server told of a motion, to be played on a body. */
 export function previewOf(told: Told, skeleton: Skeleton, frames: number, perSecond: number, step: number): Preview {
-  const bytes = fromBase64(told.data);
-  return new Preview(skeleton, frames, perSecond, new Float32Array(bytes.buffer, bytes.byteOffset, bytes.byteLength / 4), step);
+  return new Preview(skeleton, frames, perSecond, numbersOf(told), step);
 }
 
-/** A body of nothing but what a preview says: joints, their parents, and the poses' size. */
-export function bodyOf(told: Told, frames: number): Skeleton {
-  const values = new Float32Array(fromBase64(told.data).buffer);
+/** The positions that an answer in JSON carries. */
+export function numbersOf(told: Told): Float32Array {
+  const bytes = fromBase64(told.data);
+  return new Float32Array(bytes.buffer, bytes.byteOffset, bytes.byteLength / 4);
+}
+
+/** A motion that is told as a whole, on a body of what is told of it. */
+export function wholeOf(head: Head, positions: Float32Array): Preview {
+  return new Preview(bodyOf(head, positions, head.shape[0]), head.shape[0], 1 / (head.seconds_per_frame || 1 / 30), positions, 1);
+}
+
+/** A body of nothing but what a preview says: joints, their parents, and the first pose's size. */
+export function bodyOf(told: Head, values: Float32Array, frames: number): Skeleton {
   const joints = told.bones.length;
   const side = (name: string) => (/left|^l[_A-Z]/.test(name) ? 1 : /right|^r[_A-Z]/.test(name) ? 2 : 0);
   const sides = Uint8Array.from(told.parents, (parent, point) => side(told.bones[point < joints ? point : parent]));
   let [least, most] = [Infinity, -Infinity];
   const axis = told.up.endsWith("Z") ? 2 : 1;
   for (let at = axis; at < told.parents.length * 3; at += 3) {
-    least = Math.min(least, values[at]);
-    most = Math.max(most, values[at]);
+    if (values[at] < least) least = values[at];
+    if (values[at] > most) most = values[at];
   }
   const extent = most - least;
+  const metres = told.metres ?? (extent > 0 ? USUAL_HEIGHT / extent : 1);
   return {
     view: {
       id: "", name: "", revision: 0, frames, markers: told.parents.every((one) => one < 0), likely_up: told.up, origin: told.origin,
@@ -64,10 +75,10 @@ export function bodyOf(told: Told, frames: number): Skeleton {
     edges: Int32Array.from(told.parents.flatMap((parent, point) => (parent < 0 ? [] : [parent, point]))),
     sides,
     parents: Int32Array.from(told.parents),
-    metres: extent > 0 ? USUAL_HEIGHT / extent : 1,
-    unitKnown: false,
+    metres,
+    unitKnown: Boolean(told.metres),
     zUp: axis === 2,
-    height: USUAL_HEIGHT,
+    height: extent > 0 ? extent * metres : USUAL_HEIGHT,
     head: told.bones.findIndex((name) => name.toLowerCase() === "head"),
     byName: new Map(told.bones.map((name, index) => [name, index])),
   };

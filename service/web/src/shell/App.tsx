@@ -23,6 +23,11 @@ const ClipPage = lazy(async () => (await import("../panels/clip/ClipPage")).Clip
 const XPathPage = lazy(async () => (await import("../panels/xpath/XPathPage")).XPathPage);
 const ComposerPage = lazy(async () => (await import("../panels/composer/ComposerPage")).ComposerPage);
 const RetargetPage = lazy(async () => (await import("../panels/retarget/RetargetPage")).RetargetPage);
+const BlenderPage = lazy(async () => (await import("../panels/blender/BlenderPage")).BlenderPage);
+const DancePage = lazy(async () => (await import("../panels/dance/DancePage")).DancePage);
+const FacesPage = lazy(async () => (await import("../panels/faces/FacesPage")).FacesPage);
+const AnalysesPage = lazy(async () => (await import("../panels/analyses/AnalysesPage")).AnalysesPage);
+const ResultPage = lazy(async () => (await import("../panels/analyses/ResultPage")).ResultPage);
 
 export const keysOpen = signal(false);
 export const drawerOpen = signal(false);
@@ -32,6 +37,10 @@ const RAIL: { page: string; icon: IconName; word: Word; path: string }[] = [
   { page: "xpath", icon: "xpath", word: "xpath", path: "/xpath" },
   { page: "compose", icon: "compose", word: "compose", path: "/compose" },
   { page: "retarget", icon: "retarget", word: "retarget", path: "/retarget" },
+  { page: "reach", icon: "blender", word: "blender", path: "/reach" },
+  { page: "dance", icon: "beat", word: "dance", path: "/dance" },
+  { page: "faces", icon: "face", word: "faces", path: "/faces" },
+  { page: "analyses", icon: "chart", word: "analyses", path: "/analyses" },
 ];
 
 export async function copyText(text: string, said: string): Promise<void> {
@@ -53,6 +62,9 @@ export function App() {
         { id: "goX", word: "goXpath", keys: ["G then X"], run: () => go("/xpath") },
         { id: "goC", word: "goCompose", keys: ["G then C"], run: () => go("/compose") },
         { id: "goR", word: "goRetarget", keys: ["G then R"], run: () => go("/retarget") },
+        { id: "goB", word: "goBlender", keys: ["G then B"], run: () => go("/reach") },
+        { id: "goD", word: "goDance", keys: ["G then D"], run: () => go("/dance") },
+        { id: "goF", word: "goFaces", keys: ["G then F"], run: () => go("/faces") },
         { id: "goS", word: "goSettings", keys: ["G then S"], run: () => go("/settings") },
       ]),
     [],
@@ -83,6 +95,11 @@ function PageOf() {
     case "xpath": return <XPathPage />;
     case "compose": return <ComposerPage />;
     case "retarget": return <RetargetPage />;
+    case "reach": return <BlenderPage id={id} key={id} />;
+    case "dance": return <DancePage id={id} key={id} />;
+    case "faces": return <FacesPage id={id} key={id} />;
+    case "analyses": return <AnalysesPage id={id} key={id} />;
+    case "results": return <ResultPage id={id} key={id} />;
     case "settings": return <SettingsPage />;
     default: return <div class="empty"><h1>{w("unknownPage")}</h1><p><a href="/library">{w("toLibrary")}</a></p></div>;
   }
@@ -90,7 +107,7 @@ function PageOf() {
 
 function Rail() {
   const entry = (one: (typeof RAIL)[number]) => (
-    <a key={one.page} class="rail-item" href={one.path} title={w(one.word)} aria-current={page.value === one.page || (one.page === "library" && page.value === "clip") ? "page" : undefined}
+    <a key={one.page} class="rail-item" href={one.path} title={w(one.word)} aria-current={page.value === one.page || (one.page === "library" && page.value === "clip") || (one.page === "analyses" && page.value === "results") ? "page" : undefined}
       onClick={() => (drawerOpen.value = false)}>
       <Icon name={one.icon} /><span>{w(one.word)}</span>
     </a>

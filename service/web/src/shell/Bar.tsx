@@ -7,13 +7,14 @@ import { Menu } from "../ui/Menu";
 import { SearchBox } from "../panels/library/SearchBox";
 import { w, type Word } from "../words";
 import { drawerOpen, keysOpen } from "./App";
+import { JobTray } from "./JobTray";
 import { paletteOpen } from "./Palette";
 
 /** What the open page is about, such as the clip's name. */
 export const subject = signal<{ text: string; detail?: string } | null>(null);
 
 export function Bar() {
-  const where: Partial<Record<string, Word>> = { library: "library", clip: "library", xpath: "xpath", compose: "compose", retarget: "retarget", settings: "settings" };
+  const where: Partial<Record<string, Word>> = { library: "library", clip: "library", xpath: "xpath", compose: "compose", retarget: "retarget", settings: "settings", reach: "blender", dance: "dance", faces: "faces", analyses: "analyses", results: "analyses" };
   const word = where[page.value];
   const about = subject.value;
   document.title = [about?.text, word && w(word), w("product")].filter(Boolean).join(" · ");
@@ -33,6 +34,7 @@ export function Bar() {
         <Icon name="search" /><span class="grow cut">{w("searchAll")}</span><kbd>Ctrl K</kbd>
       </button>}
       <div class="bar-end">
+        <JobTray />
         <Menu label={w("language")} className="chip" side="right" items={[
           { text: "English", checked: language.value === "en", run: () => (language.value = "en") },
           { text: "한국어", checked: language.value === "ko", run: () => (language.value = "ko") },

@@ -1,11 +1,11 @@
 /** Where one is: the address of the page is the state of the view. Pages push an entry, moves in time replace it. */
 import { computed, signal } from "@preact/signals";
 
-export type Page = "library" | "clip" | "xpath" | "compose" | "retarget" | "settings" | "unknown";
+export type Page = "library" | "clip" | "xpath" | "compose" | "retarget" | "reach" | "dance" | "faces" | "analyses" | "results" | "settings" | "unknown";
 
 export interface Route {
   page: Page;
-  /** Of the clip page: the document's id. */
+  /** What the page is about: a document, a result, an analysis; "" where none is named. */
   id: string;
   params: URLSearchParams;
 }
@@ -17,9 +17,10 @@ function parsed(): Route {
   const params = new URLSearchParams(location.search);
   const pages: Record<string, Page> = {
     "": "library", library: "library", xpath: "xpath", compose: "compose", retarget: "retarget", settings: "settings",
+    reach: "reach", dance: "dance", faces: "faces", analyses: "analyses", results: "results",
   };
   if (first === "clips" && second) return { page: "clip", id: decodeURIComponent(second), params };
-  return { page: pages[first] ?? "unknown", id: "", params };
+  return { page: pages[first] ?? "unknown", id: decodeURIComponent(second), params };
 }
 
 export const route = signal<Route>(parsed());

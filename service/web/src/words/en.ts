@@ -1,5 +1,11 @@
 /** English. Short, calm, present: what is so, then what to do. "one|many" is chosen by n. */
 export const en = {
+  blender: "Motion blender", dance: "Dance bench", faces: "Expression space", analyses: "Analyses", goBlender: "Go to the motion blender",
+  goDance: "Go to the dance bench", goFaces: "Go to the expression space", jobs: "Jobs", jobsNone: "Nothing runs. Analyses that you start are listed here.",
+  jobDone: "done", jobFailed: "failed", jobCancelled: "cancelled", jobWaiting: "waiting", openResult: "Open the result", jobEnded: "{name}: done",
+  asTable: "As a table", moreOptions: "1 more option|{n} more options", outOfRange: "A number from {least} to {most}.", noNumber: "This is no number.",
+  noWhole: "A whole number.", noJson: "Brackets or quotes are not closed.", propertyField: "Property", usePicked: "Use the clip picked in the library|Use the {n} clips picked in the library",
+  chooseOthers: "Choose others", pictureWord: "Picture", picturesFor: "A picture for a page or a paper", results: "Results",
   product: "MCML Repository",
   library: "Library", xpath: "XPath", compose: "Composer", retarget: "Retarget", settings: "Settings", apiReference: "API reference",
   skip: "Skip to the content", menu: "Pages", pin: "Show words", unpin: "Icons only",

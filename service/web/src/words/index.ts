@@ -9,8 +9,11 @@ export type Word = keyof Words;
 const TABLES: Record<"en" | "ko", Words> = { en, ko };
 
 /** A sentence with its values. "one|many" chooses by `n`. */
-export function w(word: Word, values: Record<string, string | number> = {}): string {
-  const forms = TABLES[language.value][word].split("|");
+export const w = (word: Word, values: Record<string, string | number> = {}): string => filled(TABLES[language.value][word], values);
+
+/** A sentence of any table with its values. */
+export function filled(sentence: string, values: Record<string, string | number>): string {
+  const forms = sentence.split("|");
   const form = forms.length === 2 && values.n !== 1 ? forms[1] : forms[0];
   return form.replace(/\{(\w+)\}/g, (_, name: string) => {
     const value = values[name];

@@ -2,6 +2,12 @@
 import type { en } from "./en";
 
 export const ko: typeof en = {
+  blender: "모션 블렌더", dance: "댄스 벤치", faces: "표정 공간", analyses: "분석", goBlender: "모션 블렌더로 가기",
+  goDance: "댄스 벤치로 가기", goFaces: "표정 공간으로 가기", jobs: "작업", jobsNone: "실행 중인 작업이 없습니다. 시작한 분석이 여기에 나타납니다.",
+  jobDone: "완료", jobFailed: "실패", jobCancelled: "취소됨", jobWaiting: "대기 중", openResult: "결과 열기", jobEnded: "{name}: 완료했습니다",
+  asTable: "표로 보기", moreOptions: "옵션 {n}개 더", outOfRange: "{least}에서 {most}까지의 수입니다.", noNumber: "수가 아닙니다.",
+  noWhole: "정수여야 합니다.", noJson: "괄호나 따옴표가 닫히지 않았습니다.", propertyField: "특성", usePicked: "라이브러리에서 고른 클립 {n}개 사용",
+  chooseOthers: "다른 클립 고르기", pictureWord: "그림", picturesFor: "문서나 논문에 쓸 그림", results: "결과",
   product: "MCML 저장소",
   library: "라이브러리", xpath: "XPath", compose: "이어붙이기", retarget: "리타기팅", settings: "설정", apiReference: "API 문서",
   skip: "본문으로 건너뛰기", menu: "메뉴", pin: "이름 보기", unpin: "아이콘만 보기",

@@ -1,14 +1,19 @@
 // @vitest-environment happy-dom
 import { describe, expect, it } from "vitest";
 import { language } from "../state/settings";
-import { duration, rate, w, type Word } from ".";
+import { duration, rate, w } from ".";
 import { en } from "./en";
 import { ko } from "./ko";
 
 const holes = (text: string) => [...new Set(text.match(/\{\w+\}/g) ?? [])].sort();
 
+type Table = Record<string, string>;
+const panels = import.meta.glob<Record<string, { en: Table; ko: Table }>>("../panels/*/words.ts", { eager: true });
+const tables: [string, Table, Table][] = [["shared", en, ko], ...Object.entries(panels).flatMap(([file, found]) => Object.values(found).map(({ en, ko }): [string, Table, Table] => [file, en, ko]))];
+const all = tables.flatMap(([file, english, korean]) => Object.keys(english).map((word) => [file, word, english, korean] as const));
+
 describe("the words of both languages", () => {
-  it.each(Object.keys(en) as Word[])("%s: the same values stand in both sentences, one or two forms", (word) => {
+  it.each(all)("%s %s: the same values stand in both sentences, one or two forms", (_, word, en, ko) => {
     expect(holes(ko[word])).toEqual(holes(en[word]));
     for (const table of [en, ko]) {
       const forms = table[word].split("|");
@@ -17,6 +22,10 @@ describe("the words of both languages", () => {
       // What is one is said without its number, or with it; what is many shows every value.
       if (forms.length === 2) expect(holes(forms[1])).toEqual(holes(table[word]));
     }
+  });
+
+  it("have the same keys", () => {
+    for (const [, english, korean] of tables) expect(Object.keys(korean).sort()).toEqual(Object.keys(english).sort());
   });
 
   it("are filled with numbers as each language writes them", () => {
