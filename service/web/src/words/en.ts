@@ -105,7 +105,7 @@ export const en = {
   applyToMany: "Apply to many", applyMany: "Put many clips on {name}", whichClips: "Which clips", noCollections: "There is no collection yet",
   applyHelp: "The mapping and the options of this page are used for each clip.", applyNow: "Make the clips", manyRunning: "{done} of {n} done",
   manyDone: "1 clip made.|{n} clips made.", manyStopped: "Stopped; 1 clip made stays.|Stopped; {n} clips made stay.",
-  manyFailed: "1 failed.|{n} failed.", manyWorst: "at most {value}° off", chooseOthers: "Choose others",
+  manyFailed: "1 failed.|{n} failed.", manyWorst: "at most {value}° off", chooseAgain: "Choose others",
 
   // Questions by choosing
   builder: "Builder", framesWhere: "Frames where", everyRow: "all of these hold", anyRow: "any of these holds", and: "and", or: "or", is: "is",

@@ -96,7 +96,7 @@ export const ko: typeof en = {
   footSlides: "{foot} 미끄러짐 {before}, 이후 {after}. 딛는 프레임", contactOf: "{foot} 접지, {first}-{last}프레임", andMore: "외 {n}개", applyToMany: "여러 클립에 적용",
   applyMany: "여러 클립을 {name}에 리타기팅", whichClips: "대상 클립", noCollections: "아직 모음이 없습니다", applyHelp: "이 화면의 관절 대응과 옵션을 모든 클립에 씁니다.", applyNow: "클립 만들기",
   manyRunning: "{n}개 중 {done}개 완료", manyDone: "클립 {n}개를 만들었습니다.", manyStopped: "멈췄습니다. 만든 클립 {n}개는 남아 있습니다.", manyFailed: "{n}개는 만들지 못했습니다.",
-  manyWorst: "최대 {value}° 차이", chooseOthers: "다시 고르기",
+  manyWorst: "최대 {value}° 차이", chooseAgain: "다시 고르기",
 
   // Questions by choosing
   builder: "조건 만들기", framesWhere: "다음에 맞는 프레임", everyRow: "모두 만족", anyRow: "하나라도 만족", and: "그리고", or: "또는", is: "같음", isNot: "같지 않음", contains: "포함",

@@ -81,7 +81,7 @@ export function Many({ body, request, onClose }: { body: { id: string; name: str
             {running ? <button type="button" class="button" onClick={() => stop.current?.abort()}>{w("cancel")}</button> : (
               <>
                 {made.length > 0 && <button type="button" class="button" onClick={() => { void library.removeDocuments(made); setRows([]); setState("choosing"); }}>{w("undo")}</button>}
-                <button type="button" class="button" onClick={() => setState("choosing")}>{w("chooseOthers")}</button>
+                <button type="button" class="button" onClick={() => setState("choosing")}>{w("chooseAgain")}</button>
               </>
             )}
           </div>
