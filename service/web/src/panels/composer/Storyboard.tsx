@@ -71,7 +71,7 @@ export function Storyboard({ board, composed }: { board: Board; composed: Compos
             style={{ flex: width ? `0 0 ${width}` : `${lasting(each) / whole} 1 0`, minWidth: width ? "0" : undefined, marginLeft: pushed, transform: moved ? `translateX(${moved.pixels}px)` : undefined }}>
             <div class="piece-row">
               {index > 0 && <Seam board={board} index={index} composed={composed} />}
-              <button type="button" class="piece" aria-pressed={shown && here.kind === "piece"} aria-label={pieceWords(one, index)} tabIndex={shown ? 0 : -1} data-key={each.key}
+              <button type="button" class="piece" aria-pressed={shown && here.kind === "piece"} tabIndex={shown ? 0 : -1} data-key={each.key}
                 onPointerDown={(event) => take(event, index)} onClick={() => (board.chosen.value = { kind: "piece", key: each.key })}
                 onDragOver={(event) => { event.preventDefault(); over.value = index; }} onDragLeave={() => (over.value = null)} onDrop={(event) => onDrop(event, index)}
                 onKeyDown={(event) => {
@@ -82,8 +82,8 @@ export function Storyboard({ board, composed }: { board: Board; composed: Compos
                   event.preventDefault();
                   event.stopPropagation();
                 }}>
-                <strong class="cut">{one.name || "…"}</strong>
-                <span class="dim cut row">{number(one.first)}–{number(one.last)}{one.speed !== 1 && <span>× {number(one.speed, 2)}</span>}{one.mirror && <Icon name="mirror" />}</span>
+                <span class="unseen">{w("piece", { n: index + 1 })}: </span><strong class="cut">{one.name || "…"}</strong>
+                <span class="dim cut row">{number(one.first)}–{number(one.last)}{one.speed !== 1 && <span>× {number(one.speed, 2)}</span>}{one.mirror && <><Icon name="mirror" /><span class="unseen">{w("mirrored")}</span></>}</span>
                 <Spans piece={one} />
                 <Playhead board={board} index={index} />
               </button>
@@ -97,9 +97,6 @@ export function Storyboard({ board, composed }: { board: Board; composed: Compos
     </div>
   );
 }
-
-const pieceWords = (one: Piece, index: number): string =>
-  [`${w("piece", { n: index + 1 })}: ${one.name}`, `${number(one.first)}–${number(one.last)}`, one.speed === 1 ? "" : `× ${number(one.speed, 2)}`, one.mirror ? w("mirrored") : ""].filter(Boolean).join(", ");
 
 function Seam({ board, index, composed }: { board: Board; index: number; composed: Composed | null }) {
   const piece = board.pieces.value[index];
