@@ -1,7 +1,7 @@
 """Starts `mcml` by forking a process that has imported it: each example of the docs would import it again otherwise.
 
-`python -m tests.docs.starter SOCKET` waits there. CLIENT is a script that stands in the place of `mcml`: it hands over its
-arguments, folder, environment and open files, and ends as the command ends.
+`python -m tests.docs.starter SOCKET` waits there. CLIENT is a script that stands in the place of `mcml`: it hands
+over its arguments, folder, environment and open files, and ends as the command ends.
 """
 
 from __future__ import annotations

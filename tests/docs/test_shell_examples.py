@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from service.actions.importing.load_demo import demo_files, load_demo
+from service.actions.importing.load_demo import demo_files
 from service.actions.reading.import_options import Label
 from service.app import create_app
 from service.settings import Settings
@@ -41,24 +41,13 @@ def blocks(page: Path) -> list[tuple[str, str]]:
 PAGES = [page for page in [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))] if "sh" in dict(blocks(page))]
 
 
-@pytest.fixture(scope="session")
-def library(sqlite_template: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A store with the demo library."""
-    path = tmp_path_factory.mktemp("library") / "library.db"
-    shutil.copy(sqlite_template, path)
-    database = Database(f"sqlite:///{path}")
-    load_demo(database, Settings())
-    database.close()
-    return path
-
-
 @pytest.fixture
 def served_library(page: Path, request: pytest.FixtureRequest, sqlite_template: Path, tmp_path: Path) -> Database:
     """What a page is about: the demo library for those with analyses, else a walk and a reach in the project gait."""
     path = tmp_path / "store.db"
     demo = page.name in ("README.md", "analyses.md")
     alone = demo or page.name == "stories.md" or "tasks" in page.parts
-    shutil.copy(request.getfixturevalue("library") if demo else sqlite_template, path)
+    shutil.copy(request.getfixturevalue("demo_library") if demo else sqlite_template, path)
     database = Database(f"sqlite:///{path}")
     files = demo_files()
     walk, reach = {"walk.bvh": files.pop("walk.bvh")}, files

@@ -49,6 +49,7 @@ def browser() -> Iterator[Any]:
     # Of the module: sync Playwright keeps an event loop running, which every later asyncio.run() would trip over.
     api = pytest.importorskip("playwright.sync_api")
     path = chromium()
+    api.expect.set_options(timeout=PATIENCE)
     with api.sync_playwright() as playwright:
         launched = playwright.chromium.launch(executable_path=path, args=FLAGS)
         yield launched
