@@ -12,13 +12,14 @@ from schemas.retarget import WantedMapping
 
 
 class Layer(BaseModel):
-    """Bones that move as in another clip, frame by frame from the segment's first frame on."""
+    """Bones that move as in another clip, frame by frame from frame `at` of the segment on."""
 
     model_config = ConfigDict(extra="forbid")
 
     document: str
     first: int = Field(1, ge=1)
     last: int | None = Field(None, ge=1)
+    at: int = Field(1, ge=1, le=2**31 - 1, description="Frame of the segment, from 1, where it begins")
     bones: list[str] = Field(min_length=1, max_length=10_000, description="By MCML name")
     strength: float = Field(1.0, ge=0, le=1, description="1: wholly as in the other clip")
     ease: int = Field(0, ge=0, le=100_000, description="Frames over which the layer comes and goes")

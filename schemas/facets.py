@@ -26,7 +26,8 @@ class SkeletonCount(BaseModel):
 
 
 class Histogram(BaseModel):
-    """Bins of equal width. edges: one more than counts; each bin begins with its edge, the last one ends with one."""
+    """Bins of equal width, or of equal ratio where the greatest number is over 50 times the smallest. edges: one more
+    than counts; each bin begins with its edge, the last one ends with one."""
 
     edges: list[float]
     counts: list[int]

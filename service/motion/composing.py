@@ -339,17 +339,18 @@ def layered(
     joints: Sequence[int],
     strength: Array,
     reading: Reading = DEGREES,
+    first: int = 0,
 ) -> Edited:
     """Joints of one clip on the body of another, frame by frame: the arms of a wave on the legs of a walk.
 
     joints: they turn, and move in their parents, as in `over`; the others as in `base`. strength: (n,) for the frames
-    of the base: 0 its own, 1 the other's, bit by bit; between them on the way from one to the other. Where `over` has
-    ended, the base goes on alone.
+    of the base: 0 its own, 1 the other's, bit by bit; between them on the way from one to the other. first: frame
+    of the base, from 0, where `over` begins. Before it, and where `over` has ended, the base goes on alone.
     """
     columns = skeleton.columns()
-    count = min(len(base), len(over))
-    rows = np.minimum(np.arange(len(base)), max(len(over) - 1, 0))
-    share = np.where(np.arange(len(base)) < count, strength, 0.0)
+    place = np.arange(len(base)) - first
+    rows = np.clip(place, 0, max(len(over) - 1, 0))
+    share = np.where((place >= 0) & (place < len(over)), strength, 0.0)
     one, two = (HubReader(skeleton, reading).read(block) for block in (base, over))
     chosen = np.unique(np.array(joints, dtype=np.intp))
     moved, turned, scales = one.translations.copy(), one.rotations.copy(), one.scales.copy()

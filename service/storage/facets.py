@@ -20,6 +20,10 @@ Counts = list[tuple[Any, int]]
 """(value, documents), the most frequent first."""
 
 
+FAR = 50.0
+"""Times the smallest number: beyond it bins are of equal ratio."""
+
+
 @dataclass(frozen=True)
 class Bins:
     """Numbers of documents. edges: of the bins, one more than counts; the last one is included."""
@@ -117,11 +121,19 @@ def _properties(tx: Transaction, wanted: DocumentFilter, most: int, bins: int) -
 
 
 def binned(values: list[float], bins: int) -> Bins | None:
-    """Bins of equal width from the least to the greatest; one where all are equal, None where there are none."""
+    """Bins of equal width from the least to the greatest; of equal ratio where numbers, none below 0, are of far
+    different sizes, so that few large ones do not put all others into one bin (zeros are in the first). One bin where
+    all are equal, None where there are none."""
     if not values:
         return None
     least, greatest = min(values), max(values)
     if not np.isfinite(greatest - least) or greatest - least <= 1e-12 * max(abs(least), abs(greatest)):
         return Bins([least, greatest], [len(values)])
-    counts, edges = np.histogram(values, bins, (least, greatest))
+    smallest = min((value for value in values if value > 0), default=greatest)
+    if least >= 0 and greatest > FAR * smallest:
+        wanted = np.geomspace(smallest, greatest, bins + 1)
+        wanted[0], wanted[-1] = least, greatest
+    else:
+        wanted = np.linspace(least, greatest, bins + 1)
+    counts, edges = np.histogram(values, wanted)
     return Bins(edges.tolist(), counts.tolist())

@@ -122,6 +122,11 @@ def test_layers_take_bones_of_another_clip(client: TestClient, walk: str, wave: 
     expected[:, taken] = values(client, wave)[10:110][:, taken]
     assert len(taken) >= 6
     assert np.array_equal(values(client, made["document"]), expected)
+    layer = {"document": wave, "first": 11, "last": 40, "at": 21, "bones": arms}
+    later = compose(client, {"document": walk, "first": 1, "last": 100, "layers": [layer]})
+    expected = values(client, walk)[:100]
+    expected[20:50, taken] = values(client, wave)[10:40][:, taken]
+    assert np.array_equal(values(client, later["document"]), expected)
 
 
 def test_header_and_provenance(client: TestClient, walk: str, wave: str) -> None:
@@ -151,6 +156,7 @@ def test_what_cannot_be_composed(client: TestClient, walk: str) -> None:
     assert refused({"first": 1}) == 422
     assert refused() == 422
     assert refused({"document": walk, "layers": [{"document": walk, "bones": ["tail"]}]}) == 422
+    assert refused({"document": walk, "last": 9, "layers": [{"document": walk, "bones": ["Root"], "at": 10}]}) == 422
     assert client.get(f"{API}/documents").json()["total"] == 2
 
 

@@ -289,19 +289,20 @@ def test_layers_take_bones_of_another_clip(convention: Convention, seed: int) ->
     over = cut(over, 0, int(rng.integers(1, 21)))
     joints = [index for index in range(len(skeleton)) if rng.random() < 0.5]
     strength = rng.choice([0.0, 0.25, 1.0], len(base))
-    result = layered(skeleton, base, over, joints, strength, reading).block
+    begin = int(rng.choice([0, rng.integers(0, len(base))]))
+    result = layered(skeleton, base, over, joints, strength, reading, begin).block
     one, two, made = (HubReader(skeleton, reading).read(part) for part in (base, over, result))
     for index, (joint, _) in enumerate(skeleton.columns()):
         for frame in range(len(base)):
-            share = strength[frame] if joint in joints and frame < len(over) else 0.0
+            share = strength[frame] if joint in joints and 0 <= frame - begin < len(over) else 0.0
             if share in (0.0, 1.0):
-                source = over if share else base
-                assert result.values[frame, index] == in_columns(source, skeleton.columns())[frame, index]
+                source, row = (over, frame - begin) if share else (base, frame)
+                assert result.values[frame, index] == in_columns(source, skeleton.columns())[row, index]
     for joint in joints:
-        for frame in np.flatnonzero(strength[: len(over)] == 0.25):
+        for frame in begin + np.flatnonzero(strength[begin : begin + len(over)] == 0.25):
             first, last = (
                 Rotation.from_quat(one.rotations[frame, joint]),
-                Rotation.from_quat(two.rotations[frame, joint]),
+                Rotation.from_quat(two.rotations[frame - begin, joint]),
             )
             expected = first * Rotation.from_rotvec(0.25 * (first.inv() * last).as_rotvec())
             apart = (expected.inv() * Rotation.from_quat(made.rotations[frame, joint])).magnitude()

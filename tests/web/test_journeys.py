@@ -99,7 +99,7 @@ def test_two_clips_are_composed(visit: Visit, studio: Served) -> None:
     page = visit.open("/compose")
     page.get_by_role("button", name="Add one").click()
     page.get_by_role("button", name="Add two").click()
-    expect(page.get_by_role("listbox", name="Pieces").get_by_role("option")).to_have_count(2)
+    expect(page.get_by_role("group", name="Pieces").get_by_role("button", name="Piece")).to_have_count(2)
     expect(page.get_by_role("status").filter(has_text="in 2 pieces")).to_be_visible()
     assert f"s={one},{two}" in page.url.replace("%2C", ",")
     page.get_by_label("to", exact=True).fill("20")

@@ -83,6 +83,12 @@ def test_only_the_scene_knows_three() -> None:
             assert "fetch" not in text.replace("never fetches", ""), file
 
 
+def test_questions_are_asked_in_dialogs_of_the_studio() -> None:
+    asks = re.compile(r"(?<![\w.])(window\.)?(prompt|confirm|alert)\(")
+    found = [path.name for path in (WEB / "src").rglob("*.ts*") if asks.search(path.read_text(encoding="utf-8"))]
+    assert found == [], "the browser's own boxes stop the page: ui/Dialog.tsx, ui/AskName.tsx"
+
+
 def test_files_are_short() -> None:
     for file in (WEB / "src").rglob("*.ts*"):
         if file.name != "types.gen.ts":

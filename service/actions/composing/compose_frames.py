@@ -257,8 +257,14 @@ class _Fitting:
         other = self._fitted(stored, whole, mapping_of(self._tx, self._project, layer.mapping), seconds)
         if seconds != source.frame_time:
             other = resampled(skeleton, other, seconds, source.frame_time, reading).block
-        count = min(len(block), len(other))
+        begin = layer.at - 1
+        if begin >= len(block):
+            raise DocumentError(
+                f"A layer begins at frame {layer.at} of a segment of {len(block)} frames.",
+                remedy="Frames of the segment count from 1.",
+            )
+        count = min(len(block) - begin, len(other))
         strength = np.zeros(len(block))
-        strength[:count] = layer.strength * eased(count, 0, count - 1, layer.ease)
+        strength[begin : begin + count] = layer.strength * eased(count, 0, count - 1, layer.ease)
         joints = [skeleton.names.index(bone) for bone in layer.bones]
-        return layered(skeleton, block, other, joints, strength, reading).block
+        return layered(skeleton, block, other, joints, strength, reading, begin).block

@@ -2450,6 +2450,8 @@ export interface components {
             /** @default 1 */
             first: number;
             last?: number | null;
+            /** @default 1 */
+            at: number;
             bones: string[];
             /** @default 1 */
             strength: number;

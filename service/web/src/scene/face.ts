@@ -5,7 +5,7 @@ import { bind, fitted, follow, surfaceOf, type Binding, type Facing } from "../m
 
 export type Skin = "markers" | "surface" | "mesh";
 
-const ROOM = 1.25; // of the window that the face leaves free
+const ROOM = 1.0; // of the window that the face leaves free
 
 export class FaceStage {
   private readonly renderer = new THREE.WebGLRenderer({ antialias: true });
@@ -39,7 +39,7 @@ export class FaceStage {
     const light = new THREE.DirectionalLight(0xffffff, 2.2);
     const [right, up, out] = [facing.right, facing.up, facing.out].map((one) => new THREE.Vector3(...(one as [number, number, number])));
     light.position.copy(out).addScaledVector(up, 0.9).addScaledVector(right, -0.7);
-    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x606a78, 1.3), light, this.dots, this.surface);
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a94a2, 2.2), light, this.dots, this.surface);
     const middle = box.getCenter(new THREE.Vector3());
     this.camera.up.copy(up);
     this.camera.position.copy(middle).addScaledVector(out, (this.extent * ROOM) / 2 / Math.tan((this.camera.fov * Math.PI) / 360));
@@ -118,7 +118,7 @@ export class FaceStage {
   recolour(): void {
     this.renderer.setClearColor(new THREE.Color(this.token("well")));
     (this.dots.material as THREE.MeshStandardMaterial).color.set(this.token("accent"));
-    for (const shape of [this.surface, this.mesh?.shape]) (shape?.material as THREE.MeshStandardMaterial | undefined)?.color.set(this.token("centre"));
+    for (const shape of [this.surface, this.mesh?.shape]) (shape?.material as THREE.MeshStandardMaterial | undefined)?.color.set(this.token("edge"));
     this.ask();
   }
 

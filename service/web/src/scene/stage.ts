@@ -19,6 +19,7 @@ export interface Shown { follow: boolean; ghosts: boolean; trails: boolean; name
 export interface Pose { positions: Float32Array | null; before: (Float32Array | null)[]; trail: Float32Array[] }
 
 const PICK_PIXELS = 14;
+const MOST_NAMED = 4; // of joints that are selected: more names would cover one another
 
 export class Stage {
   readonly canvas: HTMLCanvasElement;
@@ -301,6 +302,7 @@ export class Stage {
           pen.arc(at.x, at.y, 9, 0, Math.PI * 2);
           pen.stroke();
         }
+        if (!this.shown.names && point !== this.hovered && this.selected.size > MOST_NAMED) return;
         pen.lineWidth = 3;
         pen.strokeStyle = this.token("well");
         pen.strokeText(bone.name, at.x + 14, at.y);

@@ -80,6 +80,13 @@ export function MotionView({ actors, selected, onPick, onStage, label, names = f
   );
 }
 
+/** The first joint that branches: some files have a root that stays on the ground. */
+function pelvisOf({ parents, points }: Skeleton): number {
+  const children = new Int32Array(points);
+  for (const parent of parents) if (parent >= 0) children[parent]++;
+  return Math.max(0, children.findIndex((count) => count > 1));
+}
+
 /** The pose over the origin, its feet on the ground as they stood when it was seen first. */
 function standing({ skeleton }: Actor, positions: Float32Array | null, floors: number[], index: number): Float32Array | null {
   if (!positions) return null;
@@ -89,7 +96,8 @@ function standing({ skeleton }: Actor, positions: Float32Array | null, floors: n
     for (let at = up; at < positions.length; at += 3) least = Math.min(least, positions[at]);
     floors[index] = Number.isFinite(least) ? least : 0;
   }
-  const base = [positions[0], positions[1], positions[2]];
+  const pelvis = pelvisOf(skeleton) * 3;
+  const base = [positions[pelvis], positions[pelvis + 1], positions[pelvis + 2]];
   base[up] = floors[index];
   return positions.map((value, at) => value - base[at % 3]);
 }

@@ -33,6 +33,8 @@ const PATHS = {
   eye: "M1.5 8S4 3.5 8 3.5 14.5 8 14.5 8 12 12.5 8 12.5 1.5 8 1.5 8zM8 6.200a1.8 1.8 0 1 0 0 3.6 1.8 1.8 0 0 0 0-3.600z",
   more: "M3.5 8h.1M8 8h.1M12.5 8h.1",
   label: "M2.5 3.500h6l5 4.5-5 4.500h-6z",
+  layer: "M8 2L14 5.500 8 9 2 5.500zM2 9l6 3.500L14 9",
+  mirror: "M8 2v12M6 4.500L2 11.500h4zM10 4.500l4 7h-4z",
 } as const;
 
 export type IconName = keyof typeof PATHS;

@@ -91,4 +91,49 @@ export const en = {
 
   // Retarget
   sourceClip: "Motion", targetClip: "Onto the body of", choose: "Choose a clip", mapping: "Mapping", mappedOf: "{n} of {total} joints", notMapped: "not mapped", retargetNow: "Make the clip", retargeting: "Retargeting", retargetEmpty: "Put a motion on another body", retargetHelp: "Choose the motion, and a clip with the body it shall move.", report: "Report", mappingName: "Save this mapping as", retargeted: "Stored as {name}", cleanFeet: "Hold feet where they stand", slides: "{foot} slides",
+
+  // Storyboard
+  binSearch: "words, or //xpath for runs", addAll: "Add all {n}", binFirst: "The first {n} are shown; a narrower question finds fewer.",
+  addLayer: "Add as a layer", layer: "Layer", layerAt: "begins at", strength: "Strength", ease: "eases over", chooseJoints: "Choose joints",
+  chooseJointsHelp: "These joints move as in the layer, the others as in the piece. A click on a joint in the viewer does the same.",
+  partUpper: "upper body", partArms: "arms", partLeftArm: "left arm", partRightArm: "right arm", partHead: "neck and head", partLegs: "legs",
+  mirror: "Mirror", mirrored: "mirrored", allTransitions: "Transitions", startAnew: "Start anew", seamOf: "Seam {n} to {next}, {frames} frames",
+  seamHelp: "Press to edit this transition; drag to make it longer or shorter", seamBetween: "Seam {n} to {next}",
+  transitionStyle: "Kind of transition", asAll: "as all: {what}", asAllSeams: "As all seams", bridgeHelp: "New frames between the two pieces",
+  crossfadeHelp: "So many frames of both, blended", seamSmooth: "Smooth: the largest step is {step} of those inside.",
+  seamRough: "Jumps: the largest step is {step} times those inside.", seamPlaced: "Turned {degrees}°, moved {shift}.",
+  seamNone: "These frames follow one another in their clip: nothing is changed.", seamLonger: "Make it {n} frames",
+  layersHelp: "A layer puts some joints of one clip on another, such as the arms of a wave on a walk: drop it below a piece.",
+
+  // Retargeting of one and of many
+  options: "Options", scaleOf: "way × {value}", cleanFeetHelp: "Where a foot stands it does not slide; the legs give way.",
+  matchRest: "Match the rest poses", matchRestHelp: "Joints turn from their rest pose as in the motion. Otherwise bones point where they pointed.",
+  ownScale: "Scale of the way", ownScaleHelp: "How far the body goes, against the motion. Otherwise by the length of the legs.",
+  goToFrame: "Go to frame {n}", worstFrame: "The worst frame is {n}", bone: "Bone", mean: "mean", largest: "largest", atFrame: "at frame",
+  footSlides: "{foot} slides {before}, then {after}. Stands in", contactOf: "{foot} stands in frames {first} to {last}", andMore: "and {n} more",
+  applyToMany: "Apply to many", applyMany: "Put many clips on {name}", whichClips: "Which clips", noCollections: "There is no collection yet",
+  applyHelp: "The mapping and the options of this page are used for each clip.", applyNow: "Make the clips", manyRunning: "{done} of {n} done",
+  manyDone: "1 clip made.|{n} clips made.", manyStopped: "Stopped; 1 clip made stays.|Stopped; {n} clips made stay.",
+  manyFailed: "1 failed.|{n} failed.", manyWorst: "at most {value}° off", chooseAgain: "Choose others",
+
+  // Questions by choosing
+  builder: "Builder", framesWhere: "Frames where", everyRow: "all of these hold", anyRow: "any of these holds", and: "and", or: "or", is: "is",
+  isNot: "is not", contains: "contains", jointValue: "Value of a bone", frameNumbersOf: "Place in the clip", comparison: "Comparison",
+  conditionOf: "Condition {n}", removeCondition: "Remove condition {n}", builderFolded: "The expression below was written by hand.",
+  builderAgain: "Use the builder instead", asPython: "as Python", firstShown: "The first {n} are listed; scroll for more.",
+  cutOff: "Stopped at a limit: this is what was found until then. Choose a scope, or ask for a motion name first.",
+  toComposerFirst: "First {n} to composer", noAnswerHelp: "Choose a wider scope, or begin with one condition and add others.",
+  exampleName: "Frames of one motion name", exampleBent: "Frames in which the left elbow is bent",
+  exampleBegin: "The first thirty frames of each clip", exampleNot: "Frames without that name", exampleNames: "All motion names there are",
+  exampleCount: "How many frames there are", exampleBones: "The head of each skeleton", exampleClips: "Clips whose file was called so",
+
+  // Saved filters, first start
+  lengthInSeconds: "Length in seconds", clear: "Clear", savedFilters: "Saved filters", saveFilter: "Save this filter",
+  saveFilterHelp: "It is kept for the team, and finds what fits whenever it is chosen. Its address can be shared.",
+  saveFilterNot: "A filter with a collection, or with XPath and more, is kept by its address (Y).", removeFilter: "Remove the filter {name}",
+  filterRemoved: "Filter removed: {name}", welcome: "Motion, read and written",
+  welcomeHelp: "This library has {n} demo clips. Look round in them, or begin with your own.", welcomeDrop: "Drop your files",
+  welcomeDropHelp: "BVH, ASF and AMC, HTR, C3D, TRC, MCML, or a zip", welcomeAsk: "Try a query",
+  welcomeAskHelp: "Find every frame in which someone waves", welcomeMake: "Make a motion",
+  welcomeMakeHelp: "A walk that becomes a dance, from two demo clips", welcomeGone: "Do not show this again", welcomePlays: "{name} plays",
 };

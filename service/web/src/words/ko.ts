@@ -87,4 +87,38 @@ export const ko: typeof en = {
   newName: "새 클립의 이름", composed: "저장했습니다: {name}", total: "조각 {n}개, {time}", seam: "이음매", composeEmpty: "저장된 클립으로 새 클립을 만드세요", fitOnAdd: "다른 스켈레톤의 조각은 리타기팅합니다.",
 
   sourceClip: "동작", targetClip: "옮길 몸", choose: "클립 고르기", mapping: "관절 대응", mappedOf: "관절 {total}개 중 {n}개", notMapped: "대응 없음", retargetNow: "클립 만들기", retargeting: "리타기팅 중", retargetEmpty: "동작을 다른 몸으로 옮기세요", retargetHelp: "동작과, 그 동작을 할 몸이 있는 클립을 고르세요.", report: "보고", mappingName: "이 대응을 저장", retargeted: "저장했습니다: {name}", cleanFeet: "디딘 발을 고정", slides: "{foot} 미끄러짐",
+
+  // Storyboard
+  binSearch: "단어, 또는 연속 프레임을 찾는 //xpath", addAll: "{n}개 모두 추가", binFirst: "처음 {n}개만 보입니다. 질의를 더 좁혀 보세요.", addLayer: "레이어로 추가", layer: "레이어",
+  layerAt: "시작 프레임", strength: "세기", ease: "서서히 바뀌는 프레임", chooseJoints: "관절 고르기",
+  chooseJointsHelp: "고른 관절은 레이어처럼, 나머지는 조각처럼 움직입니다. 화면에서 관절을 눌러도 됩니다.", partUpper: "상체", partArms: "두 팔", partLeftArm: "왼팔", partRightArm: "오른팔",
+  partHead: "목과 머리", partLegs: "두 다리", mirror: "좌우 바꾸기", mirrored: "좌우 바뀜", allTransitions: "전체 전환", startAnew: "새로 시작",
+  seamOf: "이음매 {n}-{next}, {frames}프레임", seamHelp: "누르면 이 전환을 고치고, 끌면 길이가 바뀝니다", seamBetween: "이음매 {n}-{next}", transitionStyle: "전환 방식",
+  asAll: "전체와 같게: {what}", asAllSeams: "모든 이음매와 같게", bridgeHelp: "두 조각 사이에 새 프레임을 만듭니다", crossfadeHelp: "두 조각의 프레임을 그만큼 섞습니다",
+  seamSmooth: "매끄럽습니다. 가장 큰 변화가 조각 안의 {step}배입니다.", seamRough: "튑니다. 가장 큰 변화가 조각 안의 {step}배입니다.", seamPlaced: "{degrees}° 돌리고 {shift}만큼 옮겼습니다.",
+  seamNone: "원래 클립에서 이어지는 프레임이라 바뀐 것이 없습니다.", seamLonger: "{n}프레임으로 늘리기", layersHelp: "레이어는 한 클립의 관절 일부를 다른 클립에 얹습니다. 걷기에 손 흔들기를 얹으려면 조각 아래에 놓으세요.",
+
+  // Retargeting of one and of many
+  options: "옵션", scaleOf: "이동 거리 × {value}", cleanFeetHelp: "딛고 있는 발이 미끄러지지 않도록 다리를 맞춥니다.", matchRest: "기준 자세 맞추기",
+  matchRestHelp: "관절이 기준 자세에서 원래 동작만큼 돕니다. 아니면 뼈가 원래 방향을 가리킵니다.", ownScale: "이동 거리의 배율", ownScaleHelp: "몸이 이동하는 거리의 배율입니다. 아니면 다리 길이로 정합니다.",
+  goToFrame: "{n}프레임으로 가기", worstFrame: "가장 나쁜 프레임은 {n}입니다", bone: "뼈", mean: "평균", largest: "최대", atFrame: "프레임",
+  footSlides: "{foot} 미끄러짐 {before}, 이후 {after}. 딛는 프레임", contactOf: "{foot} 접지, {first}-{last}프레임", andMore: "외 {n}개", applyToMany: "여러 클립에 적용",
+  applyMany: "여러 클립을 {name}에 리타기팅", whichClips: "대상 클립", noCollections: "아직 모음이 없습니다", applyHelp: "이 화면의 관절 대응과 옵션을 모든 클립에 씁니다.", applyNow: "클립 만들기",
+  manyRunning: "{n}개 중 {done}개 완료", manyDone: "클립 {n}개를 만들었습니다.", manyStopped: "멈췄습니다. 만든 클립 {n}개는 남아 있습니다.", manyFailed: "{n}개는 만들지 못했습니다.",
+  manyWorst: "최대 {value}° 차이", chooseAgain: "다시 고르기",
+
+  // Questions by choosing
+  builder: "조건 만들기", framesWhere: "다음에 맞는 프레임", everyRow: "모두 만족", anyRow: "하나라도 만족", and: "그리고", or: "또는", is: "같음", isNot: "같지 않음", contains: "포함",
+  jointValue: "뼈의 값", frameNumbersOf: "클립 안의 위치", comparison: "비교", conditionOf: "조건 {n}", removeCondition: "조건 {n} 제거",
+  builderFolded: "아래 식은 직접 쓴 것입니다.", builderAgain: "조건 만들기로 바꾸기", asPython: "Python으로", firstShown: "처음 {n}개입니다. 더 보려면 내리세요.",
+  cutOff: "한도에서 멈췄고, 그때까지 찾은 것입니다. 범위를 고르거나 동작 이름부터 물어보세요.", toComposerFirst: "처음 {n}개 이어붙이기로", noAnswerHelp: "범위를 넓히거나, 조건 하나로 시작해 더해 보세요.",
+  exampleName: "동작 이름 하나의 프레임", exampleBent: "왼쪽 팔꿈치를 굽힌 프레임", exampleBegin: "클립마다 처음 서른 프레임", exampleNot: "그 이름이 없는 프레임",
+  exampleNames: "있는 모든 동작 이름", exampleCount: "프레임이 모두 몇 개인지", exampleBones: "스켈레톤마다의 머리", exampleClips: "파일 이름으로 찾은 클립",
+
+  // Saved filters, first start
+  lengthInSeconds: "길이(초)", clear: "지우기", savedFilters: "저장한 필터", saveFilter: "이 필터 저장",
+  saveFilterHelp: "팀에 저장되며, 고를 때마다 그때 맞는 클립을 찾습니다. 주소로 나눌 수 있습니다.", saveFilterNot: "모음이나 XPath가 섞인 필터는 주소(Y)로 보관하세요.", removeFilter: "필터 {name} 제거",
+  filterRemoved: "필터를 제거했습니다: {name}", welcome: "움직임을 읽고 씁니다", welcomeHelp: "데모 클립 {n}개가 들어 있습니다. 둘러보거나 내 파일로 시작하세요.", welcomeDrop: "내 파일 놓기",
+  welcomeDropHelp: "BVH, ASF와 AMC, HTR, C3D, TRC, MCML, zip", welcomeAsk: "질의해 보기", welcomeAskHelp: "손을 흔드는 모든 프레임 찾기", welcomeMake: "동작 만들기",
+  welcomeMakeHelp: "데모 클립 두 개로 걷다가 춤추기", welcomeGone: "다시 보지 않기", welcomePlays: "{name} 재생",
 };

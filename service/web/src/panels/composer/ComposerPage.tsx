@@ -1,87 +1,66 @@
-/** A new clip of stored ones: pieces in a row, trimmed, ordered, seen before they are saved. */
-import { useSignal } from "@preact/signals";
+/** A new clip of stored ones: pieces in a row, trimmed, ordered, with layers upon them, seen before they are saved. */
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ask, type Schemas } from "../../api/client";
 import { subject } from "../../shell/Bar";
-import { movePiece, parsePieces, pieceOf, splitPiece, writePieces, type Piece } from "../../state/composition";
+import { stepFor } from "../../motion/preview";
+import { asSegments, LONGEST, sizeOf } from "../../state/composition";
 import { offer } from "../../state/keys";
 import { note, refuse } from "../../state/notes";
-import { go, param, setParams } from "../../state/route";
-import { stepFor } from "../../motion/preview";
-import type { Skeleton } from "../../motion/skeleton";
-import { motionOf } from "../../motion/source";
+import { go, setParams } from "../../state/route";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { duration, w } from "../../words";
 import { Bin } from "./Bin";
+import { Board, carried, draft } from "./board";
 import { ComposedView } from "./ComposedView";
+import { askFacts, facts } from "./facts";
+import { ChosenForm, StyleChoice } from "./Forms";
+import type { Composed } from "./seams";
 import { Storyboard } from "./Storyboard";
 import "../../styles/composer.css";
 
-export type Composed = Schemas["Composed"] & { step: number; skeleton: Skeleton };
+const WAIT = 250; // ms after the last change
+const SLACK = 1.3; // previews may get longer: transitions are lengthened
 
 export function ComposerPage() {
-  const pieces = useSignal<Piece[]>(parsePieces(param("s")));
-  const transition = useSignal(Number(param("t") || 12));
-  const style = useSignal<"bridge" | "crossfade">(param("style") === "crossfade" ? "crossfade" : "bridge");
-  const selected = useSignal(0);
-  const done = useSignal<Piece[][]>([]);
-  const undone = useSignal<Piece[][]>([]);
-  const [name, setName] = useState(param("name") || w("untitled"));
+  const board = useMemo(() => new Board(), []);
   const [saving, setSaving] = useState(false);
+  const { name, transition, style } = board.steps.now.value;
+  const pieces = board.pieces.value;
+  const known = facts.value;
 
-  const change = (next: Piece[]) => {
-    done.value = [...done.peek(), pieces.peek()];
-    undone.value = [];
-    pieces.value = next;
-  };
-  const undo = () => {
-    const before = done.peek().at(-1);
-    if (!before) return;
-    done.value = done.peek().slice(0, -1);
-    undone.value = [...undone.peek(), pieces.peek()];
-    pieces.value = before;
-  };
-  const redo = () => {
-    const next = undone.peek().at(-1);
-    if (!next) return;
-    undone.value = undone.peek().slice(0, -1);
-    done.value = [...done.peek(), pieces.peek()];
-    pieces.value = next;
-  };
-
-  // What pieces are called and how long their clips are comes with their skeletons.
   useEffect(() => {
-    for (const piece of pieces.value) {
-      if (piece.frames) continue;
-      motionOf(piece.document).then((motion) => {
-        pieces.value = pieces.peek().map((one) => (one.key === piece.key ? { ...one, name: motion.name, frames: motion.frames, last: one.last ? Math.min(one.last, motion.frames) : motion.frames } : one));
-      }, refuse);
-    }
-    setParams({ s: writePieces(pieces.value) || null, t: transition.value === 12 ? null : String(transition.value), style: style.value === "bridge" ? null : style.value });
-  }, [pieces.value, transition.value, style.value]);
+    askFacts(pieces.flatMap((one) => [one.document, ...one.layers.map((layer) => layer.document)]));
+    board.learn();
+  }, [pieces, known]);
+  useEffect(() => {
+    const written = board.written;
+    setParams(written);
+    draft.value = written.s ? new URLSearchParams(Object.entries(written).filter((one): one is [string, string] => one[1] !== null)).toString() : "";
+  }, [board.steps.now.value]);
 
-  const ready = pieces.value.length > 0 && pieces.value.every((one) => one.frames);
-  const request = useMemo(() => ({
-    segments: pieces.value.map((one) => ({ document: one.document, first: one.first, last: one.last })),
-    transition: transition.value, style: style.value, name,
-  }), [pieces.value, transition.value, style.value, name]);
-  const preview = useAsync(async (signal) => {
+  const body = known.get(pieces[0]?.document ?? "");
+  const ready = pieces.length > 0 && pieces.every((one) => one.frames && one.layers.every((layer) => layer.frames)) && body !== undefined;
+  // Compared as text: what was learnt of a clip, or a key, is no change.
+  const asked = ready ? JSON.stringify({ segments: asSegments(pieces), transition, style }) : "";
+  const preview = useAsync<Composed | null>(async (signal) => {
     if (!ready) return null;
-    await new Promise((resolve) => setTimeout(resolve, 250));
+    await new Promise((resolve) => setTimeout(resolve, WAIT));
     signal.throwIfAborted();
-    const body = await motionOf(pieces.peek()[0].document);
-    const frames = pieces.peek().reduce((sum, one) => sum + one.last - one.first + 1, 0);
-    const step = stepFor(frames * 1.2, body.skeleton.points);
-    const answer = await ask("post", "/compose", { body: { ...request, preview: true } as Schemas["ComposeRequest"], query: { positions: "f4", step }, signal });
+    const seconds = pieces.reduce((sum, one) => sum + sizeOf(one) / (known.get(one.document)?.perSecond ?? body.perSecond) / one.speed, 0);
+    const between = pieces.slice(1).reduce((sum, one) => sum + (one.transition ?? transition), 0);
+    const step = stepFor((seconds * body.perSecond + between) * SLACK, body.skeleton.points);
+    const answer = await ask("post", "/compose", { body: { ...JSON.parse(asked), preview: true } as Schemas["ComposeRequest"], query: { positions: "f4", step }, signal });
     return { ...answer, step, skeleton: body.skeleton };
-  }, [ready, request.segments, request.transition, request.style]);
+  }, [asked]);
 
   const save = async () => {
+    if (!ready || saving || !name.trim()) return;
     setSaving(true);
     try {
-      const made = await ask("post", "/compose", { body: request as Schemas["ComposeRequest"] });
+      const made = await ask("post", "/compose", { body: { ...JSON.parse(asked), name } as Schemas["ComposeRequest"] });
+      draft.value = "";
       note(w("composed", { name }), { action: { text: w("open"), run: () => go(`/clips/${made.document}`) } });
       go(`/clips/${made.document}`);
     } catch (error) {
@@ -90,70 +69,54 @@ export function ComposerPage() {
       setSaving(false);
     }
   };
-  const add = (document: string, label: string, first = 1, last = 0) => {
-    change([...pieces.peek(), pieceOf(document, label, first, last)]);
-    selected.value = pieces.peek().length - 1;
-  };
-  const playhead = useSignal(0);
-  const actions = {
-    split: () => change(splitPiece(pieces.peek(), selected.peek(), playhead.peek() + 1)),
-    remove: () => { change(pieces.peek().filter((_, at) => at !== selected.peek())); selected.value = Math.max(0, selected.peek() - 1); },
-    move: (by: number) => {
-      const to = selected.peek() + by;
-      if (to < 0 || to >= pieces.peek().length) return;
-      change(movePiece(pieces.peek(), selected.peek(), to));
-      selected.value = to;
-    },
-  };
+  const saveNow = useMemo(() => ({ run: save }), []);
+  saveNow.run = save;
   useEffect(() => {
     subject.value = null;
     return offer("composer", [
-      { id: "undo", word: "undo", keys: ["Ctrl+Z"], run: undo },
-      { id: "redo", word: "redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: redo },
-      { id: "split", word: "split", keys: ["S"], run: actions.split },
-      { id: "delete", word: "remove", keys: ["Del"], run: actions.remove },
-      { id: "left", word: "moveLeft", keys: ["Alt+Left"], run: () => actions.move(-1) },
-      { id: "right", word: "moveRight", keys: ["Alt+Right"], run: () => actions.move(1) },
-      { id: "save", word: "save", keys: ["Ctrl+S"], run: () => void save() },
+      { id: "undo", word: "undo", keys: ["Ctrl+Z"], run: () => board.steps.undo() },
+      { id: "redo", word: "redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => board.steps.redo() },
+      { id: "split", word: "split", keys: ["S"], run: board.split },
+      { id: "delete", word: "remove", keys: ["Del"], run: board.remove },
+      { id: "left", word: "moveLeft", keys: ["Alt+Left"], run: () => board.move(-1) },
+      { id: "right", word: "moveRight", keys: ["Alt+Right"], run: () => board.move(1) },
+      { id: "save", word: "save", keys: ["Ctrl+S"], run: () => void saveNow.run() },
     ]);
-  });
+  }, []);
+  const shown = preview.value && pieces.length ? preview.value : null;
   return (
     <div class="composer">
       <h1 class="unseen">{w("compose")}</h1>
-      <aside class="bin" aria-label={w("bin")}><Bin onAdd={add} /></aside>
+      <aside class="bin" aria-label={w("bin")}><Bin board={board} /></aside>
       <section class="composer-main">
         <div class="clip-bar row">
-          <input class="field composer-name" aria-label={w("newName")} value={name} onInput={(event) => setName(event.currentTarget.value)} />
-          <span class="dim" role="status">{preview.value ? w("total", { time: duration(preview.value.frames * preview.value.seconds_per_frame), n: pieces.value.length }) : ""}</span>
+          <input class="field composer-name" aria-label={w("newName")} value={name} onInput={(event) => board.rename(event.currentTarget.value)} />
+          <span class="dim" role="status">{shown ? w("total", { time: duration(shown.frames * shown.seconds_per_frame), n: pieces.length }) : ""}</span>
           <span class="grow" />
-          <button type="button" class="button quiet icon" aria-label={w("undo")} disabled={!done.value.length} onClick={undo}><Icon name="undo" /></button>
-          <button type="button" class="button quiet icon" aria-label={w("redo")} disabled={!undone.value.length} onClick={redo}><Icon name="redo" /></button>
-          <label class="row"><span class="dim">{w("transition")}</span><input class="field number" type="number" min={0} max={500} value={transition.value} onInput={(event) => (transition.value = Math.max(0, Number(event.currentTarget.value)))} /></label>
-          <div class="segments" role="group" aria-label={w("transition")}>
-            <button type="button" aria-pressed={style.value === "bridge"} onClick={() => (style.value = "bridge")}>{w("bridge")}</button>
-            <button type="button" aria-pressed={style.value === "crossfade"} onClick={() => (style.value = "crossfade")}>{w("crossfade")}</button>
-          </div>
+          <button type="button" class="button quiet icon" aria-label={w("undo")} title={w("undo")} disabled={!board.steps.canUndo.value} onClick={() => board.steps.undo()}><Icon name="undo" /></button>
+          <button type="button" class="button quiet icon" aria-label={w("redo")} title={w("redo")} disabled={!board.steps.canRedo.value} onClick={() => board.steps.redo()}><Icon name="redo" /></button>
+          {pieces.length > 0 && <button type="button" class="button quiet icon" aria-label={w("startAnew")} title={w("startAnew")} onClick={board.clear}><Icon name="close" /></button>}
+          <label class="row"><span class="dim">{w("allTransitions")}</span><input class="field number" type="number" min={0} max={LONGEST} value={transition} onInput={(event) => board.setAll({ transition: Math.min(LONGEST, Math.max(0, Math.round(Number(event.currentTarget.value)) || 0)) })} /></label>
+          <StyleChoice label={w("transition")} value={style} onChange={(one) => one && board.setAll({ style: one })} />
           <button type="button" class="button primary" disabled={!ready || saving || !name.trim()} onClick={() => void save()}>{w("saveAsClip")}</button>
         </div>
-        <Trouble error={preview.error} retry={preview.again} />
-        {(preview.value?.notices.length ?? 0) > 0 && <details class="notice dim"><summary>{w("notices")} ({preview.value!.notices.length})</summary>{preview.value!.notices.map((one) => <p key={one}>{one}</p>)}</details>}
-        {pieces.value.length ? (
+        <Trouble error={pieces.length ? preview.error : null} retry={preview.again} />
+        {(shown?.notices.length ?? 0) > 0 && <details class="notice dim"><summary>{w("notices")} ({shown!.notices.length})</summary>{shown!.notices.map((one) => <p key={one}>{one}</p>)}</details>}
+        {pieces.length ? (
           <>
-            {preview.value ? <ComposedView composed={preview.value} selected={selected.value} onPlace={(frame) => (playhead.value = frame)} /> : <div class="composed-view">{preview.busy && <div class="busy" />}</div>}
-            <Storyboard pieces={pieces.value} composed={preview.value ?? null} selected={selected.value} onSelect={(index) => (selected.value = index)} onChange={change} onDropClip={add} />
+            <div class="composer-busy">{preview.busy && <div class="busy" />}</div>
+            {shown ? <ComposedView composed={shown} board={board} /> : <div class="composed-view" />}
+            <div class="storyboard">
+              <Storyboard board={board} composed={shown} />
+              <ChosenForm board={board} composed={preview.busy ? null : shown} />
+            </div>
           </>
         ) : (
-          <div class="empty" onDragOver={(event) => event.preventDefault()} onDrop={(event) => dropped(event, add)}><h2>{w("composeEmpty")}</h2><p>{w("dragHere")}</p><p class="dim">{w("fitOnAdd")}</p></div>
+          <div class="composer-empty" onDragOver={(event) => event.preventDefault()} onDrop={(event) => board.add(carried(event))}>
+            <div class="empty"><h2>{w("composeEmpty")}</h2><p>{w("dragHere")}</p><p class="dim">{w("layersHelp")}</p><p class="dim">{w("fitOnAdd")}</p></div>
+          </div>
         )}
       </section>
     </div>
   );
-}
-
-export function dropped(event: DragEvent, add: (document: string, name: string) => void): void {
-  const text = event.dataTransfer?.getData("application/x-mcml-clip");
-  if (!text) return;
-  event.preventDefault();
-  const { id, name } = JSON.parse(text) as { id: string; name: string };
-  add(id, name);
 }

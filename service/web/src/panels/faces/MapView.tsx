@@ -63,7 +63,8 @@ export function MapView({ space, on, cross, onHover, onPick, onKey }: {
     });
   };
   const fit = () => {
-    const box = host.current!;
+    const box = host.current;
+    if (!box) return;
     view.current = fitted(space.places, box.clientWidth, box.clientHeight);
     ask();
   };
@@ -76,7 +77,8 @@ export function MapView({ space, on, cross, onHover, onPick, onKey }: {
       cloud.current = null; // Without WebGL the candidates are still there.
     }
     const resize = () => {
-      const box = host.current!;
+      const box = host.current;
+      if (!box) return;
       cloud.current?.resize(box.clientWidth, box.clientHeight);
       const ratio = Math.min(2, devicePixelRatio);
       over.current!.width = box.clientWidth * ratio;
@@ -91,7 +93,9 @@ export function MapView({ space, on, cross, onHover, onPick, onKey }: {
     return () => {
       observer.disconnect();
       cancelAnimationFrame(pending.current);
+      pending.current = 0;
       cloud.current?.close();
+      cloud.current = null;
     };
   }, [space]);
   useEffect(() => effect(() => {

@@ -1,10 +1,11 @@
 /** What the list can be narrowed by, with counts within the filter. A facet's own choice does not count against it. */
 import { get, type Schemas } from "../../api/client";
-import { collectionsChanged } from "../../state/collections";
 import * as library from "../../state/library";
 import { param, route, setParams } from "../../state/route";
 import { nameColour } from "../../motion/colours";
 import { useAsync } from "../../ui/useAsync";
+import { SavedFilters, useCollections } from "./SavedFilters";
+import { Histogram } from "./Histogram";
 import { Trouble } from "../../ui/Trouble";
 import { duration, number, w, type Word } from "../../words";
 
@@ -14,6 +15,7 @@ interface Choice { value: string; text: string; count: number | null; colour?: s
 
 export function Facets() {
   const facets = useAsync((signal) => get("/facets", { query: library.filter.value as never, signal }), [JSON.stringify(library.filter.value), library.version.value > 0, library.total.value]);
+  const collections = useCollections().value?.items ?? [];
   const found = facets.value;
   const filtered = Object.keys(library.filter.value).length > 0;
   if (!found) return <Trouble error={facets.error} retry={facets.again} />;
@@ -21,11 +23,12 @@ export function Facets() {
   return (
     <>
       {filtered && <button type="button" class="button dense clear-filters" onClick={() => setParams(Object.fromEntries(library.FILTERS.map((name) => [name, null])), true)}>{w("clearFilters")}</button>}
+      <SavedFilters collections={collections} />
       <Group word="project" name="project" choices={counts(found.projects)} />
-      <Collections />
+      <Collections collections={collections} />
       <Group word="motionName" name="motion_name" choices={counts(found.motion_names).map((one) => ({ ...one, colour: nameColour(one.value) }))} />
       <Group word="format" name="format" choices={counts(found.formats).map((one) => ({ ...one, text: one.text.toUpperCase().replace("-", "/") }))} />
-      {found.lengths && <Bars word="length" name="length" histogram={found.lengths} text={duration} />}
+      <Lengths found={found.lengths} />
       <Group word="frameRate" name="rate" choices={found.rates.map((one) => ({ value: String(one.value), text: `${number(one.value)} Hz`, count: one.documents }))} />
       <Group word="skeleton" name="skeleton" choices={found.skeletons.map((one) => ({ value: String(one.skeleton), text: `${one.skeleton} · ${w("jointCount", { n: one.joints })}`, count: one.documents }))} />
       {found.properties.map((one) => <Property key={one.name} property={one} />)}
@@ -54,10 +57,10 @@ function Group({ word, name, choices }: { word: Word; name: string; choices: Cho
 function Property({ property }: { property: Schemas["PropertyCounts"] }) {
   const conditions = route.value.params.getAll("property");
   const own = conditions.find((one) => one.startsWith(`${property.name}:`));
-  const choose = (value: string) => {
+  const choose = (value: string | null) => {
     const next = conditions.filter((one) => one !== own);
     const wanted = `${property.name}:${value}`;
-    if (wanted !== own) next.push(wanted);
+    if (value !== null && wanted !== own) next.push(wanted);
     // One of several conditions: the address repeats the name.
     const params = new URLSearchParams(route.peek().params);
     params.delete("property");
@@ -68,7 +71,7 @@ function Property({ property }: { property: Schemas["PropertyCounts"] }) {
   return (
     <section class="facet" aria-label={property.name}>
       <h3>{property.name}</h3>
-      {property.numbers && <Histogram histogram={property.numbers} chosen={own?.slice(property.name.length + 1) ?? ""} onChoose={choose} text={(value) => number(value, 1)} />}
+      {property.numbers && <Histogram histogram={property.numbers} chosen={own?.slice(property.name.length + 1) ?? ""} label={property.name} onChoose={choose} text={(value) => number(value, 1)} />}
       {property.texts.slice(0, SHOWN).map((one) => (
         <button key={one.value} type="button" class="facet-item" aria-pressed={own === `${property.name}:${one.value}`} onClick={() => choose(one.value)}><span class="cut">{one.value}</span><span class="count">{number(one.documents)}</span></button>
       ))}
@@ -76,35 +79,21 @@ function Property({ property }: { property: Schemas["PropertyCounts"] }) {
   );
 }
 
-function Bars({ word, name, histogram, text }: { word: Word; name: string; histogram: Schemas["Histogram"]; text: (value: number) => string }) {
+/** Of all lengths under the other filters: what is chosen can be chosen wider. */
+function Lengths({ found }: { found: Schemas["Histogram"] | null | undefined }) {
+  const { length, ...others } = library.filter.value;
+  const wide = useAsync(async (signal) => (length === undefined ? null : (await get("/facets", { query: others as never, signal })).lengths), [JSON.stringify(library.filter.value), library.total.value]);
+  const histogram = length === undefined ? found : (wide.value ?? found);
+  if (!histogram) return null;
   return (
-    <section class="facet" aria-label={w(word)}>
-      <h3>{w(word)}</h3>
-      <Histogram histogram={histogram} chosen={param(name)} onChoose={(value) => setParams({ [name]: value === param(name) ? null : value }, true)} text={text} />
+    <section class="facet" aria-label={w("length")}>
+      <h3>{w("length")}</h3>
+      <Histogram histogram={histogram} label={w("lengthInSeconds")} chosen={param("length")} onChoose={(value) => setParams({ length: value }, true)} text={duration} />
     </section>
   );
 }
 
-function Histogram({ histogram, chosen, onChoose, text }: { histogram: Schemas["Histogram"]; chosen: string; onChoose: (value: string) => void; text: (value: number) => string }) {
-  const { edges, counts } = histogram;
-  const most = Math.max(...counts, 1);
-  const exact = (value: number) => String(Number(value.toPrecision(6)));
-  return (
-    <>
-      <div class="histogram">
-        {counts.map((count, bin) => {
-          const value = `${exact(edges[bin])}..${exact(edges[bin + 1])}`;
-          const words = `${text(edges[bin])} – ${text(edges[bin + 1])}: ${number(count)}`;
-          return <button key={bin} type="button" class={count ? "" : "none"} disabled={!count} title={words} aria-label={words} aria-pressed={chosen === value} style={{ height: `${count ? 4 + 40 * Math.sqrt(count / most) : 3}px` }} onClick={() => onChoose(value)} />;
-        })}
-      </div>
-      <div class="histogram-ends"><span>{text(edges[0])}</span>{chosen && <button type="button" class="chip" onClick={() => onChoose(chosen)}>{chosen.replace("..", " – ")} ×</button>}<span>{text(edges[edges.length - 1])}</span></div>
-    </>
-  );
-}
-
-function Collections() {
-  const found = useAsync((signal) => get("/collections", { query: { limit: 100 }, signal }), [collectionsChanged.value]);
-  const choices = (found.value?.items ?? []).map((one) => ({ value: one.project === "default" ? one.name : `${one.project}/${one.name}`, text: one.name, count: null }));
+function Collections({ collections }: { collections: readonly Schemas["Collection"][] }) {
+  const choices = collections.filter((one) => !one.where).map((one) => ({ value: one.project === "default" ? one.name : `${one.project}/${one.name}`, text: one.name, count: null }));
   return <Group word="collections" name="collection" choices={choices} />;
 }

@@ -1,6 +1,8 @@
 /** Cards of all clips under a filter, facets beside them, a preview of the one that is looked at. */
 import { useEffect } from "preact/hooks";
+import { get } from "../../api/client";
 import { subject } from "../../shell/Bar";
+import { lazy } from "../../shell/lazy";
 import { offer } from "../../state/keys";
 import * as library from "../../state/library";
 import { facetsWide, leftFolded, previewOpen, previewWide } from "../../state/panes";
@@ -9,6 +11,8 @@ import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
 import { Splitter } from "../../ui/Splitter";
 import { Trouble } from "../../ui/Trouble";
+import { useAsync } from "../../ui/useAsync";
+import { isDemoAlone, welcomed } from "../../state/welcome";
 import { w } from "../../words";
 import { chooseFiles } from "../../state/uploads";
 import { CardGrid } from "./CardGrid";
@@ -17,6 +21,8 @@ import { Facets } from "./Facets";
 import { PickedBar } from "./PickedBar";
 import { Preview } from "./Preview";
 import "../../styles/library.css";
+
+const Welcome = lazy(async () => (await import("./Welcome")).Welcome);
 
 export function LibraryPage() {
   const view = param("view") === "list" ? "list" : "grid";
@@ -33,6 +39,10 @@ export function LibraryPage() {
     ]);
   }, []);
   const filtered = Object.keys(library.filter.value).length > 0;
+  // Asked only where it may matter: until it was closed, and again when clips come.
+  const asks = !welcomed.value && !filtered && total !== null && total > 0;
+  const projects = useAsync(async (signal) => (asks ? (await get("/projects", { signal })).items : null), [asks, asks && total]);
+  const first = asks && projects.value && isDemoAlone(projects.value);
   return (
     <div class="library">
       {!leftFolded.value && (
@@ -55,6 +65,7 @@ export function LibraryPage() {
           <span class="dim" role="status">{total === null ? "" : w("clips", { n: total })}</span>
           <button type="button" class="button primary" onClick={() => chooseFiles()}><Icon name="upload" />{w("add")}</button>
         </div>
+        {first && <Welcome clips={total} />}
         <PickedBar />
         <Trouble error={library.trouble.value} retry={library.refresh} />
         {total === 0 && !library.trouble.value ? (

@@ -7,6 +7,7 @@ import { note, refuse } from "../../state/notes";
 import { collectionsChanged } from "../../state/collections";
 import { go } from "../../state/route";
 import { namesLike } from "../../state/vocabulary";
+import { AskName } from "../../ui/AskName";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
@@ -67,24 +68,10 @@ function NameAll({ ids, onClose }: { ids: string[]; onClose: () => void }) {
 
 /** Keep the picked clips under a name that every list and command takes. */
 function Collect({ ids, onClose }: { ids: string[]; onClose: () => void }) {
-  const [name, setName] = useState("");
-  const done = async () => {
-    try {
-      await ask("put", "/collections/{name}", { path: { name }, body: { documents: ids, description: "" } });
-      note(w("savedAs", { name }));
-      collectionsChanged.value++;
-      onClose();
-    } catch (error) {
-      refuse(error);
-    }
+  const keep = async (name: string) => {
+    await ask("put", "/collections/{name}", { path: { name }, body: { documents: ids, description: "" } });
+    note(w("savedAs", { name }));
+    collectionsChanged.value++;
   };
-  return (
-    <Dialog title={w("collect")} onClose={onClose}>
-      <form onSubmit={(event) => { event.preventDefault(); if (name.trim()) void done(); }}>
-        <p class="dim">{w("collectHelp")}</p>
-        <p class="row"><input class="field grow" autoFocus aria-label={w("name")} placeholder={w("name")} value={name} onInput={(event) => setName(event.currentTarget.value)} />
-          <button type="submit" class="button primary" disabled={!name.trim()}>{w("save")}</button></p>
-      </form>
-    </Dialog>
-  );
+  return <AskName title={w("collect")} onName={keep} onClose={onClose}><p class="dim">{w("collectHelp")}</p></AskName>;
 }

@@ -8,6 +8,7 @@ import { motionOf } from "../../motion/source";
 import { note, refuse } from "../../state/notes";
 import { Player } from "../../state/player";
 import { go, param, setParams } from "../../state/route";
+import { AskName } from "../../ui/AskName";
 import { ClipChooser } from "../../ui/ClipChooser";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
@@ -15,8 +16,10 @@ import { MotionView, type Actor } from "../../ui/MotionView";
 import { Scrubber } from "../../ui/Scrubber";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
-import { number, w } from "../../words";
+import { w } from "../../words";
+import { Many } from "./Many";
 import { MappingTable, type Pair } from "./MappingTable";
+import { Options, USUAL, type Choices } from "./Options";
 import { Report } from "./Report";
 import "../../styles/retarget.css";
 
@@ -47,11 +50,13 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   /** null: as the server suggests. */
   const pairs = useSignal<Pair[] | null>(null);
   const before = useSignal<(Pair[] | null)[]>([]);
-  const [cleanFeet, setCleanFeet] = useState(false);
+  const [choices, setChoices] = useState<Choices>(readChoices);
+  const [naming, setNaming] = useState(false);
+  const [many, setMany] = useState(false);
   const [saving, setSaving] = useState(false);
   const selected = useSignal<string | null>(null);
   const step = stepFor(source.frames, target.skeleton.points);
-  const request = useMemo(() => ({ skeleton: target.id, mapping: pairs.value?.length ? pairs.value : null, clean_feet: cleanFeet }), [pairs.value, cleanFeet]);
+  const request = useMemo(() => ({ skeleton: target.id, mapping: pairs.value?.length ? pairs.value : null, ...choices }), [pairs.value, choices]);
   const mappings = useAsync((signal) => get("/mappings", { signal }), []);
   const fit = useAsync(async (signal) => {
     await new Promise((resolve) => setTimeout(resolve, 150));
@@ -62,7 +67,9 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   const player = useMemo(() => new Player(source.frames, source.perSecond), [source]);
   useEffect(() => {
     const stop = player.frame.subscribe((frame) => source.blocks.want(frame, player.playing.peek() ? 1 : 0, source.perSecond));
-    player.play(1);
+    const first = Number(param("f"));
+    if (first >= 1) player.seek(first - 1);
+    else player.play(1);
     return () => { stop(); player.pause(); };
   }, [player]);
   const actors = useMemo<Actor[]>(() => [
@@ -84,16 +91,22 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
       setSaving(false);
     }
   };
-  const keep = async () => {
-    const name = prompt(w("mappingName"), `${source.name} to ${target.name}`);
-    if (!name) return;
-    try {
-      await ask("put", "/mappings/{name}" as never, { path: { name } as never, body: { pairs: shown } as never });
-      note(w("savedAs", { name }));
-      mappings.again();
-    } catch (error) {
-      refuse(error);
-    }
+  const keep = async (name: string) => {
+    await ask("put", "/mappings/{name}", { path: { name }, body: { pairs: shown } });
+    note(w("savedAs", { name }));
+    mappings.again();
+  };
+  const choose = (next: Choices) => {
+    setChoices(next);
+    setParams({ feet: next.clean_feet ? "1" : null, rest: next.match_rest ? "1" : null, scale: next.scale === null ? null : String(next.scale) });
+  };
+  /** Stand at a frame, or play a stretch again and again. */
+  const goTo = (first: number, last?: number) => {
+    player.loop.value = last !== undefined && last > first ? [first - 1, last - 1] : null;
+    player.pause();
+    player.seek(first - 1);
+    if (player.loop.peek()) player.play(1);
+    setParams({ f: String(first) });
   };
   return (
     <div class="retarget-work">
@@ -101,7 +114,7 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
         {fit.busy && <div class="busy" />}
         <MotionView actors={actors} selected={marked as never} label={`${source.name}, ${target.name}`} onPick={(actor, point) => (selected.value = actor === 0 ? source.skeleton.view.bones[point]?.name ?? null : shown.find((one) => one.target === target.skeleton.view.bones[point]?.name)?.source ?? null)} />
         <div class="transport row">
-          <button type="button" class="button quiet icon play" aria-label={w(player.playing.value ? "pause" : "play")} onClick={() => player.toggle()}><Icon name={player.playing.value ? "pause" : "play"} /></button>
+          <button type="button" class="button quiet icon play" aria-label={w(player.playing.value ? "pause" : "play")} onClick={() => { player.loop.value = null; player.toggle(); }}><Icon name={player.playing.value ? "pause" : "play"} /></button>
           <Scrubber player={player} />
         </div>
       </section>
@@ -110,20 +123,24 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
           <strong>{w("mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</strong><span class="grow" />
           <button type="button" class="button quiet icon dense" aria-label={w("undo")} disabled={!before.value.length} onClick={() => { pairs.value = before.peek().at(-1) ?? null; before.value = before.peek().slice(0, -1); }}><Icon name="undo" /></button>
           <Menu label={w("mapping")} className="button dense" side="right" items={[
-            { text: w("mappingName"), icon: "plus", run: () => void keep() },
+            { text: w("mappingName"), icon: "plus", run: () => setNaming(true) },
             ...(mappings.value?.items ?? []).map((one) => ({ text: one.name, detail: one.project, run: () => change(one.pairs) })),
           ]}>{w("mapping")}<Icon name="down" /></Menu>
         </div>
         <Trouble error={fit.error} retry={fit.again} />
         <MappingTable source={source.skeleton} target={target.skeleton} pairs={shown} matches={fit.value?.matches ?? []} selected={selected.value} onSelect={(name) => (selected.value = name)} onChange={change} />
-        {fit.value && <Report fit={fit.value} />}
+        <Options choices={choices} fitted={fit.value?.scale} onChange={choose} />
+        {fit.value && <Report fit={fit.value} onFrame={goTo} />}
         <div class="row wrap map-tools">
-          <label class="row"><input type="checkbox" checked={cleanFeet} onChange={(event) => setCleanFeet(event.currentTarget.checked)} />{w("cleanFeet")}</label>
+          <button type="button" class="button" disabled={!fit.value} onClick={() => setMany(true)}>{w("applyToMany")}</button>
           <span class="grow" />
-          <span class="dim">{fit.value ? `× ${number(fit.value.scale, 3)}` : ""}</span>
           <button type="button" class="button primary" disabled={!fit.value || saving} onClick={() => void save()}>{saving ? w("retargeting") : w("retargetNow")}</button>
         </div>
       </aside>
+      {naming && <AskName title={w("mappingName")} initial={`${source.name} to ${target.name}`} onName={keep} onClose={() => setNaming(false)}><p class="dim">{w("mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</p></AskName>}
+      {many && <Many body={target} request={request} onClose={() => setMany(false)} />}
     </div>
   );
 }
+
+const readChoices = (): Choices => ({ ...USUAL, clean_feet: param("feet") === "1", match_rest: param("rest") === "1", scale: Number(param("scale")) > 0 ? Number(param("scale")) : null });

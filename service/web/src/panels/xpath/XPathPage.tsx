@@ -14,16 +14,23 @@ import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { VirtualList } from "../../ui/VirtualList";
 import { number, w } from "../../words";
+import { kept } from "../../state/settings";
+import { Builder } from "./Builder";
 import { mountXPath } from "./editor";
+import { Examples } from "./Examples";
+import { asCommand, asCurl, asPython } from "./scripts";
 import { RunPlayer } from "./RunPlayer";
 import { SavedQueries } from "./SavedQueries";
 import "../../styles/xpath.css";
 
 type Run = Schemas["RunItem"];
 type Node = Schemas["NodeItem"];
-interface Answered { as: "runs" | "json"; items: (Run | Node | { value?: unknown; document?: string })[]; cursor: string | null; ms: number; explain: unknown; complete: boolean; warnings: string[] }
+interface Answered { as: "runs" | "json"; items: (Run | Node | { value?: unknown; document?: string })[]; totals: Schemas["RunTotals"] | null; total: number | null; cursor: string | null; ms: number; explain: unknown; complete: boolean; warnings: string[] }
 
-const EXAMPLES = ["//frame[motion_name='left-arm-abduction']", "//frame_bone[@name='left_up_arm'][@Rx > 45]/..", "distinct-values(//motion_name)", "count(//frame)", "//frame[position() <= 30]"];
+const PIECES = 40; // that an address to the composer holds
+
+
+const building = kept("builder", true);
 
 export function XPathPage() {
   const host = useRef<HTMLDivElement>(null);
@@ -36,7 +43,7 @@ export function XPathPage() {
   const [saving, setSaving] = useState(false);
   const stop = useRef<AbortController | null>(null);
   const projects = useAsync((signal) => get("/projects", { signal }), []);
-  const as = param("as") === "nodes" ? "json" : "runs";
+  const as = param("as") === "nodes" ? ("json" as const) : ("runs" as const);
   const project = param("project");
 
   const run = async (query = editor.current?.state.doc.toString() ?? text, cursor: string | null = null, form = param("as") === "nodes" ? "json" as const : "runs" as const) => {
@@ -47,10 +54,10 @@ export function XPathPage() {
     setError(null);
     const began = performance.now();
     try {
-      const found = (await get("/xpath", { query: { q: query, as: form, project: param("project") || undefined, limit: 500, cursor: cursor ?? undefined, explain: true }, signal: stop.current.signal })) as Schemas["QueryAnswer"];
+      const found = (await get("/xpath", { query: { q: query, as: form, project: param("project") || undefined, limit: 500, cursor: cursor ?? undefined, explain: true, with: form === "runs" && !cursor ? "totals" : undefined }, signal: stop.current.signal })) as Schemas["QueryAnswer"];
       const ms = Math.round(performance.now() - began);
       const items: Answered["items"] = found.items ?? [{ value: found.value }];
-      setAnswer((before) => ({ as: found.type === "runs" ? "runs" : "json", items: cursor && before ? [...before.items, ...items] : items, cursor: found.next_cursor ?? null, ms, explain: found.explain, complete: found.complete !== false, warnings: found.warnings ?? [] }));
+      setAnswer((before) => ({ as: found.type === "runs" ? "runs" : "json", items: cursor && before ? [...before.items, ...items] : items, totals: found.totals ?? (cursor ? (before?.totals ?? null) : null), total: found.total ?? (cursor ? (before?.total ?? null) : null), cursor: found.next_cursor ?? null, ms, explain: found.explain, complete: found.complete !== false, warnings: found.warnings ?? [] }));
       if (!cursor) { setPicked(0); remember(query); setParams({ q: query }); }
     } catch (problem) {
       if ((problem as Error).name === "AbortError") return;
@@ -86,13 +93,19 @@ export function XPathPage() {
       setSaving(false);
     }
   };
+  const put = (query: string) => editor.current?.dispatch({ changes: { from: 0, to: editor.current.state.doc.length, insert: query } });
   const write = (query: string) => {
-    editor.current?.dispatch({ changes: { from: 0, to: editor.current.state.doc.length, insert: query } });
+    put(query);
     void run(query);
   };
   const runs = useMemo(() => (answer?.as === "runs" ? (answer.items as Run[]) : []), [answer]);
-  const frames = runs.reduce((sum, one) => sum + one.frames, 0);
-  const curl = `curl -G ${location.origin}/api/v1/xpath --data-urlencode "q=${text.replaceAll('"', '\\"')}" -d as=runs`;
+  const totals = answer?.totals ?? { frames: runs.reduce((sum, one) => sum + one.frames, 0), runs: runs.length, documents: 0 };
+  const question = { q: text, project, form: as };
+  const copies = [
+    { text: w("asCurl"), run: () => void copyText(asCurl(question, location.origin), w("copied")) },
+    { text: w("asCommand"), run: () => void copyText(asCommand(question), w("copied")) },
+    { text: w("asPython"), run: () => void copyText(asPython(question, location.origin), w("copied")) },
+  ];
   return (
     <div class="xpath">
       <h1 class="unseen">{w("xpath")}</h1>
@@ -107,10 +120,12 @@ export function XPathPage() {
           <button type="button" aria-pressed={as === "runs"} onClick={() => { setParams({ as: null }); void run(undefined, null, "runs"); }}>{w("runs")}</button>
           <button type="button" aria-pressed={as === "json"} onClick={() => { setParams({ as: "nodes" }); void run(undefined, null, "json"); }}>{w("nodes")}</button>
         </div>
+        <button type="button" class="button" aria-pressed={building.value} onClick={() => (building.value = !building.value)}>{w("builder")}</button>
         <span class="grow" />
         <SavedQueries text={text} onChoose={write} />
-        <Menu label={w("queryHistory")} className="button quiet" side="right" items={asked.value.slice(0, 20).map((one) => ({ text: one.length > 70 ? `${one.slice(0, 70)}…` : one, run: () => write(one) }))}><Icon name="down" /></Menu>
+        <Menu label={w("queryHistory")} className="button quiet" side="right" items={asked.value.slice(0, 20).map((one) => ({ text: one.length > 70 ? `${one.slice(0, 70)}…` : one, run: () => write(one) }))}>{w("queryHistory")}<Icon name="down" /></Menu>
       </div>
+      {building.value && <Builder project={project} text={text} onWrite={put} onRun={() => void run()} />}
       <div class="xpath-editor">
         <div ref={host} class="xpath-host" />
         <button type="button" class="button primary" disabled={!text.trim()} onClick={() => void run()} title="Ctrl+Enter">{w("run")}</button>
@@ -119,23 +134,22 @@ export function XPathPage() {
       <Trouble error={error} />
       {answer && (
         <div class="xpath-status row wrap" role="status">
-          <span>{answer.as === "runs" ? w("resultRuns", { frames: w("frames", { n: frames }), runs: w("runCount", { n: runs.length }), ms: answer.ms }) : w("resultNodes", { n: answer.items.length, ms: answer.ms })}</span>
-          {!answer.complete && <span class="chip">{w("incomplete")}</span>}
+          <span>{answer.as === "runs" ? w("resultRuns", { frames: w("frames", { n: totals.frames }), runs: w("runCount", { n: totals.runs }), ms: answer.ms }) : w("resultNodes", { n: answer.total ?? answer.items.length, ms: answer.ms })}</span>
+          {answer.cursor && <span class="dim">{w("firstShown", { n: answer.items.length })}</span>}
+          {!answer.complete && <span class="cut-off"><Icon name="warn" />{w("cutOff")}</span>}
           {answer.warnings.map((one) => <span key={one} class="dim">{one}</span>)}
           <span class="grow" />
           <Explain explain={answer.explain} />
-          <button type="button" class="button quiet dense" onClick={() => void copyText(curl, w("copied"))}>{w("asCurl")}</button>
-          <button type="button" class="button quiet dense" onClick={() => void copyText(`mcml xpath ${JSON.stringify(text)} --as runs`, w("copied"))}>{w("asCommand")}</button>
+          <Menu label={w("copy")} className="button quiet dense" side="right" items={copies}>{w("copy")}<Icon name="down" /></Menu>
           <Menu label={w("exportAll")} className="button quiet dense" side="right" items={(["xml", "ndjson", "csv"] as const).map((one) => ({ text: one.toUpperCase(), href: address("/xpath", {}, { q: text, project, as: one }), download: true }))}>{w("exportAll")}<Icon name="down" /></Menu>
           {runs.length > 0 && <button type="button" class="button dense" disabled={saving} onClick={() => void saveAsClip()}>{w("saveAsClip")}</button>}
-          {runs.length > 0 && <button type="button" class="button dense" onClick={() => go(`/compose?s=${runs.slice(0, 40).map((one) => `${one.document}:${one.first}-${one.last}`).join(",")}`)}>{w("toComposer")}</button>}
+          {runs.length > 0 && <button type="button" class="button dense" onClick={() => go(`/compose?s=${runs.slice(0, PIECES).map((one) => `${one.document}:${one.first}-${one.last}`).join(",")}`)}>{runs.length > PIECES ? w("toComposerFirst", { n: PIECES }) : w("toComposer")}</button>}
         </div>
       )}
       {!answer && !error && !busy && (
-        <div class="empty"><h2>{w("xpathStart")}</h2><p class="dim">{w("xpathExamples")}</p>
-          <ul class="examples">{EXAMPLES.map((one) => <li key={one}><button type="button" class="button quiet code" onClick={() => write(one)}>{one}</button></li>)}</ul></div>
+        <Examples onChoose={write} />
       )}
-      {answer && (answer.items.length === 0 ? <div class="empty"><p>{w("noAnswer")}</p></div> : (
+      {answer && (answer.items.length === 0 ? <div class="empty"><h2>{w("noAnswer")}</h2><p>{w("noAnswerHelp")}</p></div> : (
         <div class="xpath-answer">
           <div class="xpath-table">
             {answer.as === "runs" && <div class="run-row run-head" aria-hidden="true"><span class="n">#</span><span>{w("document")}</span><span class="n">{w("from")}</span><span class="n">{w("last")}</span><span class="n">{w("length")}</span></div>}

@@ -43,7 +43,7 @@ async function complete(context: CompletionContext): Promise<CompletionResult | 
   try {
     const answer = await get("/xpath/complete", { query: { q: text, at: context.pos } });
     if (!answer.items.length) return null;
-    return { from: answer.first, options: answer.items.map((one) => ({ label: one.text, detail: one.detail, type: one.kind.includes("name") ? "constant" : one.kind })), validFor: /^[\w.-]*$/ };
+    return { from: answer.first, options: answer.items.map((one) => ({ label: one.text, detail: typeof one.documents === "number" ? w("clips", { n: one.documents }) : one.detail, type: one.kind.includes("name") ? "constant" : one.kind })), validFor: /^[\w.-]*$/ };
   } catch {
     return null; // Completion is help; trouble is told when the question is asked.
   }

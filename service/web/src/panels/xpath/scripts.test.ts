@@ -1,0 +1,13 @@
+import { describe, expect, it } from "vitest";
+import { asCommand, asCurl, asPython, quoted } from "./scripts";
+
+describe("lines for scripts", () => {
+  it("hold any question, in any scope", () => {
+    const asked = { q: `//frame[motion_name='it"s $1']`, project: "my clips", form: "runs" as const };
+    expect(quoted("a'b")).toBe(`'a'\\''b'`);
+    expect(asCurl(asked, "http://x")).toBe(`curl -G http://x/api/v1/xpath --data-urlencode 'q=//frame[motion_name='\\''it"s $1'\\'']' --data-urlencode 'project=my clips' -d as=runs`);
+    expect(asCommand({ ...asked, q: "//frame", project: "" })).toBe("mcml xpath '//frame' --as runs");
+    expect(asPython(asked, "http://x")).toContain(`repo.xpath("//frame[motion_name='it\\"s $1']", project="my clips")`);
+    expect(asPython({ ...asked, form: "json" }, "http://x")).toContain("found.nodes()");
+  });
+});

@@ -1,0 +1,64 @@
+"""Filters of the library: ranges by drag and by fields, and filters under names."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+
+from tests.web.conftest import Served, walk
+
+expect: Any = pytest.importorskip("playwright.sync_api").expect
+
+
+@pytest.fixture
+def page(open_studio: Served, visit_of: Any) -> Any:
+    """Clips of very different lengths: 3, 30, 300, 3000 frames."""
+    for frames in (3, 30, 300, 3000):
+        open_studio.upload(f"of_{frames}.bvh", walk(frames))
+    page = visit_of(open_studio).open("/library?sort=name")
+    expect(page.get_by_role("gridcell")).to_have_count(4)
+    return page
+
+
+def test_lengths_are_chosen_by_drag_by_key_and_by_fields(page: Any) -> None:
+    facet = page.get_by_role("region", name="Length")
+    bars = facet.locator(".histogram button:enabled")
+    expect(bars).to_have_count(4)  # Bins of equal ratio: of equal width would hold three clips in one.
+    one, two = bars.nth(1).bounding_box(), bars.nth(2).bounding_box()
+    page.mouse.move(one["x"] + 2, one["y"] + 2)
+    page.mouse.down()
+    page.mouse.move(two["x"] + 2, two["y"] + 2, steps=3)
+    page.mouse.up()
+    expect(page.get_by_role("gridcell")).to_have_count(2)
+    expect(bars).to_have_count(4)
+    bars.nth(3).press("Enter")
+    expect(page.get_by_role("gridcell", name=re.compile("of_3000"))).to_be_visible()
+    expect(page.get_by_role("gridcell")).to_have_count(1)
+    facet.get_by_role("button", name="Clear").click()
+    facet.get_by_label("Length in seconds, to").fill("1.5")
+    facet.get_by_label("Length in seconds, to").press("Enter")
+    page.wait_for_url(re.compile(r"length=..1\.5"))
+    expect(page.get_by_role("gridcell")).to_have_count(2)
+
+
+def test_filters_are_kept_chosen_shared_and_taken_back(page: Any, open_studio: Served, visit_of: Any) -> None:
+    page.goto(f"{open_studio.url}/library?sort=name&length=0.1..&q=of_3")
+    expect(page.get_by_role("gridcell")).to_have_count(3)
+    page.get_by_role("button", name="Save this filter").click()
+    page.get_by_role("dialog").get_by_role("textbox", name="Name").fill("long ones")
+    page.keyboard.press("Enter")
+    saved = page.get_by_role("region", name="Saved filters").get_by_role("button", name="long ones", exact=True)
+    expect(saved).to_have_attribute("aria-pressed", "true")
+    saved.click()
+    expect(page.get_by_role("gridcell")).to_have_count(4)
+    saved.click()
+    expect(page.get_by_role("gridcell")).to_have_count(3)
+    other = visit_of(open_studio).open(page.url.removeprefix(open_studio.url))
+    expect(other.get_by_role("gridcell")).to_have_count(3)
+    expect(other.get_by_role("button", name="long ones", exact=True)).to_have_attribute("aria-pressed", "true")
+    page.get_by_role("button", name="Remove the filter long ones").click()
+    expect(saved).to_have_count(0)
+    page.get_by_role("status").get_by_role("button", name="Undo").click()
+    expect(saved).to_be_visible()
