@@ -4,7 +4,8 @@ import { densityOf, onStep, stepOver } from "../../motion/phases";
 import { Icon } from "../../ui/icons";
 import { number } from "../../words";
 import { endsOf, supportOf, type Attribute } from "./model";
-import { b, nameOf, unitOf } from "./words";
+import { nameOf, unitOf } from "./names";
+import { b } from "./words";
 
 const DENSE = 60; // examples from which on a density says more than dots
 const LARGE = 10; // steps of PgUp and PgDn

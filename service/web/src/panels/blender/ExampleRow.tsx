@@ -6,7 +6,8 @@ import { Icon } from "../../ui/icons";
 import { number, w } from "../../words";
 import type { Corrections } from "./corrections";
 import type { Row } from "./model";
-import { b, flagOf, nameOf, reasonOf } from "./words";
+import { flagOf, nameOf, reasonOf } from "./names";
+import { b } from "./words";
 
 export type Extra = Record<string, Record<string, string>>;
 

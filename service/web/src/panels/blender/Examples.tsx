@@ -13,7 +13,8 @@ import { PasteTable } from "./PasteTable";
 import { PhaseEditor } from "./PhaseEditor";
 import { ExampleRow, type Extra } from "./ExampleRow";
 import type { Speeds } from "./speeds";
-import { b, nameOf, reasonOf, unitOf } from "./words";
+import { nameOf, reasonOf, unitOf } from "./names";
+import { b } from "./words";
 
 const MOST_ROWS = 200;
 const MOST_ASKED = 60; // clips left out whose values are fetched one by one

@@ -8,7 +8,8 @@ import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";
 import type { LeftOut, Model } from "./model";
-import { b, isWord, nameOf, unitOf } from "./words";
+import { isWord, nameOf, unitOf } from "./names";
+import { b } from "./words";
 
 const MOST_COMPONENTS = 40;
 

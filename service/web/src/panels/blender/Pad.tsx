@@ -4,7 +4,8 @@ import { hullOf, onStep, stepOver } from "../../motion/phases";
 import { param, setParams } from "../../state/route";
 import { number } from "../../words";
 import { endsOf, type Attribute, type Model, type Values } from "./model";
-import { b, nameOf, unitOf } from "./words";
+import { nameOf, unitOf } from "./names";
+import { b } from "./words";
 
 export function Pad({ model, values, onChange, onHome }: { model: Model; values: Values; onChange: (changes: Values) => void; onHome: () => void }) {
   const box = useRef<HTMLDivElement>(null);

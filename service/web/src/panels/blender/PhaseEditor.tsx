@@ -4,7 +4,8 @@ import { number } from "../../words";
 import { moved, type Corrections, type Times } from "./corrections";
 import type { Model, Row } from "./model";
 import { PhaseChart } from "./PhaseChart";
-import { b, reasonOf } from "./words";
+import { reasonOf } from "./names";
+import { b } from "./words";
 
 const FIELDS = ["t1", "t2", "end"] as const;
 

@@ -3,7 +3,8 @@ import { Icon } from "../../ui/icons";
 import { number } from "../../words";
 import type { Blending } from "./blending";
 import { unseenOf, valuesOf, type Model } from "./model";
-import { b, nameOf, unitOf } from "./words";
+import { nameOf, unitOf } from "./names";
+import { b } from "./words";
 
 const MOST = 4;
 

@@ -5,7 +5,8 @@ import { cancelJob, jobs, runAnalysis, type Job } from "../../state/jobs";
 import { go, route } from "../../state/route";
 import { Trouble } from "../../ui/Trouble";
 import { number, w } from "../../words";
-import { b, isWord } from "./words";
+import { isWord } from "./names";
+import { b } from "./words";
 
 export interface Fitting { job: Job | undefined; busy: boolean; error: unknown; start: (body: object, keep?: boolean) => Promise<void> }
 

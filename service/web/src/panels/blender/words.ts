@@ -64,15 +64,3 @@ export const b = wordsOf(
     "warn_gap-filled": "짧은 빈 곳을 채웠습니다.", warn_jump: "한 프레임에서 관절이 튑니다.", "warn_bones-differ": "몸 크기가 많이 다릅니다.", "warn_constant-attribute": "모든 클립에서 같은 값이라 슬라이더가 아무것도 바꾸지 않습니다.", "warn_two-values": "값이 두 가지뿐이라 그 사이는 본 적이 없습니다.", "warn_two-people": "두 명뿐이라 사람의 차이와 값의 차이를 구별할 수 없습니다.", "warn_collinear-attributes": "값들이 서로 의존합니다.", "warn_far-from-reference": "다른 자세와 아주 먼 자세가 있습니다.", "warn_ill-conditioned": "방정식이 거의 풀리지 않습니다.",
   },
 );
-
-type Name = keyof typeof b.en;
-
-/** Whether the table has such a word. */
-export const isWord = (name: string): name is Name => name in b.en;
-
-const orItself = (kind: string, name: string): string => { const word = `${kind}_${name}`; return isWord(word) ? b(word) : name; };
-
-export const nameOf = (attribute: string): string => orItself("name", attribute);
-export const unitOf = (unit: string): string => orItself("unit", unit);
-export const reasonOf = (code: string): string => orItself("why", code);
-export const flagOf = (code: string): string => orItself("flag", code);
