@@ -18,6 +18,7 @@ import pytest
 from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, seed, settings
 
+from service.actions.importing.load_demo import load_demo
 from service.settings import Settings
 from service.storage.database import Database
 from tests import fuzz, postgres
@@ -102,6 +103,17 @@ def sqlite_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("template") / "store.db"
     database = Database(f"sqlite:///{path}")
     database.migrate()
+    database.close()
+    return path
+
+
+@pytest.fixture(scope="session")
+def demo_library(sqlite_template: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A store with the demo library, to be copied."""
+    path = tmp_path_factory.mktemp("library") / "library.db"
+    shutil.copy(sqlite_template, path)
+    database = Database(f"sqlite:///{path}")
+    load_demo(database, Settings())
     database.close()
     return path
 

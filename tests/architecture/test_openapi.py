@@ -143,6 +143,8 @@ def test_requests_of_examples_are_understood(
             headers[parameter["name"]] = example
         elif example is not None and parameter["name"] != "cursor":
             query[parameter["name"]] = example
+    if "seconds" in query:
+        query["seconds"] = 0  # Nobody waits for what does not happen.
     content = operation.get("requestBody", {}).get("content", {})
     form = dict(content.get("multipart/form-data", {}).get("example", {}))
     files = [("file", (name, b"HIERARCHY")) for name in form.pop("file", [])]

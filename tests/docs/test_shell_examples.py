@@ -6,11 +6,12 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from service.actions.importing.load_demo import demo_files, load_demo
+from service.actions.importing.load_demo import demo_files
 from service.actions.reading.import_options import Label
 from service.app import create_app
 from service.settings import Settings
@@ -19,6 +20,7 @@ from service.storage.filtering import DocumentFilter
 from tests.api.test_doors import listening
 from tests.builders import SECRET, store
 from tests.docs.generate import DOCS
+from tests.docs.starter import CLIENT
 
 ROOT = DOCS.parent
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -39,24 +41,13 @@ def blocks(page: Path) -> list[tuple[str, str]]:
 PAGES = [page for page in [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))] if "sh" in dict(blocks(page))]
 
 
-@pytest.fixture(scope="session")
-def library(sqlite_template: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A store with the demo library."""
-    path = tmp_path_factory.mktemp("library") / "library.db"
-    shutil.copy(sqlite_template, path)
-    database = Database(f"sqlite:///{path}")
-    load_demo(database, Settings())
-    database.close()
-    return path
-
-
 @pytest.fixture
 def served_library(page: Path, request: pytest.FixtureRequest, sqlite_template: Path, tmp_path: Path) -> Database:
     """What a page is about: the demo library for those with analyses, else a walk and a reach in the project gait."""
     path = tmp_path / "store.db"
     demo = page.name in ("README.md", "analyses.md")
     alone = demo or page.name == "stories.md" or "tasks" in page.parts
-    shutil.copy(request.getfixturevalue("library") if demo else sqlite_template, path)
+    shutil.copy(request.getfixturevalue("demo_library") if demo else sqlite_template, path)
     database = Database(f"sqlite:///{path}")
     files = demo_files()
     walk, reach = {"walk.bvh": files.pop("walk.bvh")}, files
@@ -67,6 +58,21 @@ def served_library(page: Path, request: pytest.FixtureRequest, sqlite_template: 
         for name, content in (walk | reach).items():
             (tmp_path / name).write_bytes(content)
     return database
+
+
+@pytest.fixture(scope="module")
+def programs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder with an `mcml` that starts at once, and what else the program's own folder has."""
+    folder = tmp_path_factory.mktemp("bin")
+    path = folder / "starter"
+    with subprocess.Popen([sys.executable, "-m", "tests.docs.starter", path], stdout=subprocess.PIPE) as starter:
+        assert starter.stdout is not None
+        assert starter.stdout.readline() == b"ready\n"
+        client = folder / "mcml"
+        client.write_text(CLIENT.format(python=sys.executable, path=str(path)))
+        client.chmod(0o755)
+        yield folder
+        starter.terminate()
 
 
 def test_every_example_is_one_that_runs() -> None:
@@ -81,7 +87,7 @@ def test_every_example_is_one_that_runs() -> None:
     "page",
     [pytest.param(page, marks=[pytest.mark.fuzz] * (page.name in LONG), id=page.stem) for page in PAGES],
 )
-def test_examples_run(page: Path, served_library: Database, tmp_path: Path) -> None:
+def test_examples_run(page: Path, served_library: Database, tmp_path: Path, programs: Path) -> None:
     (tmp_path / ".curlrc").write_text("fail\nsilent\nshow-error\n")
     with served_library.read() as tx:
         names = {item.name: item.uuid for item in tx.documents.page(DocumentFilter(), after=None, limit=1000)}
@@ -90,7 +96,7 @@ def test_examples_run(page: Path, served_library: Database, tmp_path: Path) -> N
         text = "\n".join(text for language, text in blocks(page) if language == "sh")
         text = text.replace("127.0.0.1:8000", f"127.0.0.1:{port}").replace("localhost:8000", f"127.0.0.1:{port}")
         environment = {
-            "PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin",
+            "PATH": f"{programs}:{Path(sys.executable).parent}:/usr/bin:/bin",
             "HOME": str(tmp_path),
             "CURL_HOME": str(tmp_path),
             "XDG_DATA_HOME": str(tmp_path / "home"),

@@ -28,7 +28,7 @@ from schemathesis.specs.openapi.checks import (
 
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import description, served
+from tests.builders import description, one_kind, served
 from tests.hostile.library import FILES, Library
 
 BASE = "http://127.0.0.1:8000"
@@ -143,6 +143,7 @@ def check(database: Database, number: int, examples: int, analyses: dict[str, An
     return asked.statuses
 
 
+@one_kind
 def test_a_few_requests_of_each_operation(database: Database) -> None:
     statuses = check(database, 1, 2, {"reach": {"components": 2}})
     good = sum(count for status, count in statuses.items() if status < 300)

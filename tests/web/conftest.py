@@ -49,6 +49,7 @@ def browser() -> Iterator[Any]:
     # Of the module: sync Playwright keeps an event loop running, which every later asyncio.run() would trip over.
     api = pytest.importorskip("playwright.sync_api")
     path = chromium()
+    api.expect.set_options(timeout=PATIENCE)
     with api.sync_playwright() as playwright:
         launched = playwright.chromium.launch(executable_path=path, args=FLAGS)
         yield launched
@@ -112,6 +113,10 @@ def serve(folder: Path, *, closed: bool) -> Iterator[Served]:
 def studio(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Served]:
     """A server with an empty store: open as a personal one, or asking for a session."""
     yield from serve(tmp_path, closed=request.param == "session")
+
+
+one_door = pytest.mark.parametrize("studio", ["session"], indirect=True)
+"""Of tests whose pages ask nothing of who is let in that the journeys do not ask of both doors."""
 
 
 @pytest.fixture

@@ -7,11 +7,13 @@ from typing import Any
 
 import pytest
 
-from tests.web.conftest import Served, Visit, walk
+from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_editing import expect_other_picture
 from tests.web.test_journeys import ready
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
+
+pytestmark = one_door
 
 MIDDLE_OF = """token => {
     const canvas = document.querySelector(".stage-overlay");

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from service.actions.importing.load_demo import load_demo
-from service.settings import Settings
-from tests.web.conftest import Served, walk
+from tests.web.conftest import Served, serve, walk
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
 @pytest.fixture
-def demo_studio(open_studio: Served) -> Served:
-    load_demo(open_studio.database, Settings())
-    return open_studio
+def demo_studio(demo_library: Path, tmp_path: Path) -> Iterator[Served]:
+    shutil.copy(demo_library, tmp_path / "store.db")
+    yield from serve(tmp_path, closed=False)
 
 
 def test_the_first_start(demo_studio: Served, visit_of: Any) -> None:

@@ -27,7 +27,7 @@ export function Welcome({ clips }: { /** In the whole library. */ clips: number 
         <ul>
           <li><button type="button" class="offer" onClick={() => chooseFiles()}><Offer icon="upload" word="welcomeDrop" help="welcomeDropHelp" /></button></li>
           <li><a class="offer" href={`/xpath?q=${encodeURIComponent(ASKED)}`}><Offer icon="xpath" word="welcomeAsk" help="welcomeAskHelp" /></a></li>
-          <li><a class="offer" href={make}><Offer icon="compose" word="welcomeMake" help="welcomeMakeHelp" /></a></li>
+          <li><a class="offer" href={demo.busy ? undefined : make}><Offer icon="compose" word="welcomeMake" help="welcomeMakeHelp" /></a></li>
         </ul>
       </div>
       <button type="button" class="button quiet icon welcome-close" aria-label={w("welcomeGone")} title={w("welcomeGone")} onClick={() => (welcomed.value = true)}><Icon name="close" /></button>
