@@ -13,14 +13,19 @@ export function layOut(count: number, links: readonly Link[], before?: Float32Ar
   const greatest = Math.max(1e-6, ...links.map((one) => one.distance));
   const between = links.map((one) => ({ source: one.from, target: one.to, near: one.natural ? 1 : 1 - one.distance / (1.5 * greatest) }));
   const simulation = forceSimulation(nodes)
-    .force("links", forceLink<Node, (typeof between)[number]>(between).distance((one) => 26 + 40 * (1 - one.near)).strength((one) => (0.1 + 0.9 * one.near) / Math.max(1, Math.sqrt(links.length / Math.max(1, count)))))
-    .force("apart", forceManyBody().strength(-40).distanceMax(300))
-    .force("room", forceCollide(11))
-    .force("x", forceX(0).strength(0.03))
-    .force("y", forceY(0).strength(0.03 * WIDE))
+    .force("links", forceLink<Node, (typeof between)[number]>(between).distance((one) => 22 + 30 * (1 - one.near)).strength((one) => (0.1 + 0.9 * one.near) / Math.max(1, Math.sqrt(links.length / Math.max(1, count)))))
+    .force("apart", forceManyBody().strength(-90).distanceMax(300))
+    .force("room", forceCollide(16).iterations(2))
+    .force("x", forceX(0).strength(0.05))
+    .force("y", forceY(0).strength(0.05 * WIDE))
     .stop();
   const steps = before?.length === count * 2 ? STEPS / 2 : STEPS;
   for (let step = 0; step < steps; step++) simulation.tick();
-  const scale = Math.max(1e-6, ...nodes.map((node) => Math.max(Math.abs(node.x!) / WIDE, Math.abs(node.y!))));
-  return Float32Array.from(nodes.flatMap((node) => [node.x! / scale, node.y! / scale]));
+  const box = (of: (node: Node) => number): [number, number] => {
+    const all = nodes.map(of);
+    return all.length ? [(Math.min(...all) + Math.max(...all)) / 2, (Math.max(...all) - Math.min(...all)) / 2] : [0, 0];
+  };
+  const [[x, wide], [y, high]] = [box((node) => node.x!), box((node) => node.y!)];
+  const scale = Math.max(1e-6, wide / WIDE, high);
+  return Float32Array.from(nodes.flatMap((node) => [(node.x! - x) / scale, (node.y! - y) / scale]));
 }

@@ -53,7 +53,7 @@ function Row({ bench, row, index }: { bench: Bench; row: ClipRow; index: number 
           </select>
         </div>
         <Tempi bench={bench} row={row} given={correction.source_bpm} />
-        <span class="dim facts" data-bars={row.bars.length}>{row.bars.length ? `${d("barsOf", { n: row.bars.length })} · ${d("beatsOf", { n: row.beats.length })}` : (
+        <span class="dim row-facts" data-bars={row.bars.length}>{row.bars.length ? `${d("barsOf", { n: row.bars.length })} · ${d("beatsOf", { n: row.beats.length })}` : (
           <>{d("noBars", { f1: row.refused.F1, f2: row.refused.F2, f3: row.refused.F3 })} {row.from !== "tracked" && <button type="button" class="link" onClick={() => bench.correct(row.id, { beats_from: "tracked", beats: undefined })}>{d("useTracked")}</button>}</>
         )}</span>
       </header>

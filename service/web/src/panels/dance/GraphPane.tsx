@@ -55,10 +55,10 @@ export function GraphPane({ bench }: { bench: Bench }) {
         <span class="grow" />
         {graph && <label class="row">{d("threshold")}<input type="range" min={0} max={STEPS} value={Math.round((graph.threshold / graph.greatest) * STEPS)} aria-valuetext={`${number(graph.threshold, 3)} ${d("sizes")}`}
           onInput={(event) => setParams({ near: String(Math.round((Number(event.currentTarget.value) / STEPS) * graph.greatest * 1e4) / 1e4) })} /><span class="bench-near">{number(graph.threshold, 3)}</span></label>}
-        {graph && <div class="segments" role="group" aria-label={d("graph")}>{(["clip", "component"] as const).map((one) => <button key={one} type="button" aria-pressed={by === one} onClick={() => setBy(one)}>{d(one === "clip" ? "byClip" : "byComponent")}</button>)}</div>}
+        {graph && !list && <button type="button" class="button dense" aria-pressed={by === "component"} onClick={() => setBy(by === "clip" ? "component" : "clip")}>{d("byComponent")}</button>}
         {graph && <button type="button" class="button dense" aria-pressed={list} onClick={() => setList(!list)}>{d("asList")}</button>}
         {job ? <><progress value={job.share} aria-label={job.stage ?? ""} /><span class="dim" role="status">{d("making2", { stage: job.stage ?? "" })}</span><button type="button" class="button dense" onClick={() => void cancelJob(job)}>{w("cancel")}</button></>
-          : <button type="button" class={`button dense ${result && !old ? "quiet" : "primary"}`} disabled={running !== null || bench.rows.value.length === 0} onClick={() => void make()}>{d("makeGraph")}</button>}
+          : <button type="button" class={`button dense ${result && !old ? "quiet" : "primary"}`} disabled={running !== null || bench.rows.value.length === 0} onClick={() => void make()}>{result ? d("graphAgain") : d("makeGraph")}</button>}
       </div>
       {old && <p class="bench-old">{d("old")}</p>}
       <Trouble error={error ?? found.error} retry={found.error ? found.again : undefined} />

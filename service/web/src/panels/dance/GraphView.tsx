@@ -8,7 +8,8 @@ import type { LaidOut, LayoutWish } from "./layout.worker";
 import { d } from "./words";
 
 const EDGE = 22; // px around the picture
-const RADIUS = 8;
+const RADII = [4, 9];
+const NAMED = 6.5; // px from which on a node has room for its number
 const HIT_EDGE = 5;
 
 interface Hover { node: number; edge: number; x: number; y: number }
@@ -42,8 +43,9 @@ export function GraphView({ graph, by, names, chosen, start, onPick, onPlay }: {
     worker.postMessage(wish);
   }, [graph]);
   useEffect(() => {
-    const observer = new ResizeObserver(() => setSize([canvas.current!.clientWidth, canvas.current!.clientHeight]));
-    observer.observe(canvas.current!);
+    const element = canvas.current!;
+    const observer = new ResizeObserver(() => setSize([element.clientWidth, element.clientHeight]));
+    observer.observe(element);
     return () => observer.disconnect();
   }, []);
   // Places in pixels.
@@ -53,14 +55,15 @@ export function GraphView({ graph, by, names, chosen, start, onPick, onPlay }: {
     const scale = Math.min((width - 2 * EDGE) / 3.4, (height - 2 * EDGE) / 2);
     return places.map((value, at) => (at % 2 ? height / 2 + value * scale : width / 2 + value * scale));
   }, [places, size, graph]);
+  const radius = useMemo(() => (spots ? radiusOf(spots) : 0), [spots]);
   useEffect(() => {
-    if (spots) draw(canvas.current!, graph, spots, by, hover.node >= 0 ? hover.node : focus, hover.edge, chosen, start);
+    if (spots) draw(canvas.current!, graph, spots, radius, by, hover.node >= 0 ? hover.node : focus, hover.edge, chosen, start);
   }, [spots, graph, by, hover.node, hover.edge, focus, chosen.join(), start, skin]);
   const under = (event: MouseEvent): Hover => {
     const box = canvas.current!.getBoundingClientRect();
     const [x, y] = [event.clientX - box.left, event.clientY - box.top];
     if (!spots) return NOWHERE;
-    let [node, least] = [-1, RADIUS + 3];
+    let [node, least] = [-1, radius + 2];
     for (let at = 0; at < graph.nodes.length; at++) {
       const away = Math.hypot(spots[at * 2] - x, spots[at * 2 + 1] - y);
       if (away < least) [node, least] = [at, away];
@@ -110,9 +113,21 @@ function Walker({ graph, focus, names, onFocus, onPick, onPlay }: { graph: Graph
   );
 }
 
+/** As large as the bars have room: half of what most are away from their nearest. */
+function radiusOf(spots: Float32Array): number {
+  const nearest: number[] = [];
+  for (let a = 0; a < spots.length; a += 2) {
+    let least = Infinity;
+    for (let b = 0; b < spots.length; b += 2) if (a !== b) least = Math.min(least, Math.hypot(spots[a] - spots[b], spots[a + 1] - spots[b + 1]));
+    nearest.push(least);
+  }
+  nearest.sort((a, b) => a - b);
+  return Math.max(RADII[0], Math.min(RADII[1], (nearest[nearest.length >> 2] ?? 0) / 2 - 0.5));
+}
+
 const SHADES = 4; // of edges by distance
 
-function draw(canvas: HTMLCanvasElement, graph: Graph, spots: Float32Array, by: "clip" | "component", lit: number, litEdge: number, chosen: readonly number[], start: number): void {
+function draw(canvas: HTMLCanvasElement, graph: Graph, spots: Float32Array, radius: number, by: "clip" | "component", lit: number, litEdge: number, chosen: readonly number[], start: number): void {
   const ratio = Math.min(2, devicePixelRatio);
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
@@ -146,7 +161,7 @@ function draw(canvas: HTMLCanvasElement, graph: Graph, spots: Float32Array, by: 
   pen.globalAlpha = 1;
   if (lit >= 0 || litEdge >= 0) {
     pen.strokeStyle = colour("accent");
-    graph.edges.forEach((edge, at) => { if (at === litEdge || edge.from === lit) arrow(pen, spots, edge.from, edge.to, at === litEdge ? 2.5 : 1.4); });
+    graph.edges.forEach((edge, at) => { if (at === litEdge || edge.from === lit) arrow(pen, spots, radius, edge.from, edge.to, at === litEdge ? 2.5 : 1.4); });
   }
   const family = getComputedStyle(canvas).fontFamily;
   pen.textAlign = "center";
@@ -158,7 +173,7 @@ function draw(canvas: HTMLCanvasElement, graph: Graph, spots: Float32Array, by: 
     pen.globalAlpha = graph.components[at] === 0 ? 1 : 0.55; // Where a dance cannot go on for ever.
     pen.fillStyle = colour(`name${number % 8}`);
     pen.beginPath();
-    pen.arc(x, y, RADIUS, 0, 7);
+    pen.arc(x, y, radius, 0, 7);
     pen.fill();
     pen.globalAlpha = 1;
     const marked = chosen.includes(node.bar) || at === lit || node.bar === start;
@@ -166,18 +181,19 @@ function draw(canvas: HTMLCanvasElement, graph: Graph, spots: Float32Array, by: 
       pen.strokeStyle = colour(at === lit ? "accent" : "select");
       pen.lineWidth = 2.5;
       pen.beginPath();
-      pen.arc(x, y, RADIUS + 3, 0, 7);
+      pen.arc(x, y, radius + 2.5, 0, 7);
       pen.stroke();
     }
+    if (radius < NAMED) return;
     pen.fillStyle = colour("nameink");
     pen.fillText(String(node.bar), x, y + 0.5);
   });
 }
 
-function arrow(pen: CanvasRenderingContext2D, spots: Float32Array, from: number, to: number, width: number): void {
+function arrow(pen: CanvasRenderingContext2D, spots: Float32Array, radius: number, from: number, to: number, width: number): void {
   const [ax, ay, bx, by] = [spots[from * 2], spots[from * 2 + 1], spots[to * 2], spots[to * 2 + 1]];
   const angle = Math.atan2(by - ay, bx - ax);
-  const [x, y] = [bx - Math.cos(angle) * (RADIUS + 2), by - Math.sin(angle) * (RADIUS + 2)];
+  const [x, y] = [bx - Math.cos(angle) * (radius + 2), by - Math.sin(angle) * (radius + 2)];
   pen.lineWidth = width;
   pen.beginPath();
   pen.moveTo(ax, ay);
