@@ -54,7 +54,9 @@ for address in PAGES:
 @router.get("/assets/{name}")
 def built_file(name: str, accept_encoding: Annotated[str, Header()] = "") -> FileResponse:
     """A script, style or worker of the studio."""
-    return _file(f"assets/{name}", accept_encoding, {"cache-control": FOR_GOOD})
+    # A page that asks for embedder policy starts only workers that say it too.
+    headers = {"cache-control": FOR_GOOD, "cross-origin-embedder-policy": "require-corp"}
+    return _file(f"assets/{name}", accept_encoding, headers)
 
 
 @router.get("/favicon.svg")

@@ -9,8 +9,9 @@ export class Player {
   readonly speed = signal(1);
   /** The stretch that repeats, frames from 0, both included; null: the whole clip. */
   readonly loop = signal<[number, number] | null>(null);
-  /** The clock that leads while it plays, such as a sound's: frames from 0; null where it does not. */
-  lead: (() => number | null) | null = null;
+  /** The clock that leads while it plays, such as a sound's: frames from 0 at `now` (ms of the animation frame); null
+   * where it does not. */
+  lead: ((now: number) => number | null) | null = null;
   private exact = 0;
   private last = 0;
   private timer = 0;
@@ -93,7 +94,7 @@ export class Player {
     this.last = now;
     const [first, last] = this.range;
     const span = last - first + 1;
-    let next = this.lead?.() ?? this.exact + seconds * this.perSecond * this.speed.peek();
+    let next = this.lead?.(now) ?? this.exact + seconds * this.perSecond * this.speed.peek();
     // A loop begun outside of its range runs into it.
     if (next >= last + 1) next = first + ((next - first) % span);
     else if (next < first && this.speed.peek() < 0) next = last + 1 - ((first - next) % span) - 1e-6;

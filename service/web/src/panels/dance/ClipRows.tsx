@@ -1,0 +1,101 @@
+/** The clips of the bench: tempo and its rivals, beats and bars, each by itself. */
+import { useState } from "preact/hooks";
+import { Icon } from "../../ui/icons";
+import { Trouble } from "../../ui/Trouble";
+import { number, w } from "../../words";
+import type { Bench } from "./bench";
+import { ClipLane, reasonOf } from "./ClipLane";
+import { MusicLane } from "./MusicLane";
+import type { ClipRow } from "./rows";
+import { d } from "./words";
+
+const AT_FIRST = 30;
+const REFUSED = 60; // rows of the list
+
+export function ClipRows({ bench }: { bench: Bench }) {
+  const [most, setMost] = useState(AT_FIRST);
+  const rows = bench.rows.value;
+  const { canUndo, canRedo } = bench.steps;
+  const row = bench.row(bench.clip.value);
+  const held = bench.beat.value;
+  return (
+    <>
+      <div class="row wrap bench-tools">
+        <strong class="cut">{row?.name ?? d("clipsWord")}</strong>
+        <button type="button" class="button dense" disabled={!row} title={`${d("addBeat")} (B)`} onClick={() => row && bench.addBeat(row.id, bench.at.peek())}>{d("addBeat")}</button>
+        <button type="button" class="button dense" disabled={!row || held < 0} title={`${d("deleteBeat")} (Del)`} onClick={() => row && bench.removeBeat(row.id, held)}>{d("deleteBeat")}</button>
+        <button type="button" class="button dense" disabled={!row?.beats.some((one) => one.kind === "tracked")} title={`${d("accept")} (Shift+B)`} onClick={() => row && bench.accept(row.id)}>{d("accept")}</button>
+        <span class="dim grow cut bench-legend" title={d("legend")}>{d("legend")}</span>
+        <button type="button" class="button quiet icon dense" aria-label={w("undo")} title={w("undo")} disabled={!canUndo.value} onClick={() => bench.steps.undo()}><Icon name="undo" /></button>
+        <button type="button" class="button quiet icon dense" aria-label={w("redo")} title={w("redo")} disabled={!canRedo.value} onClick={() => bench.steps.redo()}><Icon name="redo" /></button>
+      </div>
+      <Trouble error={bench.trouble.value} retry={() => bench.again()} />
+      <div class="bench-busy">{bench.stale.value.size > 0 && <div class="busy" role="status"><span class="unseen">{d("busyBeats")}</span></div>}</div>
+      <div class="bench-rows" tabIndex={-1}>
+        {bench.music.value && <MusicLane music={bench.music.value} />}
+        {rows.slice(0, most).map((one, index) => <Row key={one.id} bench={bench} row={one} index={index} />)}
+        {rows.length > most && <p><button type="button" class="button dense" onClick={() => setMost(most + AT_FIRST)}>{d("moreClips", { n: rows.length - most })}</button></p>}
+      </div>
+      {row && <Refused bench={bench} row={row} />}
+    </>
+  );
+}
+
+function Row({ bench, row, index }: { bench: Bench; row: ClipRow; index: number }) {
+  const correction = bench.steps.now.value[row.id] ?? {};
+  const stale = bench.stale.value.has(row.id);
+  return (
+    <article class={`bench-row ${stale ? "stale" : ""}`} aria-label={row.name}>
+      <header>
+        <div class="row"><span class="swatch" style={{ background: `var(--name${index % 8})` }} /><a class="cut grow" href={`/clips/${row.id}`}>{row.name}</a>
+          <select class="field dense" aria-label={`${d("from")}: ${row.name}`} value={correction.beats_from ?? "auto"} onChange={(event) => bench.correct(row.id, { beats_from: event.currentTarget.value === "auto" ? undefined : (event.currentTarget.value as "tracked"), beats: undefined })}>
+            <option value="auto">{d("auto")}</option><option value="detected">{d("detected")}</option><option value="tracked">{d("tracked")}</option>
+          </select>
+        </div>
+        <Tempi bench={bench} row={row} given={correction.source_bpm} />
+        <span class="dim row-facts" data-bars={row.bars.length}>{row.bars.length ? `${d("barsOf", { n: row.bars.length })} · ${d("beatsOf", { n: row.beats.length })}` : (
+          <>{d("noBars", { f1: row.refused.F1, f2: row.refused.F2, f3: row.refused.F3 })} {row.from !== "tracked" && <button type="button" class="link" onClick={() => bench.correct(row.id, { beats_from: "tracked", beats: undefined })}>{d("useTracked")}</button>}</>
+        )}</span>
+      </header>
+      <ClipLane bench={bench} row={row} index={index} />
+    </article>
+  );
+}
+
+/** The tempo that was found and its rivals; a press says which it was. */
+function Tempi({ bench, row, given }: { bench: Bench; row: ClipRow; given?: number }) {
+  const own = row.peaks[0]?.bpm;
+  const offers: { bpm: number; title: string; word: string }[] = row.peaks.slice(0, 3).map((one) => ({ bpm: one.bpm, word: "", title: d("strength", { bpm: number(one.bpm, 1), s: number(one.period, 3), strength: number(one.strength, 2) }) }));
+  for (const [factor, word] of [[0.5, d("half")], [2, d("double")]] as const) {
+    const bpm = (own ?? 0) * factor;
+    // A rival may be the half or the double itself.
+    if (bpm >= 25 && bpm <= 240 && !offers.some((one) => Math.abs(one.bpm / bpm - 1) < 0.03)) offers.push({ bpm, word, title: `${word}: ${number(bpm, 1)}` });
+  }
+  const chosen = given ?? row.bpm ?? own;
+  return (
+    <div class="row tempi" role="group" aria-label={`${d("tempo")}: ${row.name}`}>
+      {offers.slice(0, 4).map((one) => <button key={one.bpm} type="button" class="chip" title={one.title} aria-label={one.title} aria-pressed={chosen !== undefined && chosen !== null && Math.abs(chosen / one.bpm - 1) < 0.015} onClick={() => bench.correct(row.id, { source_bpm: given && Math.abs(given / one.bpm - 1) < 0.015 ? undefined : one.bpm })}>{number(one.bpm, 1)}{one.word && ` ${one.word}`}</button>)}
+      {row.clear !== null && <span class={row.clear ? "good" : "weak"} title={row.steady === null ? "" : d("steady", { n: Math.round(row.steady * 100) })}><Icon name={row.clear ? "check" : "warn"} /><span class="unseen">{d(row.clear ? "clear" : "unclear")}</span></span>}
+    </div>
+  );
+}
+
+/** What is no beat, and why: for those who do not see the crosses. */
+function Refused({ bench, row }: { bench: Bench; row: ClipRow }) {
+  const refused = row.candidates.filter((one) => one.verdict !== "beat");
+  if (!refused.length) return null;
+  return (
+    <details class="bench-refused">
+      <summary>{d("refused", { n: refused.length })} · {row.name}</summary>
+      <div class="scrolls" role="region" tabIndex={0} aria-label={d("refused", { n: refused.length })}>
+        <table>
+          <thead><tr><th class="n">{d("at")}</th><th>{d("reason")}</th><th class="n">{d("dip")}</th><th class="n">{d("rest")}</th><th><span class="unseen">{d("take")}</span></th></tr></thead>
+          <tbody>{refused.slice(0, REFUSED).map((one) => (
+            <tr key={one.at}><td class="n"><button type="button" class="link" onClick={() => bench.go(row.id, one.at)}>{number(one.at, 2)} s</button></td><td>{reasonOf(one)}</td><td class="n">{number(one.dip, 2)}</td><td class="n">{number(one.rest, 2)}</td>
+              <td><button type="button" class="button dense" aria-label={`${d("take")}: ${number(one.at, 2)} s`} onClick={() => bench.addBeat(row.id, one.at)}>{d("take")}</button></td></tr>
+          ))}</tbody>
+        </table>
+      </div>
+    </details>
+  );
+}

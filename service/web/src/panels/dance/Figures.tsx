@@ -1,0 +1,107 @@
+/** A dance in figures, in plain words beside the classic blend; its transitions, each to be seen; saving and export. */
+import { useState } from "preact/hooks";
+import { address, ask, get } from "../../api/client";
+import { rowsOf, type Result } from "../../api/results";
+import { note } from "../../state/notes";
+import { AskName } from "../../ui/AskName";
+import { exportItems } from "../../ui/exports";
+import { Icon } from "../../ui/icons";
+import { Menu } from "../../ui/Menu";
+import { useAsync } from "../../ui/useAsync";
+import { duration, number, w } from "../../words";
+import type { Bench } from "./bench";
+import { nodesOf } from "./graph";
+import { d } from "./words";
+
+const BEFORE = 1; // seconds before a transition that is looked at
+interface Transition { position: number; from: number; to: number; start: number; end: number; distance: number; foot_skate: number | null; classic_foot_skate: number | null }
+interface Step { position: number; node: number; start: number; natural: boolean | null; distance: number | null }
+
+export function Figures({ bench, result, dry }: { bench: Bench; result: Result; dry: boolean }) {
+  const values = Object.fromEntries(rowsOf<{ metric: string; value: number | null }>(result.parts.metrics).map((one) => [one.metric, one.value]));
+  const warnings = rowsOf<{ warning: string }>(result.parts.warnings);
+  const percent = (value?: number | null) => (value === null || value === undefined ? "–" : `${number(value * 100, 0)} %`);
+  const sizes = (value?: number | null) => (value === null || value === undefined ? "–" : d("perSecond", { n: number(value, 3) }));
+  const rows: [string, string, string, string?][] = [
+    [d("onBeat"), percent(values.grid_hits_70ms), ""],
+    [d("alignMusic"), percent(values.beat_align_music), ""],
+    [d("inside"), number(values.beats_in_transitions ?? 0), number(values.classic_beats_in_transitions ?? 0)],
+    [d("skate"), sizes(values.foot_skate_in_transitions), sizes(values.classic_foot_skate_in_transitions)],
+    [d("skateOutside"), sizes(values.foot_skate_outside), ""],
+    [d("turning"), d("degrees", { n: number(values.greatest_rotation_speed ?? 0, 0) }), "", d("degrees", { n: number(values.source_greatest_rotation_speed ?? 0, 0) })],
+    [d("moving"), sizes(values.greatest_body_speed), "", sizes(values.source_greatest_body_speed)],
+    [d("stretch"), d("times", { n: number(values.greatest_rate ?? 1, 2) }), ""],
+  ];
+  return (
+    <div class="bench-figures">
+      {!dry && <Kept result={result} />}
+      <p class="dim">{duration(values.seconds)} · {d("barsOf", { n: values.bars ?? 0 })} · {d("jumps")}: {number(values.jumps ?? 0)}</p>
+      <table class="figures">
+        <thead><tr><th>{d("figures")}</th><th class="n">{d("thisDance")}</th><th class="n">{d("classic")}</th><th class="n">{d("sourceWord")}</th></tr></thead>
+        <tbody>{rows.map(([word, own, classic, source]) => <tr key={word}><th scope="row">{word}</th><td class="n">{own}</td><td class="n dim">{classic}</td><td class="n dim">{source ?? ""}</td></tr>)}</tbody>
+      </table>
+      <Transitions bench={bench} result={result} dry={dry} />
+      {warnings.length > 0 && <details><summary>{d("warningsWord", { n: warnings.length })}</summary>{warnings.map((one) => <p key={one.warning} class="dim">{one.warning}</p>)}</details>}
+    </div>
+  );
+}
+
+function Transitions({ bench, result, dry }: { bench: Bench; result: Result; dry: boolean }) {
+  const steps = rowsOf<Step>(result.parts.path);
+  const jumps = new Map(rowsOf<Transition>(result.parts.transitions).map((one) => [one.position, one]));
+  const nodes = nodesOf(result.parts.graph ? result : (bench.graph.value ?? result), bench.documents);
+  const play = (step: Step, before: Step) => {
+    const player = bench.player.peek();
+    if (!dry && bench.shown.peek()?.kind === "dance" && player) {
+      player.pause();
+      player.seek(((jumps.get(step.position)?.start ?? step.start) - BEFORE) * player.perSecond);
+      player.play(1);
+      return;
+    }
+    const [from, to] = [before, step].map((one) => nodes.find((node) => node.bar === one.node));
+    if (from && to) bench.shown.value = { kind: "step", from, to };
+  };
+  return (
+    <div class="scrolls bench-transitions" role="region" tabIndex={0} aria-label={d("transitions")}>
+      <table>
+        <thead><tr><th>{d("transitions")}</th><th class="n">{d("when")}</th><th class="n">{d("distance")}</th><th class="n">{d("feet")}</th><th class="n">{d("classic")}</th></tr></thead>
+        <tbody>{steps.slice(1).map((step, at) => {
+          const jump = jumps.get(step.position);
+          const skate = (value?: number | null) => (value === undefined || value === null ? "" : number(value, 3));
+          return (
+            <tr key={step.position}>
+              <td><button type="button" class="link" aria-label={`${d("play")}: ${d("edgeOf", { from: steps[at].node, to: step.node })}`} disabled={dry && nodes.length === 0} onClick={() => play(step, steps[at])}>{steps[at].node} → {step.node}</button> <span class={step.natural ? "dim" : "weak"}>{d(step.natural ? "naturalWord" : "jump")}</span></td>
+              <td class="n">{number(step.start, 2)} s</td><td class="n">{step.natural ? "" : number(step.distance ?? 0, 3)}</td><td class="n">{skate(jump?.foot_skate)}</td><td class="n dim">{skate(jump?.classic_foot_skate)}</td>
+            </tr>
+          );
+        })}</tbody>
+      </table>
+    </div>
+  );
+}
+
+/** Name and project of the clip that was made, its export and picture. */
+function Kept({ result }: { result: Result }) {
+  const [asking, setAsking] = useState(false);
+  const id = result.parts.clip.document!;
+  const clip = useAsync((signal) => get("/documents/{id}", { path: { id }, signal }), [id]);
+  const [project, setProject] = useState<string | null>(null);
+  const save = async (name: string) => {
+    const detail = await get("/documents/{id}", { path: { id } });
+    await ask("patch", "/documents/{id}", { path: { id }, body: { name, project: project ?? detail.project } as never, match: detail.revision });
+    clip.again();
+    note(d("saved", { name }), { action: { text: w("open"), run: () => location.assign(`/clips/${id}`) } });
+  };
+  return (
+    <div class="row wrap">
+      <strong class="cut">{clip.value?.name ?? result.name}</strong><span class="dim">{clip.value?.project}</span><span class="grow" />
+      <button type="button" class="button primary" onClick={() => setAsking(true)}>{d("save")}…</button>
+      <Menu label={d("exportWord")} side="right" items={exportItems(id, { markers: false, original: false, format: "" })}>{d("exportWord")}<Icon name="down" /></Menu>
+      <a class="button" href={address("/results/{id}/picture", { id: result.id }, {})} target="_blank" rel="noreferrer">{d("picture")}</a>
+      <a class="button" href={`/clips/${id}`}>{w("open")}</a>
+      {asking && <AskName title={d("saveAs")} initial={clip.value?.name ?? result.name} onName={save} onClose={() => setAsking(false)}>
+        <p><label class="row">{w("project")}<input class="field grow" value={project ?? clip.value?.project ?? ""} onInput={(event) => setProject(event.currentTarget.value)} /></label></p>
+      </AskName>}
+    </div>
+  );
+}

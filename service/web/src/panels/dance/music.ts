@@ -1,0 +1,63 @@
+/** A piece of music: its beats as the server found them, its sound and outline as the browser reads it. */
+import { fetched, type Schemas } from "../../api/client";
+import { peaksOf } from "../../motion/peaks";
+
+const MOST_DECODED = 5 * 60; // seconds; what is longer plays from the file
+const PEAKS = 4000;
+
+export interface Music {
+  file: File;
+  seconds: number;
+  /** null: too long to be decoded, or no sound that the browser knows. */
+  buffer: AudioBuffer | null;
+  /** Of the file, where it is too long. */
+  address: string | null;
+  peaks: Float32Array | null;
+  beats: number[];
+  bpm: number;
+  even: boolean;
+  /** Which beat, from 1, the first bar starts on. */
+  downbeat: number;
+  factor: "1/2" | "1" | "2";
+  readonly wish: Schemas["Music"];
+}
+
+export function withChoice(music: Music, choice: Partial<Pick<Music, "downbeat" | "factor">>): Music {
+  const next = { ...music, ...choice };
+  return { ...next, wish: { beats: next.beats, downbeat: next.downbeat, factor: next.factor } };
+}
+
+/** Beats by the server, sound by the browser. ApiError for what holds no beats. */
+export async function readMusic(file: File): Promise<Music> {
+  const form = new FormData();
+  form.append("file", file, file.name);
+  const found = (await (await fetched("/api/v1/music", { method: "POST", body: form })).json()) as Schemas["MusicBeats"];
+  const address = URL.createObjectURL(file);
+  const seconds = await lengthOf(address);
+  const buffer = !(seconds > MOST_DECODED) ? await decoded(file) : null;
+  if (buffer) URL.revokeObjectURL(address);
+  const { beats, downbeat, factor } = found.music;
+  return withChoice({
+    file, buffer, beats, downbeat, factor, bpm: found.bpm, even: found.even, seconds: buffer?.duration ?? (Number.isFinite(seconds) ? seconds : (beats.at(-1) ?? 0)),
+    address: buffer || !Number.isFinite(seconds) ? null : address, peaks: buffer ? peaksOf(buffer.getChannelData(0), PEAKS) : null, wish: found.music,
+  }, {});
+}
+
+async function decoded(file: File): Promise<AudioBuffer | null> {
+  try {
+    // An offline context decodes without asking for a device.
+    return await new OfflineAudioContext(2, 1, 48_000).decodeAudioData(await file.arrayBuffer());
+  } catch {
+    return null;
+  }
+}
+
+/** Seconds of a sound; not finite where the browser cannot tell. */
+const lengthOf = (address: string): Promise<number> =>
+  new Promise((resolve) => {
+    const element = new Audio();
+    element.preload = "metadata";
+    element.onloadedmetadata = () => resolve(element.duration);
+    element.onerror = () => resolve(Number.NaN);
+    element.src = address;
+  });
