@@ -17,6 +17,7 @@ from service.web.build import WEB
 from tests.analysis.dance.motions import generated
 from tests.analysis.expression.face_motions import motions
 from tests.web.conftest import Served, serve, walk
+from tests.web.test_blender import keep_model
 from tests.web.test_faces import keep_space
 from tests.web.test_journeys import ready
 
@@ -39,6 +40,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, d
             served.upload(f"take {number}.bvh", walk(20 + 5 * number, seed=number + 5))
         clip = f"/clips/{one}?f=20&sel=left_up_leg"
         result = beats_of(served.database)
+        model = keep_model(served)
         space = keep_space(served.database, motions(noise=0.1))
         yield (
             served,
@@ -64,6 +66,11 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, d
                 "result-table": f"/results/{result}?part=bars",
                 "faces": f"/faces/{space}?level=1&keys=3",
                 "faces-start": "/faces",
+                "blender-empty": "/reach?project=demo-reach",
+                "blender": f"/reach/{model}?near=side",
+                "blender-gap": f"/reach/{model}?near=alone&age=45",
+                "blender-examples": f"/reach/{model}?tab=examples",
+                "blender-fit": f"/reach/{model}?tab=fit",
                 "settings": "/settings",
                 "unknown": "/library/../nowhere",
             },
@@ -82,7 +89,8 @@ def beats_of(database: Database) -> str:
 PAGES = [
     "library", "list", "nothing", "tree", "graph", "structure", "text", "history", "info", "xpath", "xpath-empty",
     "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result",
-    "result-table", "faces", "faces-start", "settings",
+    "result-table", "blender-empty", "blender", "blender-gap", "blender-examples", "blender-fit", "faces", "faces-start",
+    "settings",
 ]  # fmt: skip
 
 

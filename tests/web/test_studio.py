@@ -77,7 +77,7 @@ def test_start_up_is_small() -> None:
 
 
 PANEL = 60_000
-"""Bytes that opening an analysis may load at once, gzip, with what it shares with other pages; three.js and CodeMirror apart."""
+"""Bytes, gzip, that an analysis loads at most, with what it shares with other pages; three and CodeMirror apart."""
 ANALYSES = ("Blender", "Dance", "Faces", "Analyses", "Result")
 
 

@@ -3,6 +3,7 @@ import { effect } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Player } from "../../state/player";
 import { colour, look } from "../../state/settings";
+import { penOf } from "../../ui/canvas";
 import { number } from "../../words";
 import { LEAST_PHASE, type Times } from "./corrections";
 import { b } from "./words";
@@ -80,12 +81,7 @@ function Behind({ curves, seconds, most }: { curves: Curve[]; seconds: number; m
   useEffect(() => {
     const element = canvas.current!;
     const draw = () => {
-      const ratio = Math.min(2, devicePixelRatio);
-      const [width, height] = [element.clientWidth, element.clientHeight];
-      element.width = width * ratio;
-      element.height = height * ratio;
-      const pen = element.getContext("2d")!;
-      pen.scale(ratio, ratio);
+      const { pen, width, height } = penOf(element);
       pen.strokeStyle = colour("text3");
       pen.globalAlpha = 0.22;
       pen.lineWidth = 1;
