@@ -1,10 +1,11 @@
-"""Windows of the analyses in a browser: the map of faces, of 100,000 generated frames and of real takes."""
+"""Windows of the analyses in a browser: sliders of 185 reaches; the map of faces, 100,000 generated and real ones."""
 
 from __future__ import annotations
 
 import os
 import statistics
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +14,25 @@ import numpy as np
 from benchmarks.studio_pages import Visitor, browsing, visiting
 from benchmarks.timing import report
 from schemas.analyses.expression import ExpressionParameters
+from schemas.analyses.reach import ReachParameters
 from service.actions.analysing.save_results import add_parts
+from service.actions.importing.load_demo import REACHES, add_clips
 from service.analysis.expression_space.analyses import EXPRESSION
 from service.analysis.interface import Part, Parts, silent
+from service.analysis.reach_blending.analyses import REACH
+from service.demo.reach_clips import reach_clips
+from service.settings import Settings
 from service.storage.database import Database
+from service.storage.filtering import DocumentFilter
 from service.web.build import build
 from tests.analysis.expression.test_real_takes import faces
+from tests.analysis.reach.reach_motions import motion_of
 
 FRAMES = 100_000
 MARKERS = 25
 TAKES = 40
+SLID = 200
+"""Moves of the slider."""
 PANNED = 240
 """Moves of the pointer over the map."""
 
@@ -35,6 +45,7 @@ def run() -> dict[str, object]:
     found: dict[str, object] = {}
     shared = Path(os.environ.get("MCML_SHARED", Path(__file__).parents[2] / "shared" / "data"))
     with browsing() as browser:
+        found["sliders of 185 reaches"] = _slid(browser)
         found[f"map of {FRAMES:,} points"] = _panned(browser, generated(FRAMES), FRAMES)
         if (shared / "trc_facial").is_dir():
             real = EXPRESSION.run(faces(shared, 1), ExpressionParameters(), silent)
@@ -65,6 +76,61 @@ def _panned(browser: Any, parts: Parts, count: int) -> Figures:
         "script, median": report("panned: script a frame, ms, median", statistics.median(scripts), "<= 8"),
         "script, 95 %": report("the same, 95th percentile", scripts[int(0.95 * len(scripts))], "<= 8"),
     }
+
+
+def _slid(browser: Any) -> Figures:
+    """From the move of a slider until the frame in which the new motion was drawn, script of that frame included."""
+    figures: Figures = {}
+    with tempfile.TemporaryDirectory() as folder:
+        store = Path(folder) / "store.db"
+        database = Database(f"sqlite:///{store}")
+        database.migrate()
+        made = reach_clips()
+        add_clips(database, Settings(), REACHES, [one.clip for one in made], (), "")
+        parameters = ReachParameters()
+        with database.read() as tx:
+            ids = {one.name: one.uuid for one in tx.documents.page(DocumentFilter(), after=None, limit=len(made))}
+        motions = [replace(motion_of(one), document=ids[one.name]) for one in made]
+        parts = REACH.run(motions, parameters, silent)
+        with database.write("bench") as tx:
+            given = parameters.model_dump(mode="json")
+            key, uuid = tx.results.add(tx.projects.get_or_add(REACHES), "reach", "reaches", "bench", [], given, {})
+            add_parts(tx, key, parts, {})
+        database.close()
+        with visiting(browser, store) as visitor:
+            for view, playing in (("alone", False), ("alone", True), ("ghost", True)):
+                visitor.open(f"/reach/{uuid}?near={view}")
+                visitor.page.wait_for_function("() => performance.getEntriesByName('new-motion').length > 0")
+                visitor.page.get_by_role("button", name="Pause").wait_for()
+                if not playing:
+                    visitor.page.get_by_role("button", name="Pause").click()
+                drawn, answered = visitor.page.evaluate(SLIDE, SLID)
+                what = f"slider of {len(made)} examples, {view}, {'playing' if playing else 'still'}"
+                figures[f"{what}: median"] = report(f"{what}: new motion drawn, ms, median", statistics.median(drawn))
+                figures[f"{what}: 95 %"] = report("   95th percentile", sorted(drawn)[int(0.95 * len(drawn))], "<= 50")
+                figures[f"{what}: answered"] = report(
+                    "   the server's answer in the page, 95th percentile", sorted(answered)[int(0.95 * len(answered))]
+                )
+    return figures
+
+
+SLIDE = """async moves => {
+  performance.clearMeasures("new-motion");
+  performance.clearResourceTimings();
+  performance.setResourceTimingBufferSize(10000);
+  const slider = document.querySelectorAll(".slider-track")[1];
+  slider.focus();
+  for (let move = 0; move < moves; move++) {
+    const key = move % 60 < 30 ? "ArrowLeft" : "ArrowRight";
+    slider.dispatchEvent(new KeyboardEvent("keydown", { key, code: key, bubbles: true, cancelable: true }));
+    await new Promise(done => setTimeout(done, 60));
+  }
+  await new Promise(done => setTimeout(done, 1000));
+  return [
+    performance.getEntriesByName("new-motion").map(one => one.duration),
+    performance.getEntriesByType("resource").filter(one => one.name.includes("synthesize")).map(one => one.duration),
+  ];
+}"""
 
 
 def pan(visitor: Visitor) -> list[float]:
