@@ -28,8 +28,8 @@ SAMPLED = """seconds => new Promise(done => {
   const began = performance.now();
   const step = now => {
     const heard = window.mcmlDance.reading(now);
-    const { perSecond } = window.mcmlDance;
-    if (heard !== null) found.push([heard, heard * perSecond, window.mcmlDance.frame(), window.mcmlDance.led(now) * perSecond]);
+    const { perSecond, frame, led } = window.mcmlDance;
+    if (heard !== null) found.push([heard, heard * perSecond, frame(), led(now) * perSecond]);
     if (now - began < seconds * 1000) requestAnimationFrame(step); else done(found);
   };
   requestAnimationFrame(step);
