@@ -212,6 +212,7 @@ class ReachMotion(BaseModel):
                 "t1": {"seconds": 0.25, "frames": 7.5},
                 "t2": {"seconds": 0.99, "frames": 29.7},
                 "end": {"seconds": 2.34, "frames": 70.2},
+                "speed": [0.1, 0.12, 0.4],
                 "support": "inside",
                 "in_hull": True,
                 "nn_ratio": 0.8,
@@ -230,6 +231,10 @@ class ReachMotion(BaseModel):
     t1: ReachMoment = Field(description="The reach begins")
     t2: ReachMoment = Field(description="The reach ends")
     end: ReachMoment = Field(description="The motion ends")
+    speed: list[float] = Field(
+        description="Radians a second of the phase joint, a value a frame: since the frame before",
+        examples=[[0.1, 0.4]],
+    )
     support: Literal["inside", "gap", "outside"] = Field(
         description="Whether examples surround the attributes; gap: they do, but none is near in one attribute",
         examples=["inside"],

@@ -15,7 +15,9 @@ from service.analysis.interface import silent
 from service.storage.database import Database
 from service.web.build import WEB
 from tests.analysis.dance.motions import generated
+from tests.analysis.expression.face_motions import motions
 from tests.web.conftest import Served, serve, walk
+from tests.web.test_faces import keep_space
 from tests.web.test_journeys import ready
 
 AXE = WEB / "node_modules/axe-core/axe.min.js"
@@ -37,6 +39,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, d
             served.upload(f"take {number}.bvh", walk(20 + 5 * number, seed=number + 5))
         clip = f"/clips/{one}?f=20&sel=left_up_leg"
         result = beats_of(served.database)
+        space = keep_space(served.database, motions(noise=0.1))
         yield (
             served,
             {
@@ -59,6 +62,8 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, d
                 "analysis": "/analyses/beats?project=Gait",
                 "result": f"/results/{result}",
                 "result-table": f"/results/{result}?part=bars",
+                "faces": f"/faces/{space}?level=1&keys=3",
+                "faces-start": "/faces",
                 "settings": "/settings",
                 "unknown": "/library/../nowhere",
             },
@@ -77,14 +82,19 @@ def beats_of(database: Database) -> str:
 PAGES = [
     "library", "list", "nothing", "tree", "graph", "structure", "text", "history", "info", "xpath", "xpath-empty",
     "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result",
-    "result-table", "settings",
+    "result-table", "faces", "faces-start", "settings",
 ]  # fmt: skip
 
 
 def shown(page: Any, name: str) -> None:
     """Until a page stands as a visitor sees it."""
+    # Nothing has been waited for in so many frames one after the other.
     page.wait_for_function(
-        "() => document.querySelector('main')?.childElementCount && !document.querySelector('.busy')"
+        """() => {
+          const there = document.querySelector('main')?.childElementCount && !document.querySelector('.busy');
+          window.still = there ? (window.still ?? 0) + 1 : 0;
+          return window.still > 10;
+        }"""
     )
     if name in ("tree", "graph", "structure", "text", "history", "info"):
         ready(page)
@@ -97,6 +107,7 @@ def turn_to(page: Any, path: str, name: str) -> None:
     """To another page as a link leads there: nothing is loaded anew but what the page needs."""
     page.evaluate(
         """path => {
+          window.still = 0;
           history.pushState(null, '', path);
           dispatchEvent(new PopStateEvent('popstate'));
           return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));

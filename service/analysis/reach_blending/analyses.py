@@ -34,6 +34,7 @@ from service.analysis.reach_blending.fit import fit
 from service.analysis.reach_blending.model import Model, Source
 from service.analysis.reach_blending.options import Options, options_of
 from service.analysis.reach_blending.parts import parts_of
+from service.analysis.reach_blending.phases import angular_speed
 from service.analysis.reach_blending.pictures import PICTURES
 from service.analysis.reach_blending.stored import from_stored
 from service.analysis.reach_blending.synthesis import Wish, synthesize
@@ -41,9 +42,10 @@ from service.analysis.reach_blending.synthesis import Wish, synthesize
 
 @dataclass(frozen=True)
 class Ready:
-    """A model ready to be used, and the parts that tell of its clips."""
+    """A model ready to be used, the name of its phase joint, and the parts that tell of its clips."""
 
     model: Model
+    phase_joint: str
     clips: Part
     speed: Part
 
@@ -89,7 +91,13 @@ def run(motions: Sequence[Motion], parameters: ReachParameters, progress: Progre
 
 def prepare(parts: Parts) -> Ready:
     """The model of stored parts."""
-    return Ready(from_stored(parts["model"].data["model"], parts["model"].arrays), parts["clips"], parts["speed"])
+    told = parts["model"]
+    return Ready(
+        from_stored(told.data["model"], told.arrays),
+        told.data["summary"]["phase_joint"],
+        parts["clips"],
+        parts["speed"],
+    )
 
 
 def make(ready: Ready, wish: ReachWish) -> Answer:
@@ -97,6 +105,7 @@ def make(ready: Ready, wish: ReachWish) -> Answer:
     model = ready.model
     made = synthesize(model, Wish(wish.attributes, wish.fps, wish.template, wish.extrapolate, wish.clamp, wish.force))
     fps = 1.0 / made.clip.frame_time
+    turned = made.clip.rotations[:, made.clip.skeleton.names.index(ready.phase_joint)]
     t1, t2, end = (ReachMoment(seconds=time, frames=time * fps) for time in made.times)
     answer = ReachMotion(
         attributes=wish.attributes,
@@ -106,6 +115,7 @@ def make(ready: Ready, wish: ReachWish) -> Answer:
         t1=t1,
         t2=t2,
         end=end,
+        speed=angular_speed(turned, fps).round(4).tolist(),
         support=made.support,
         in_hull=made.in_hull,
         nn_ratio=made.nn_ratio,

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -77,19 +78,19 @@ def common_body(motions: Sequence[Motion], options: Options) -> tuple[Body, list
     """
     first = motions[0]
     for motion in motions:
-        convention = motion.skeleton.joints[0].convention if motion.skeleton.joints else Convention.MARKER
-        if convention is not Convention.LISTED or len(motion.skeleton.roots) != 1:
+        if not _turns(motion):
             raise AnalysisError(
                 "no-rotations",
                 f"{motion.name} has no rotations, or more than one root: {motion.document}.",
                 remedy="Leave it out; clips need one skeleton with joint rotations.",
                 document=motion.document,
+                leave_out=[other.document for other in motions if not _turns(other)],
             )
     if options.joints == "same":
         places = [np.arange(len(first.skeleton))] * len(motions)
         for motion in motions[1:]:
             if motion.skeleton is not first.skeleton:
-                _same_joints(first, motion)
+                _same_joints(first, motion, motions)
     else:
         kept = _shared_joints(motions)
         places = [_places(motion.skeleton, kept) for motion in motions]
@@ -232,7 +233,13 @@ def differing_bones(body: Body, offsets: Array) -> list[str]:
     return [joint.name for joint, is_wide in zip(body.skeleton.joints, wide, strict=True) if is_wide]
 
 
-def _same_joints(first: Motion, other: Motion) -> None:
+def _turns(motion: Motion) -> bool:
+    """Whether it has rotations, and one root."""
+    convention = motion.skeleton.joints[0].convention if motion.skeleton.joints else Convention.MARKER
+    return convention is Convention.LISTED and len(motion.skeleton.roots) == 1
+
+
+def _same_joints(first: Motion, other: Motion, motions: Sequence[Motion]) -> None:
     ours, theirs = first.skeleton.joints, other.skeleton.joints
     for place in range(max(len(ours), len(theirs))):
         mine = (ours[place].name, ours[place].parent) if place < len(ours) else None
@@ -243,7 +250,14 @@ def _same_joints(first: Motion, other: Motion) -> None:
                 f"Joint {place + 1} is {_told(ours, place)} in {first.name}, {_told(theirs, place)} in {other.name}.",
                 remedy='Choose clips of one skeleton, or set joints to "intersection".',
                 documents=[first.document, other.document],
+                leave_out=minority({m.document: tuple((j.name, j.parent) for j in m.skeleton.joints) for m in motions}),
             )
+
+
+def minority(kinds: Mapping[str, Hashable]) -> list[str]:
+    """Of documents and what they are, those that are not what most are: without them the others agree."""
+    usual = Counter(kinds.values()).most_common(1)[0][0]
+    return [document for document, kind in kinds.items() if kind != usual]
 
 
 def _told(joints: Sequence[Joint], place: int) -> str:

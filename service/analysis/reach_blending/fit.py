@@ -25,6 +25,7 @@ from service.analysis.reach_blending.clips import (
     check_ranges,
     common_body,
     differing_bones,
+    minority,
     read_clip,
     turning_freely,
     unit_of,
@@ -92,7 +93,11 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
     units = tuple(unit_of([clip.motion for clip in clips], name) for name in options.attributes)
     if not options.force:
         for clip in clips:
-            check_ranges(options.attributes, clip.attributes.tolist(), f"in {clip.motion.name}")
+            try:
+                check_ranges(options.attributes, clip.attributes.tolist(), f"in {clip.motion.name}")
+            except AnalysisError as error:
+                error.details["leave_out"] = [clip.motion.document]
+                raise
     warnings = [warning for clip in clips for warning in clip.warnings]
     metres = _metres(clips)
     offsets = np.stack([clip.offsets for clip in clips]) if clips else np.zeros((0, len(body.skeleton), 3))
@@ -106,7 +111,7 @@ def fit(motions: Sequence[Motion], options: Options, progress: Progress = silent
     space = attribute_space(attributes, options.scaling)
     warnings += [*scarce, *_about_attributes(space, options)]
     x = space.coordinates(attributes)
-    groups = _examples(x, options, [clip.motion.name for clip in clips])
+    groups = _examples(x, options, clips)
 
     times = np.array([np.array(clip.phases.times) * options.base_fps / clip.motion.fps for clip in clips])
     knots = options.knots or mean_knots(times)
@@ -180,7 +185,7 @@ def _read(
             # Times that a person set are a request, not a fault of the clip.
             if options.on_bad_clip == "error" or error.code == "phase-order":
                 error.what = f"{motion.name} ({motion.document}): {error.what}"
-                error.details["document"] = motion.document
+                error.details |= {"document": motion.document, "leave_out": [motion.document]}
                 raise
             joint = np.nan_to_num(motion.rotations[:, kept[body.phase_joint]])
             speed = angular_speed(joint, motion.fps, options.phase_method)
@@ -195,6 +200,7 @@ def _metres(clips: Sequence[Clip]) -> float | None:
             MIXED_UNITS,
             f"The clips are in units of {' and '.join(f'{value:g}' for value in stated)} m.",
             remedy="Choose clips in one unit of length.",
+            leave_out=minority({c.motion.document: c.motion.metres for c in clips if c.motion.metres is not None}),
         )
     return stated[0] if stated else None
 
@@ -255,16 +261,17 @@ def _about_attributes(space: AttributeSpace, options: Options) -> list[tuple[str
     return warnings
 
 
-def _examples(x: Array, options: Options, names: Sequence[str]) -> list[list[int]]:
+def _examples(x: Array, options: Options, clips: Sequence[Clip]) -> list[list[int]]:
     """Groups of clips with equal attributes, first clips in order; single ones are groups of one."""
     found = duplicates(x)
     if found and options.duplicates == "error":
-        pairs = [[names[row] for row in group] for group in found]
+        pairs = [[clips[row].motion.name for row in group] for group in found]
         raise AnalysisError(
             "duplicate-attributes",
             f"{len(found)} sets of clips have the same attributes, among them {' and '.join(pairs[0][:2])}.",
             remedy='Set duplicates to "mean" to average them, or use the robust method.',
             groups=pairs,
+            leave_out=[clips[row].motion.document for group in found for row in group[1:]],
         )
     return same_place(found, len(x))
 

@@ -111,6 +111,8 @@ def test_answers_tell_of_trust() -> None:
     assert 0 < value.t1.seconds < value.t2.seconds < value.end.seconds
     assert value.t1.frames == pytest.approx(value.t1.seconds * value.fps)
     assert len(value.weights) == 10
+    assert len(value.speed) == value.frames
+    assert value.t1.frames < int(np.argmax(value.speed)) < value.t2.frames
     assert value.attributes == WISH.attributes
 
 

@@ -157,6 +157,7 @@ def test_other_skeletons_are_refused_or_cut_to_what_is_common() -> None:
         fit(motions, options_of())
     assert error.value.code == "skeleton-mismatch"
     assert "Joint 23" in error.value.what
+    assert error.value.details["leave_out"] == [motions[2].document]
     common = fit(motions, options_of(joints="intersection"))
     whole = fit([shorter(motion) for motion in motions[:2] + motions[3:]] + [motions[2]], options_of())
     assert len(common.model.skeleton) == 22
@@ -186,7 +187,9 @@ def test_markers_have_no_rotations() -> None:
 def test_units_of_length_have_to_agree() -> None:
     motions = clips()
     motions[2] = replace(motions[2], metres=1.0)
-    assert code_of(motions) == "unit-mismatch"
+    with pytest.raises(AnalysisError) as error:
+        fit(motions, options_of())
+    assert (error.value.code, error.value.details["leave_out"]) == ("unit-mismatch", [motions[2].document])
 
 
 def test_suspect_values_are_refused_unless_forced() -> None:
@@ -262,6 +265,7 @@ def test_equal_attributes_are_refused_by_the_paper_with_the_clips() -> None:
         fit(motions, options_of("paper"))
     assert error.value.code == "duplicate-attributes"
     assert error.value.details["groups"] == [[motions[4].name, motions[5].name]]
+    assert error.value.details["leave_out"] == [motions[5].document]
     assert len(fit(motions, options_of("paper", duplicates="mean")).model.centres) == len(motions) - 1
 
 

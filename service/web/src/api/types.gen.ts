@@ -2822,6 +2822,7 @@ export interface components {
             t1: components["schemas"]["ReachMoment"];
             t2: components["schemas"]["ReachMoment"];
             end: components["schemas"]["ReachMoment"];
+            speed: number[];
             /** @enum {string} */
             support: "inside" | "gap" | "outside";
             in_hull: boolean;

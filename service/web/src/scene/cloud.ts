@@ -29,8 +29,6 @@ export class Cloud {
   private pending = 0;
   private view: View = { x: 0, y: 0, scale: 1 };
   size = 3;
-  /** Script time of the last drawing, ms. */
-  lastScript = 0;
 
   /** places: (n, 2). kinds: (n,) 0 to 8, which ink. Error where there is no WebGL. */
   constructor(readonly canvas: HTMLCanvasElement, places: Float32Array, kinds: Uint8Array) {
@@ -105,7 +103,6 @@ export class Cloud {
 
   private draw(): void {
     this.pending = 0;
-    const began = performance.now();
     const { gl, canvas, view } = this;
     const ratio = Math.min(2, devicePixelRatio);
     gl.viewport(0, 0, canvas.width, canvas.height);
@@ -116,7 +113,6 @@ export class Cloud {
     gl.uniform4f(gl.getUniformLocation(this.program, "view"), view.x, view.y, zoom / canvas.width, zoom / canvas.height);
     gl.uniform1f(gl.getUniformLocation(this.program, "size"), this.size * ratio);
     gl.drawArrays(gl.POINTS, 0, this.count);
-    this.lastScript = performance.now() - began;
   }
 
   close(): void {

@@ -1,5 +1,5 @@
 /** One clock: the time of what is looked at, in frames from 0. Runs only while something plays. */
-import { signal } from "@preact/signals";
+import { batch, signal, type Signal } from "@preact/signals";
 
 export class Player {
   /** The frame that is shown, from 0. */
@@ -16,13 +16,37 @@ export class Player {
   private last = 0;
   private timer = 0;
 
-  constructor(
-    readonly frames: number,
-    readonly perSecond: number,
-  ) {}
+  /** What is played: how many frames, and how fast. */
+  private readonly length: Signal<{ frames: number; perSecond: number }>;
+
+  constructor(frames: number, perSecond: number) {
+    this.length = signal({ frames, perSecond });
+  }
+
+  get frames(): number {
+    return this.length.value.frames;
+  }
+
+  get perSecond(): number {
+    return this.length.value.perSecond;
+  }
+
+  /** Where it is between two frames. */
+  get at(): number {
+    return this.exact;
+  }
+
+  /** Go on at a frame of another motion, playing or not as before. */
+  become(frames: number, perSecond: number, at: number): void {
+    batch(() => {
+      const now = this.length.peek();
+      if (now.frames !== frames || now.perSecond !== perSecond) this.length.value = { frames, perSecond };
+      this.seek(at);
+    });
+  }
 
   seek(frame: number): void {
-    this.exact = Math.max(0, Math.min(this.frames - 1, frame));
+    this.exact = Math.max(0, Math.min(this.length.peek().frames - 1, frame));
     this.frame.value = Math.floor(this.exact + 1e-6);
   }
 
@@ -32,7 +56,7 @@ export class Player {
   }
 
   get range(): [number, number] {
-    return this.loop.peek() ?? [0, Math.max(0, this.frames - 1)];
+    return this.loop.peek() ?? [0, Math.max(0, this.length.peek().frames - 1)];
   }
 
   play(speed = this.speed.peek()): void {

@@ -16,11 +16,13 @@ export interface Actor {
   inPlace?: boolean;
 }
 
-export function MotionView({ actors, selected, onPick, label, names = false }: {
+export function MotionView({ actors, selected, onPick, onStage, label, names = false }: {
   actors: Actor[];
   /** Points of the first actor that are marked. */
   selected?: Signal<number[]>;
   onPick?: (actor: number, point: number) => void;
+  /** The stage, whenever it is made: for pictures of it. */
+  onStage?: (stage: Stage) => void;
   label: string;
   names?: boolean;
 }) {
@@ -35,6 +37,7 @@ export function MotionView({ actors, selected, onPick, label, names = false }: {
       return; // Without WebGL the lists say the same.
     }
     stage.current = made;
+    onStage?.(made);
     made.shown = { follow: true, ghosts: false, trails: false, names, axes: false };
     let framed = false;
     const floors: number[] = [];

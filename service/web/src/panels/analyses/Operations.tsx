@@ -1,14 +1,12 @@
 /** What can be done with a result: each operation by the form of its schema, its answer as values or as motion. */
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import type { Schemas } from "../../api/client";
 import { makeMotion, useResult, type Done, type Made } from "../../api/results";
 import { wholeOf } from "../../motion/preview";
-import { Player } from "../../state/player";
-import { MotionView, type Actor } from "../../ui/MotionView";
-import { PlayBar } from "../../ui/PlayBar";
 import { SchemaForm, type Values } from "../../ui/SchemaForm";
 import type { Schema } from "../../ui/schema";
 import { Trouble } from "../../ui/Trouble";
+import { WholeMotion } from "../../ui/WholeMotion";
 import { ApiError } from "../../api/client";
 import { a } from "./words";
 
@@ -64,12 +62,6 @@ function One({ id, name, schema }: { id: string; name: string; schema: Schema })
 }
 
 function Moving({ made }: { made: Made<unknown> }) {
-  const preview = useMemo(() => wholeOf(made.motion, made.positions), [made]);
-  const player = useMemo(() => new Player(preview.frames, preview.perSecond), [preview]);
-  const actors = useMemo<Actor[]>(() => [{ skeleton: preview.skeleton, positions: () => preview.frame(player.frame.value) }], [preview]);
-  useEffect(() => {
-    player.play(1);
-    return () => player.pause();
-  }, [player]);
-  return <div class="part-motion"><MotionView actors={actors} label={a("playIt")} /><PlayBar player={player} /></div>;
+  const motion = useMemo(() => wholeOf(made.motion, made.positions), [made]);
+  return <WholeMotion motion={motion} label={a("playIt")} className="part-motion" />;
 }

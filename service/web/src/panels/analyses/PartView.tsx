@@ -4,6 +4,7 @@ import { arrayOf, type Part } from "../../api/results";
 import { motionOf } from "../../motion/source";
 import { colour, look } from "../../state/settings";
 import { Player } from "../../state/player";
+import { penOf } from "../../ui/canvas";
 import { MotionView, type Actor } from "../../ui/MotionView";
 import { PlayBar } from "../../ui/PlayBar";
 import { Plot, type Curve } from "../../ui/Plot";
@@ -84,12 +85,7 @@ function Points({ id, name, part }: { id: string; name: string; part: Part }) {
     const points = found.value;
     if (!element || !points) return;
     const columns = points.shape[1];
-    const ratio = Math.min(2, devicePixelRatio);
-    const [width, height] = [element.clientWidth, element.clientHeight];
-    element.width = width * ratio;
-    element.height = height * ratio;
-    const pen = element.getContext("2d")!;
-    pen.scale(ratio, ratio);
+    const { pen, width, height } = penOf(element);
     let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
     for (let row = 0; row < points.shape[0]; row++) {
       const [x, y] = [points.values[row * columns], points.values[row * columns + 1]];

@@ -2,6 +2,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import { seenFrom } from "../../motion/faces";
 import { colour, look } from "../../state/settings";
+import { penOf } from "../../ui/canvas";
 import type { Space } from "./space";
 
 export function FaceThumb({ space, frame }: { space: Space; frame: number }) {
@@ -10,13 +11,8 @@ export function FaceThumb({ space, frame }: { space: Space; frame: number }) {
   const skin = look.value;
   useEffect(() => {
     const element = canvas.current!;
-    const ratio = Math.min(2, devicePixelRatio);
-    const [width, height] = [element.clientWidth, element.clientHeight];
-    element.width = width * ratio;
-    element.height = height * ratio;
+    const { pen, width, height } = penOf(element);
     if (!face) return;
-    const pen = element.getContext("2d")!;
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     const frameOf = seenFrom(space.facing, space.neutral);
     let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
     for (let at = 0; at < frameOf.length; at += 2) {

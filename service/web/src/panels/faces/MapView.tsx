@@ -56,10 +56,8 @@ export function MapView({ space, on, cross, onHover, onPick, onKey }: {
   const ask = () => {
     if (!pending.current) pending.current = requestAnimationFrame(() => {
       pending.current = 0;
-      const began = performance.now();
       cloud.current?.look(view.current);
       if (over.current && host.current) drawOver(over.current, host.current, space, now.current, drawn.current, view.current, cross.peek());
-      performance.measure("map-script", { start: began, end: performance.now() });
     });
   };
   const fit = () => {

@@ -1,0 +1,93 @@
+/** The motion that follows the sliders: one question under way, the latest values next, late answers dropped. */
+import { signal } from "@preact/signals";
+import type { Schemas } from "../../api/client";
+import { makeMotion } from "../../api/results";
+import { samePhase, type Moments } from "../../motion/phases";
+import { wholeOf, type Preview } from "../../motion/preview";
+import { Player } from "../../state/player";
+import { noteParams, param } from "../../state/route";
+import { middleOf, paramOf, type Model, type Values } from "./model";
+
+export type Answer = Schemas["ReachMotion"];
+export interface Shown { answer: Answer; preview: Preview; moments: Moments }
+
+export class Blending {
+  readonly values;
+  readonly shown = signal<Shown | null>(null);
+  readonly error = signal<unknown>(null);
+  /** Milliseconds from the question to its answer. */
+  readonly took = signal(0);
+  readonly player = new Player(1, 30);
+  private wanted: { values: Values; moved: number } | null = null;
+  private busy = false;
+  private readonly stop = new AbortController();
+
+  constructor(readonly model: Model) {
+    this.values = signal<Values>(valuesNow(model));
+    this.want();
+  }
+
+  /** Move sliders. */
+  set(changes: Values): void {
+    this.values.value = { ...this.values.peek(), ...changes };
+    noteParams(Object.fromEntries(Object.entries(changes).map(([name, value]) => [paramOf(name), String(value)])));
+    this.want();
+  }
+
+  /** As the address says, after going back and forth in it. */
+  read(): void {
+    const now = valuesNow(this.model);
+    if (JSON.stringify(now) === JSON.stringify(this.values.peek())) return;
+    this.values.value = now;
+    this.want();
+  }
+
+  close(): void {
+    this.stop.abort();
+    this.player.pause();
+  }
+
+  private want(): void {
+    this.wanted = { values: this.values.peek(), moved: performance.now() };
+    if (!this.busy) void this.follow();
+  }
+
+  private async follow(): Promise<void> {
+    this.busy = true;
+    while (this.wanted && !this.stop.signal.aborted) {
+      const { values, moved } = this.wanted;
+      this.wanted = null;
+      const asked = performance.now();
+      try {
+        const made = await makeMotion<Answer>(this.model.id, "synthesize", { attributes: values }, {}, this.stop.signal);
+        this.show(made.value, wholeOf(made.motion, made.positions), moved);
+        this.took.value = performance.now() - asked;
+        this.error.value = null;
+      } catch (error) {
+        if (!this.stop.signal.aborted) this.error.value = error;
+      }
+    }
+    this.busy = false;
+  }
+
+  private show(answer: Answer, preview: Preview, moved: number): void {
+    const moments: Moments = [0, answer.t1.frames, answer.t2.frames, answer.end.frames];
+    const before = this.shown.peek();
+    const at = before ? samePhase(this.player.at, before.moments, moments) : 0;
+    this.shown.value = { answer, preview, moments };
+    this.player.become(preview.frames, preview.perSecond, at);
+    if (!before && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play(1);
+    performance.mark("motion-made");
+    // The stage draws in the next frame; the measure ends behind it.
+    requestAnimationFrame(() => performance.measure("new-motion", { start: moved }));
+  }
+}
+
+function valuesNow(model: Model): Values {
+  const middle = middleOf(model);
+  for (const { name } of model.attributes) {
+    const said = param(paramOf(name));
+    if (said !== "" && Number.isFinite(Number(said))) middle[name] = Number(said);
+  }
+  return middle;
+}
