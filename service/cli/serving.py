@@ -126,6 +126,10 @@ def _load_demo(database: str | None, seed: int = 1) -> int:
         store.close()
 
 
+EXTRAS = {"arrow": "pyarrow", "audio": "librosa", "plots": "matplotlib", "xpath2": "saxonche"}
+"""What can be installed beside the program, and a module of it."""
+
+
 def doctor(database: DatabaseOption = None) -> None:
     """Say what this installation has, what it lacks, and how to mend it."""
     settings = chosen_settings(database)
@@ -148,6 +152,9 @@ def doctor(database: DatabaseOption = None) -> None:
     for module, need in (("pcodec", True), ("simdjson", True), ("psycopg", False)):
         found = importlib.util.find_spec(module) is not None
         line(module, "installed" if found else "not installed", found or not need)
+    for extra, module in EXTRAS.items():
+        there = importlib.util.find_spec(module) is not None
+        line(f"extra {extra}", "installed" if there else f"not installed: pip install 'mcml-repository[{extra}]'")
     store = open_database(settings, migrate=False)
     address = store.dialect.engine.url.render_as_string(hide_password=True)
     try:

@@ -1,6 +1,6 @@
 /** What is danced to: a tempo by number, taps or music, how long, from which seed; dry run and making of it. */
 import { useState } from "preact/hooks";
-import { address, ask, fetched } from "../../api/client";
+import { address, ask, fetched, get } from "../../api/client";
 import { resultOf } from "../../api/results";
 import { cancelJob, jobs, runAnalysis } from "../../state/jobs";
 import { note, refuse } from "../../state/notes";
@@ -106,7 +106,8 @@ async function keepMusic(bench: Bench, document: string): Promise<void> {
 
 async function takeBack(result: string, document: string, name: string, bench: Bench): Promise<void> {
   try {
-    await ask("delete", "/documents/{id}", { path: { id: document } });
+    const { revision } = await get("/documents/{id}", { path: { id: document } });
+    await ask("delete", "/documents/{id}", { path: { id: document }, match: revision });
     await ask("delete", "/results/{id}", { path: { id: result } });
     bench.shown.value = null;
     const params = new URLSearchParams(route.peek().params);

@@ -26,7 +26,7 @@ interface Stage { of: Shown; skeleton: Skeleton; frames: number; perSecond: numb
 declare global {
   interface Window {
     /** What is drawn and what is heard, for tests that compare them. */
-    mcmlDance?: { frame: () => number; reading: (now: number) => number | null; perSecond: number };
+    mcmlDance?: { frame: () => number; reading: (now: number) => number | null; led: (now: number) => number | null; perSecond: number };
   }
 }
 
@@ -126,7 +126,7 @@ function Moving({ bench, stage }: { bench: Bench; stage: Stage }) {
         offset = next;
       }),
     ];
-    window.mcmlDance = { frame: () => player.frame.peek(), reading: (now) => sound.reading(now), perSecond: stage.perSecond };
+    window.mcmlDance = { frame: () => player.frame.peek(), reading: (now) => sound.reading(now), led: (now) => sound.time(now), perSecond: stage.perSecond };
     return () => {
       for (const stop of stops) stop();
       player.lead = null;
