@@ -26,7 +26,7 @@ export function ExampleRow({ row, names, units, valueOf, corrections, chosen, on
   const set = corrections.isSet(row.document);
   const time = (frames: number | undefined) => (frames === undefined ? "–" : (frames / row.fps).toFixed(2));
   return (
-    <tr class={`${chosen ? "chosen" : ""} ${left ? "left-out" : ""}`} aria-selected={chosen} onClick={onChoose}>
+    <tr class={`${chosen ? "chosen" : ""} ${left ? "left-out" : ""}`} aria-current={chosen ? "true" : undefined} onClick={onChoose}>
       <td><input type="checkbox" aria-label={b("includeClip", { name: row.name })} checked={!left} onClick={(event) => event.stopPropagation()} onChange={(event) => corrections.leave([row.document], !event.currentTarget.checked)} /></td>
       <td><button type="button" class="link name" onClick={onChoose}>{row.name}</button></td>
       <td class="dim">{row.subject === row.document ? "" : row.subject}</td>
