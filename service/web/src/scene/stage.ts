@@ -45,6 +45,9 @@ export class Stage {
   /** Script time of the last frame, ms: matrices, scene and overlay. */
   lastScript = 0;
   onCamera: () => void = () => {};
+  /** After each frame. */
+  onDrawn: () => void = () => {};
+  private unfinished: WebGLSync | null = null;
 
   constructor(private readonly host: HTMLElement, private readonly token: (name: string) => string) {
     this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: false, powerPreference: "high-performance" });
@@ -195,8 +198,20 @@ export class Stage {
 
   /** Draw soon. */
   ask(): void {
-    if (!this.pending && !document.hidden) this.pending = requestAnimationFrame(() => this.draw());
+    if (!this.pending && !document.hidden) this.pending = requestAnimationFrame(this.turn);
   }
+
+  /** Draws, unless the frame before is not done: frames that queue let the hand wait. */
+  private readonly turn = (): void => {
+    this.pending = 0;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (this.unfinished && !gl.isContextLost() && gl.getSyncParameter(this.unfinished, gl.SYNC_STATUS) !== gl.SIGNALED) return this.ask();
+    gl.deleteSync(this.unfinished);
+    this.draw();
+    this.unfinished = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    this.onDrawn();
+  };
 
   private draw(): void {
     this.pending = 0;

@@ -70,7 +70,7 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
           <span class="grow" />
           <Took blending={blending} />
         </div>
-        <MotionView actors={actors} label={b("madeOf", { values: model.attributes.map((one) => `${one.name} ${number(blending.values.peek()[one.name], 4)}`).join(", ") })} onStage={(made) => (stage.current = made)} />
+        {actors.length ? <MotionView actors={actors} label={b("madeOf", { values: model.attributes.map((one) => `${one.name} ${number(blending.values.peek()[one.name], 4)}`).join(", ") })} onStage={(made) => { stage.current = made; made.onDrawn = () => blending.drawn(); }} /> : <div class="blend-wait">{!blending.error.value && <div class="busy" role="presentation" />}</div>}
         <PlayBar player={player} />
         <MadePhases blending={blending} speeds={speeds} model={model} />
       </section>

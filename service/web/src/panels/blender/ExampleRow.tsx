@@ -28,7 +28,7 @@ export function ExampleRow({ row, names, units, valueOf, corrections, chosen, on
   return (
     <tr class={`${chosen ? "chosen" : ""} ${left ? "left-out" : ""}`} aria-current={chosen ? "true" : undefined} onClick={onChoose}>
       <td><input type="checkbox" aria-label={b("includeClip", { name: row.name })} checked={!left} onClick={(event) => event.stopPropagation()} onChange={(event) => corrections.leave([row.document], !event.currentTarget.checked)} /></td>
-      <td><button type="button" class="link name" onClick={onChoose}>{row.name}</button></td>
+      <td><button type="button" class="as-link name" onClick={onChoose}>{row.name}</button></td>
       <td class="dim">{row.subject === row.document ? "" : row.subject}</td>
       {names.map((name) => <td key={name} class="n"><Cell row={row} name={name} unit={units.get(name) ?? ""} value={String(valueOf(row, name))} edited={draft.value.edited[row.document]?.[name] !== undefined} corrections={corrections} /></td>)}
       <td class={`n ${set ? "set" : ""}`}>{time(times?.t1)}</td><td class={`n ${set ? "set" : ""}`}>{time(times?.t2)}</td><td class={`n ${set ? "set" : ""}`}>{time(times?.end)}</td>

@@ -55,7 +55,7 @@ export function Examples({ model, corrections, speeds }: { model: Model; correct
     </th>
   );
   return (
-    <div class="examples">
+    <div class="reach-examples">
       <div class="row wrap examples-tools">
         <input class="field" type="search" aria-label={w("search")} placeholder={b("filterClips")} value={text} onInput={(event) => setText(event.currentTarget.value)} />
         <span class="dim">{b("usedOf", { used: model.used.length, n: model.rows.length })}</span>

@@ -33,7 +33,7 @@ function Summary({ model: { summary, attributes } }: { model: Model }) {
       <p>{b("fittedTo", { n: summary.used })} {b("peopleMove", { n: summary.subjects })} {summary.excluded > 0 && b("leftOutClips", { n: summary.excluded })}</p>
       {summary.variance !== null && <p>{b("keepsShare", { n: summary.components, share: number(summary.variance * 100, 0), error: mm(summary.reconstruction.hand) })}</p>}
       {own && <p>{b(own.left_out === "subject" ? "unseenPeople" : "unseenClips", { degrees: number(own.joint_degrees ?? 0, 1), size: mm(own.hand) })} {gain !== null && (gain > 1 ? b("betterThanNearest", { share: number(gain, 0) }) : b("notBetter"))} {line?.joint_degrees && own.joint_degrees && Math.abs(line.joint_degrees / own.joint_degrees - 1) < 0.02 ? b("likeLine") : ""}</p>}
-      {attributes.filter((one) => one.gaps.length).map((one) => one.gaps.map(([low, high]) => <p key={`${one.name}${low}`} class="row say"><Icon name="warn" />{b("gapWords", { name: nameOf(one.name), low: number(low, 2), high: number(high, 2), unit: unitOf(one.unit) })}</p>))}
+      {attributes.filter((one) => one.gaps.length).map((one) => <p key={one.name} class="row say"><Icon name="warn" />{b("gapsWords", { name: nameOf(one.name), ranges: one.gaps.map(([low, high]) => `${number(low, 2)}–${number(high, 2)}`).join(", "), unit: unitOf(one.unit) })}</p>)}
       {summary.warnings.map((one, at) => <p key={at} class="row say"><Icon name="warn" /><span>{isWord(`warn_${one.code}`) ? <><strong>{b(`warn_${one.code}` as "warn_jump")}</strong> <span class="dim" lang="en">{one.what}</span></> : one.what}</span></p>)}
       {!summary.warnings.length && attributes.every((one) => !one.gaps.length) && <p class="row say good"><Icon name="check" />{b("noWarnings")}</p>}
     </>

@@ -25,7 +25,7 @@ export function Trust({ model, blending }: { model: Model; blending: Blending })
       {gap && inGap && <p>{b("gapWords", { low: number(inGap[0], 2), high: number(inGap[1], 2), name: nameOf(gap.name), unit: unitOf(gap.unit) })}</p>}
       {support === "outside" && <p>{b("outsideWords")}</p>}
       {support === "inside" && nn_ratio > 2 && <p>{b("sparseWords", { times: number(nn_ratio, 1) })}</p>}
-      {row && <p class="dim">{b("nearestValues")} {model.attributes.map((one) => `${number(row[one.name] as number, 2)} ${unitOf(one.unit)}`).join(", ")} <button type="button" class="link" onClick={() => blending.set(valuesOf(model, row))}>{b("goThere")}</button></p>}
+      {row && <p class="dim">{b("nearestValues")} {model.attributes.map((one) => `${number(row[one.name] as number, 2)} ${unitOf(one.unit)}`).join(", ")} <button type="button" class="as-link" onClick={() => blending.set(valuesOf(model, row))}>{b("goThere")}</button></p>}
       <details><summary>{b("madeOfExamples")}</summary>
         <ul class="weights">{weights.slice(0, MOST).map(({ clip, weight }) => (
           <li key={clip.document} class="bar-row"><a class="cut" href={`/clips/${clip.document}?rev=${clip.revision}`}>{model.byId.get(clip.document)?.name ?? clip.name}</a>

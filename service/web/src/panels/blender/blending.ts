@@ -20,6 +20,8 @@ export class Blending {
   readonly player = new Player(1, 30);
   private wanted: { values: Values; moved: number } | null = null;
   private busy = false;
+  /** When the slider was moved for the motion that waits to be drawn. */
+  private undrawn: number | null = null;
   private readonly stop = new AbortController();
 
   constructor(readonly model: Model) {
@@ -77,9 +79,14 @@ export class Blending {
     this.shown.value = { answer, preview, moments };
     this.player.become(preview.frames, preview.perSecond, at);
     if (!before && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play(1);
-    performance.mark("motion-made");
-    // The stage draws in the next frame; the measure ends behind it.
-    requestAnimationFrame(() => performance.measure("new-motion", { start: moved }));
+    this.undrawn = moved;
+  }
+
+  /** The stage has drawn: how long it took from the move of a slider is measured. */
+  drawn(): void {
+    if (this.undrawn === null) return;
+    performance.measure("new-motion", { start: this.undrawn });
+    this.undrawn = null;
   }
 }
 
