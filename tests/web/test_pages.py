@@ -89,8 +89,8 @@ def beats_of(database: Database) -> str:
 PAGES = [
     "library", "list", "nothing", "tree", "graph", "structure", "text", "history", "info", "xpath", "xpath-empty",
     "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result",
-    "result-table", "blender-empty", "blender", "blender-gap", "blender-examples", "blender-fit", "faces", "faces-start",
-    "settings",
+    "result-table", "blender-empty", "blender", "blender-gap", "blender-examples", "blender-fit",
+    "faces", "faces-start", "settings",
 ]  # fmt: skip
 
 
