@@ -18,6 +18,7 @@ from service.demo.dance_clips import dance_clip
 from service.settings import Settings
 from service.web import STATIC
 from tests.web.conftest import Served
+from tests.web.test_pages import AXE, PICTURES
 
 pytestmark = pytest.mark.usefixtures("lent_cluster")
 
@@ -305,6 +306,10 @@ def test_music_is_danced_to_and_kept_with_the_dance(open_studio: Served, bench: 
     media = open_studio.get(f"/documents/{document}")["media"]
     assert (media["name"], media["offset"]) == ("song.wav", 0.03)
     drift(bench, 4)
+    # Who opens the dance later hears it too.
+    bench.goto(f"{bench.url.split('/dance/')[0]}/dance/{result}")
+    expect(bench.get_by_role("slider", name="Sound from")).to_have_attribute("aria-valuetext", "0.03 s")
+    assert bench.get_by_label("First bar at beat").input_value() == "2"
 
 
 def test_a_real_dance_is_danced_anew(open_studio: Served, visit_of: Any, shared: Path) -> None:
@@ -323,6 +328,28 @@ def test_a_real_dance_is_danced_anew(open_studio: Served, visit_of: Any, shared:
     expect(page.get_by_role("cell", name=re.compile("F1|F2|F3")).first).to_be_visible()
     make(page, Bars="8", Tempo="128")
     drift(page, 3)
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_no_serious_fault_of_accessibility(bench: Any, scheme: str) -> None:
+    bench.emulate_media(color_scheme=scheme, reduced_motion="reduce")
+    bench.get_by_role("button", name="Make the graph").click()
+    bench.wait_for_selector(".bench-canvas[data-laid]")
+    bench.get_by_role("button", name="Position 2: free").click()
+    bench.get_by_label("Beats: groove 1").select_option("tracked")
+    make(bench, Bars="4")
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for width, height in ((1920, 1080), (1280, 800), (420, 800)):
+        bench.set_viewport_size({"width": width, "height": height})
+        assert bench.evaluate("() => document.documentElement.scrollWidth") <= width
+        bench.screenshot(path=PICTURES / f"dance-{width}-{scheme}.png")
+    bench.evaluate(AXE.read_text(encoding="utf-8"))
+    for width in (1280, 420):
+        bench.set_viewport_size({"width": width, "height": 800})
+        faults = bench.evaluate("() => axe.run()")["violations"]
+        serious = [(one["id"], [node["html"][:160] for node in one["nodes"]][:4]) for one in faults
+                   if one["impact"] in ("serious", "critical")]  # fmt: skip
+        assert serious == []
 
 
 def test_the_panel_is_small() -> None:

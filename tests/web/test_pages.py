@@ -64,6 +64,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, d
                 "result-table": f"/results/{result}?part=bars",
                 "faces": f"/faces/{space}?level=1&keys=3",
                 "faces-start": "/faces",
+                "dance-start": "/dance",
                 "settings": "/settings",
                 "unknown": "/library/../nowhere",
             },
@@ -82,7 +83,7 @@ def beats_of(database: Database) -> str:
 PAGES = [
     "library", "list", "nothing", "tree", "graph", "structure", "text", "history", "info", "xpath", "xpath-empty",
     "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result",
-    "result-table", "faces", "faces-start", "settings",
+    "result-table", "faces", "faces-start", "dance-start", "settings",
 ]  # fmt: skip
 
 
