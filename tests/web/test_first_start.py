@@ -15,10 +15,10 @@ from tests.web.conftest import Served, serve, walk
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
-@pytest.fixture
-def demo_studio(demo_library: Path, tmp_path: Path) -> Iterator[Served]:
+@pytest.fixture(params=["open", "session"])
+def demo_studio(demo_library: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Served]:
     shutil.copy(demo_library, tmp_path / "store.db")
-    yield from serve(tmp_path, closed=False)
+    yield from serve(tmp_path, closed=request.param == "session")
 
 
 def test_the_first_start(demo_studio: Served, visit_of: Any) -> None:
@@ -47,6 +47,7 @@ def test_the_first_start(demo_studio: Served, visit_of: Any) -> None:
     expect(welcome).to_have_count(0)
 
 
+@pytest.mark.parametrize("demo_studio", ["open"], indirect=True)
 def test_own_clips_end_it(demo_studio: Served, visit_of: Any) -> None:
     page = visit_of(demo_studio).open("/")
     welcome = page.get_by_role("region", name="Motion, read and written")

@@ -76,6 +76,40 @@ def test_start_up_is_small() -> None:
     assert total <= START_UP
 
 
+PANEL = 60_000
+"""Bytes that opening an analysis may load at once, gzip, with what it shares with other pages; three.js and CodeMirror apart."""
+ANALYSES = ("Blender", "Dance", "Faces", "Analyses", "Result")
+
+
+def is_scene_or_editor(chunk: str) -> bool:
+    text = (STATIC / "assets" / chunk).read_text(encoding="utf-8")
+    return "WebGLRenderer" in text or "cm-content" in text
+
+
+def loaded_with(chunk: str, seen: set[str]) -> set[str]:
+    """A chunk and those that it imports at once."""
+    if chunk not in seen:
+        seen.add(chunk)
+        text = (STATIC / "assets" / chunk).read_text(encoding="utf-8")
+        for found in re.findall(r'(?:from|import)\s*"\./([^"]+\.js)"', text):
+            loaded_with(found, seen)
+    return seen
+
+
+def test_pages_of_analyses_are_small() -> None:
+    page = (STATIC / "index.html").read_text(encoding="utf-8")
+    start: set[str] = set()
+    for script in re.findall(r'(?:src|href)="/assets/([^"]+\.js)"', page):
+        loaded_with(script, start)
+    panels = [file.name for name in ANALYSES for file in (STATIC / "assets").glob(f"{name}Page-*.js")]
+    assert len(panels) == len(ANALYSES)
+    for panel in panels:
+        chunks = loaded_with(panel, set()) - start
+        own = {chunk for chunk in chunks if not is_scene_or_editor(chunk)}
+        size = sum(len(gzip.compress((STATIC / "assets" / chunk).read_bytes(), 9)) for chunk in own)
+        assert size <= PANEL, f"{panel}: {size:,} bytes, {sorted(own)}"
+
+
 def test_only_the_scene_knows_three() -> None:
     for file in (WEB / "src").rglob("*.ts*"):
         text = file.read_text(encoding="utf-8")

@@ -27,7 +27,11 @@ const LEFT_OUT = ["model", "linear", "nearest"];
 
 export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefined }) {
   const blending = useMemo(() => new Blending(model), [model]);
-  useEffect(() => () => blending.close(), [blending]);
+  useEffect(() => {
+    // What is drawn, for those who measure and test.
+    Object.assign(window, { mcmlReach: blending });
+    return () => blending.close();
+  }, [blending]);
   useEffect(() => blending.read(), [route.value]);
   const stage = useRef<Stage | null>(null);
   const { player } = blending;

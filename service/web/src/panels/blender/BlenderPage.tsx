@@ -2,6 +2,7 @@
 import { useEffect, useMemo } from "preact/hooks";
 import { resultOf } from "../../api/results";
 import { subject } from "../../shell/Bar";
+import { lazy } from "../../shell/lazy";
 import { offer } from "../../state/keys";
 import { param, setParams } from "../../state/route";
 import { Tabs } from "../../ui/Tabs";
@@ -11,7 +12,6 @@ import { w } from "../../words";
 import { Blend } from "./Blend";
 import { Corrections } from "./corrections";
 import { Examples } from "./Examples";
-import { Fit } from "./Fit";
 import { modelOf, type Model } from "./model";
 import { speedsOf } from "./speeds";
 import { Start } from "./Start";
@@ -19,6 +19,7 @@ import { b } from "./words";
 import "../../styles/analyses.css";
 import "../../styles/blender.css";
 
+const Fit = lazy(async () => (await import("./Fit")).Fit); // with the library of its curves
 const TABS = ["examples", "fit", "blend"] as const;
 
 export function BlenderPage({ id }: { id: string }) {

@@ -3,7 +3,7 @@ import { useState } from "preact/hooks";
 import { ask, get } from "../../api/client";
 import { note, refuse } from "../../state/notes";
 import { Icon } from "../../ui/icons";
-import { number, w } from "../../words";
+import { w } from "../../words";
 import type { Corrections } from "./corrections";
 import type { Row } from "./model";
 import { flagOf, nameOf, reasonOf } from "./names";
@@ -24,7 +24,7 @@ export function ExampleRow({ row, names, units, valueOf, corrections, chosen, on
   const left = draft.value.left.includes(row.document);
   const times = corrections.timesOf(row);
   const set = corrections.isSet(row.document);
-  const time = (frames: number | undefined) => (frames === undefined ? "–" : number(frames / row.fps, 2));
+  const time = (frames: number | undefined) => (frames === undefined ? "–" : (frames / row.fps).toFixed(2));
   return (
     <tr class={`${chosen ? "chosen" : ""} ${left ? "left-out" : ""}`} aria-selected={chosen} onClick={onChoose}>
       <td><input type="checkbox" aria-label={b("includeClip", { name: row.name })} checked={!left} onClick={(event) => event.stopPropagation()} onChange={(event) => corrections.leave([row.document], !event.currentTarget.checked)} /></td>

@@ -55,6 +55,7 @@ export function PhaseChart({ curve, times, seconds, most, behind, label, player,
               const step = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -10, PageUp: 10 }[event.key];
               if (!step) return;
               onMove(one, times[one] + step * (event.shiftKey ? 0.1 : LEAST_PHASE));
+              onEnd?.();
               event.preventDefault();
               event.stopPropagation();
             }}><span>{one === "end" ? b("endShort") : one}</span></span>

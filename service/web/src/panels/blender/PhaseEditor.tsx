@@ -22,7 +22,7 @@ export function PhaseEditor({ model, row, corrections, values }: { model: Model;
         <h2 class="cut">{row.name}</h2>
         {!row.used && <span class="dim">{reasonOf(row.reason ?? "")}</span>}
         <span class="grow" />
-        {times ? FIELDS.map((one) => <TimeField key={one} name={one} value={times[one]} fps={row.fps} onChange={(frame) => { gesture.current++; move(one, frame); }} />) : (
+        {times ? FIELDS.map((one) => <TimeField key={one} name={one} value={times[one]} fps={row.fps} onChange={(frame) => { move(one, frame); gesture.current++; }} />) : (
           <button type="button" class="button" disabled={!values} onClick={() => corrections.setTimes(row.document, guess(model, last))}>{b("setByHand")}</button>
         )}
         {corrections.isSet(row.document) && <button type="button" class="button quiet" onClick={() => corrections.setTimes(row.document, null)}>{b("asFound")}</button>}
