@@ -220,7 +220,12 @@ def test_real_reaches_are_blended_over_their_target(shared: Path, open_studio: S
         properties = (("target", TARGETS[match["what"]], ""), ("subject", match["who"], ""))
         skeleton = folder / f"HDM_{match['who']}.asf"
         files = [SourceFile(path.name, io.BytesIO(path.read_bytes())) for path in (skeleton, file)]
-        import_files(open_studio.database, files, ImportOptions(project=REACHES, properties=properties, frame_time=str(1 / 120)), Settings())
+        import_files(
+            open_studio.database,
+            files,
+            ImportOptions(project=REACHES, properties=properties, frame_time=str(1 / 120)),
+            Settings(),
+        )
     model = fitted(open_studio, attributes=["target"])
     page = visit_of(open_studio).open(f"/reach/{model}?target=0.1")
     moved(page)
