@@ -138,6 +138,24 @@ def test_what_is_not_linked_is_reached_by_a_route(open_studio: Served, visit_of:
     page.wait_for_url("**skin=markers*")
 
 
+def test_the_finest_level_has_all_frames(open_studio: Served, visit_of: Any, small: list[Motion]) -> None:
+    """Its links are listed nowhere: they are asked for, face by face, and the way is the one that the refusal names."""
+    space = keep_space(open_studio.database, small)
+    count = len(open_studio.get(f"/results/{space}/map/take")["values"])
+    level = open_studio.get(f"/results/{space}")["parts"]["space"]["data"]["summary"]["levels"] - 1
+    visit = visit_of(open_studio)
+    visit.wanted.add(422)
+    page = visit.open(f"/faces/{space}?level={level}")
+    expect(page.get_by_text(f"{count} faces", exact=True)).to_be_visible()
+    faces(page).first.click()
+    page.locator(".faces-candidates .near").first.click()
+    expect(page.locator(".faces-path .faces-keys button")).to_have_count(2)
+    expect(page.locator(".faces-candidates .near").first).to_be_visible()
+    page.locator(".faces-candidates button:not(.near)").last.click()
+    page.get_by_role("button", name="Take this way").click()
+    assert page.locator(".faces-path .faces-keys button").count() > 3
+
+
 def test_a_mesh_of_ones_own_follows_the_markers(
     open_studio: Served, visit_of: Any, small: list[Motion], tmp_path: Path
 ) -> None:

@@ -12,8 +12,6 @@ from service.web import STATIC
 from service.web.build import WEB, fingerprint, is_current
 from tests.web.types import TYPES, types
 
-PANEL = 60_000
-"""Bytes of script, compressed, of a window of an analysis, without three.js and what the start has loaded."""
 START_UP = 250_000
 """Bytes of script, compressed, before what is loaded later."""
 
@@ -77,7 +75,7 @@ def test_start_up_is_small() -> None:
 
 
 PANEL = 60_000
-"""Bytes that opening an analysis may load at once, gzip, with what it shares with other pages; three.js and CodeMirror apart."""
+"""Bytes that opening an analysis may load at once, gzip, with what it shares; three.js and CodeMirror apart."""
 ANALYSES = ("Blender", "Dance", "Faces", "Analyses", "Result")
 
 
@@ -138,23 +136,3 @@ def test_panels_do_not_import_one_another() -> None:
             r'(?:\bfrom |\bimport\()"(\.\./[^."][^"]*)"', file.read_text(encoding="utf-8"), re.MULTILINE
         ):
             raise AssertionError(f"{file}: {found}")
-
-
-def chunks(name: str, found: set[str]) -> set[str]:
-    """A built script and those that it imports at once."""
-    if name not in found:
-        found.add(name)
-        text = (STATIC / "assets" / name).read_text(encoding="utf-8")
-        for other in re.findall(r'(?:from|import)\s*"\./([\w.-]+\.js)"', text):
-            chunks(other, found)
-    return found
-
-
-@pytest.mark.parametrize("page", ["BlenderPage", "DancePage", "FacesPage", "AnalysesPage", "ResultPage"])
-def test_windows_of_analyses_are_small(page: str) -> None:
-    (name,) = (file.name for file in (STATIC / "assets").glob(f"{page}-*.js"))
-    (start,) = (file.name for file in (STATIC / "assets").glob("index-*.js"))
-    own = chunks(name, set()) - chunks(start, set())
-    large = {one for one in own if "WebGLRenderer" in (STATIC / "assets" / one).read_text(encoding="utf-8")}
-    sizes = {one: len(gzip.compress((STATIC / "assets" / one).read_bytes(), 9)) for one in own - large}
-    assert sum(sizes.values()) <= PANEL, sizes

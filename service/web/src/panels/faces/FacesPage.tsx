@@ -2,7 +2,6 @@
 import { computed, signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { useResult, type Result } from "../../api/results";
-import { shortestRoute } from "../../motion/routes";
 import { subject } from "../../shell/Bar";
 import { note, refuse } from "../../state/notes";
 import { go, param, setParams } from "../../state/route";
@@ -74,16 +73,26 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
     setRoute(null);
     setParams({ keys: next.join(",") || null });
   };
-  const pick = (candidate: number) => {
+  const pick = async (candidate: number) => {
     const frame = level.candidates[candidate];
     if (path) return;
     const from = keys.length ? level.candidates.indexOf(keys.at(-1)!) : -1;
     if (from < 0) return change([...(keys.length ? [] : keys), frame]);
     if (from === candidate) return;
-    if (level.neighbours[from].some((one) => one.to === candidate)) return change([...keys, frame]);
-    const found = shortestRoute(level.neighbours, from, candidate);
-    setRoute(found ? { way: found.way.map((one) => level.candidates[one]), length: found.length } : "none");
+    try {
+      if ((await space.near(level, from)).some((one) => one.to === candidate)) return change([...keys, frame]);
+      const found = await space.route(level, from, candidate);
+      setRoute(found ? { way: found.way.map((one) => level.candidates[one]), length: found.length } : "none");
+    } catch (error) {
+      refuse(error);
+    }
   };
+  // The finest level lists no links: those of the face one stands on are asked for.
+  const [, setKnown] = useState(0);
+  useEffect(() => {
+    const at = keys.length && !path ? level.candidates.indexOf(keys.at(-1)!) : -1;
+    if (at >= 0 && !level.neighbours[at].length) space.near(level, at).then(() => setKnown((before) => before + 1), refuse);
+  }, [level, keys]);
   const take = () => { if (route && route !== "none") change([...keys, ...route.way.slice(1)]); };
   const choose = (next: number) => {
     const other = space.level(next);
@@ -118,7 +127,7 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
       if (next >= 0) { hovered.value = level.candidates[next]; }
     } else if (event.key === "Enter" && hovered.peek() >= 0) {
       const candidate = level.candidates.indexOf(hovered.peek());
-      if (candidate >= 0) pick(candidate);
+      if (candidate >= 0) void pick(candidate);
     } else return;
     event.preventDefault();
   };
@@ -141,8 +150,8 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
           <span class="grow" />
           <Takes space={space} dimmed={dimmed} />
         </div>
-        <MapView space={space} on={on} cross={playing.cross} onHover={(frame) => (hovered.value = frame)} onPick={pick} onKey={onKey} />
-        {!path && <Candidates space={space} level={level} keys={keys} onHover={(frame) => (hovered.value = frame)} onPick={pick} />}
+        <MapView space={space} on={on} cross={playing.cross} onHover={(frame) => (hovered.value = frame)} onPick={(candidate) => void pick(candidate)} onKey={onKey} />
+        {!path && <Candidates space={space} level={level} keys={keys} onHover={(frame) => (hovered.value = frame)} onPick={(candidate) => void pick(candidate)} />}
       </section>
       <aside class="faces-right">
         <FaceView space={space} face={face} about={about} />
@@ -168,7 +177,7 @@ function Candidates({ space, level, keys, onHover, onPick }: { space: Space; lev
   const from = keys.length ? level.candidates.indexOf(keys.at(-1)!) : -1;
   const near = new Map((level.neighbours[from] ?? []).map((one) => [one.to, one.length]));
   const all = Array.from(level.candidates.subarray(0, SHOWN), (_, at) => at);
-  const shown = from < 0 ? all : [...near.keys(), ...all.filter((one) => !near.has(one) && one !== from)].slice(0, SHOWN);
+  const shown = from < 0 ? all : [...[...near.keys()].slice(0, SHOWN / 2), ...all.filter((one) => !near.has(one) && one !== from)].slice(0, SHOWN);
   useEffect(() => space.want(shown.map((one) => level.candidates[one])), [level, from]);
   return (
     <ul class="faces-candidates" aria-label={f("candidates", { n: level.candidates.length })}>

@@ -1,8 +1,9 @@
 /** A space of expressions as the panel needs it: places, levels, links and faces, fetched once, faces as they are looked at. */
 import { signal } from "@preact/signals";
-import { arrayOf, resultOf, rowsOf, type Result } from "../../api/results";
+import { ApiError, type Schemas } from "../../api/client";
+import { arrayOf, resultOf, rowsOf, useResult, type Result } from "../../api/results";
 import { facingOf, type Facing } from "../../motion/faces";
-import { neighboursOf, type Links, type Neighbour } from "../../motion/routes";
+import { neighboursOf, shortestRoute, type Links, type Neighbour } from "../../motion/routes";
 
 export interface Level { number: number; candidates: Int32Array; links: Links; neighbours: Neighbour[][] }
 export interface Summary {
@@ -82,6 +83,31 @@ export class Space {
     const made = { number, candidates: own, links, neighbours: neighboursOf(own.length, links) };
     this.levels.set(number, made);
     return made;
+  }
+
+  /** Those that a candidate is linked to. Of the finest level they are asked for: it lists no links. */
+  async near(level: Level, candidate: number): Promise<Neighbour[]> {
+    if (level.links.a.length || level.neighbours[candidate].length) return level.neighbours[candidate];
+    const done = await useResult<Schemas["ExpressionNeighbours"]>(this.id, "neighbours", { level: level.number, ...this.keyOf(level.candidates[candidate]) });
+    return (level.neighbours[candidate] = done.value.neighbours.map((one) => ({ to: one.id, length: one.length_mm, bridge: one.bridge })));
+  }
+
+  /** The way over links from one candidate to another, as candidates; null where there is none. */
+  async route(level: Level, from: number, to: number): Promise<{ way: number[]; length: number } | null> {
+    if (level.links.a.length) return shortestRoute(level.neighbours, from, to);
+    const keys = [from, to].map((one) => this.keyOf(level.candidates[one]));
+    try {
+      await useResult(this.id, "path", { level: level.number, keys });
+      return null;
+    } catch (error) {
+      // The refusal says the way.
+      const way = (error instanceof ApiError && (error.problem.details?.suggestion as { document: string; frame: number }[])) || null;
+      if (!way) throw error;
+      const numbers = way.map((one) => level.candidates.indexOf(this.numberOf(one.document, one.frame)));
+      let length = 0;
+      for (let at = 1; at < numbers.length; at++) length += (await this.near(level, numbers[at - 1])).find((one) => one.to === numbers[at])?.length ?? 0;
+      return { way: numbers, length };
+    }
   }
 
   /** The markers of a frame, (markers, 3); null while they come. Reading it from an effect draws again when they are there. */
