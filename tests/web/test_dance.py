@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import io
 import re
 import wave
@@ -16,14 +15,11 @@ from playwright.sync_api import expect
 from service.actions.importing.load_demo import add_clips
 from service.demo.dance_clips import dance_clip
 from service.settings import Settings
-from service.web import STATIC
 from tests.web.conftest import Served
 from tests.web.test_pages import AXE, PICTURES
 
 pytestmark = pytest.mark.usefixtures("lent_cluster")
 
-MOST = 60 * 1024
-"""Bytes of the panel's code, compressed, without what other panels load too."""
 SAMPLED = """seconds => new Promise(done => {
   const found = [];
   const began = performance.now();
@@ -350,9 +346,3 @@ def test_no_serious_fault_of_accessibility(bench: Any, scheme: str) -> None:
         serious = [(one["id"], [node["html"][:160] for node in one["nodes"]][:4]) for one in faults
                    if one["impact"] in ("serious", "critical")]  # fmt: skip
         assert serious == []
-
-
-def test_the_panel_is_small() -> None:
-    chunks = [*STATIC.glob("assets/DancePage-*.js"), *STATIC.glob("assets/layout.worker-*.js")]
-    assert len(chunks) == 2
-    assert sum(len(gzip.compress(one.read_bytes(), 9)) for one in chunks) < MOST
