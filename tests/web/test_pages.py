@@ -71,6 +71,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, d
                 "blender-gap": f"/reach/{model}?near=alone&age=45",
                 "blender-examples": f"/reach/{model}?tab=examples",
                 "blender-fit": f"/reach/{model}?tab=fit",
+                "dance-start": "/dance",
                 "settings": "/settings",
                 "unknown": "/library/../nowhere",
             },
@@ -90,7 +91,7 @@ PAGES = [
     "library", "list", "nothing", "tree", "graph", "structure", "text", "history", "info", "xpath", "xpath-empty",
     "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result",
     "result-table", "blender-empty", "blender", "blender-gap", "blender-examples", "blender-fit",
-    "faces", "faces-start", "settings",
+    "faces", "faces-start", "dance-start", "settings",
 ]  # fmt: skip
 
 

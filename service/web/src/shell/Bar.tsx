@@ -30,7 +30,7 @@ export function Bar() {
         )}
         {about?.detail && <span class="chip">{about.detail}</span>}
       </div>
-      {page.value === "library" ? <SearchBox /> : <button type="button" class="finder" onClick={() => (paletteOpen.value = "")}>
+      {page.value === "library" ? <SearchBox /> : <button type="button" class="finder" title={w("searchAll")} onClick={() => (paletteOpen.value = "")}>
         <Icon name="search" /><span class="grow cut">{w("searchAll")}</span><kbd>Ctrl K</kbd>
       </button>}
       <div class="bar-end">

@@ -79,6 +79,6 @@ export function followKept(): void {
 
 /** Where a result of an analysis is looked at. */
 export function placeOf(analysis: string, result: string): string {
-  const pages: Record<string, string> = { reach: "reach", expression: "faces" };
+  const pages: Record<string, string> = { reach: "reach", expression: "faces", dance: "dance", "motion-graph": "dance" };
   return pages[analysis] ? `/${pages[analysis]}/${result}` : `/results/${result}`;
 }

@@ -2,6 +2,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import { motionOf, type Motion } from "../../motion/source";
 import { reducedMotion } from "../../state/settings";
+import { penOf } from "../../ui/canvas";
 import { inksNow } from "../../ui/ThumbnailView";
 import type { Place } from "./bench";
 
@@ -15,13 +16,14 @@ export function BarLoop({ place }: { place: Place }) {
     void motionOf(place.document).then((motion) => {
       const began = performance.now();
       const length = place.last - place.first + 1;
+      const seen = { tall: 0 };
       const draw = (now: number) => {
         if (closed || !canvas.current) return;
         const by = reducedMotion.matches ? 0 : Math.floor(((now - began) / 1000) * motion.perSecond) % length;
         const frame = Math.min(motion.frames - 1, place.first - 1 + by);
         motion.blocks.want(frame);
         const positions = motion.blocks.frame(frame);
-        if (positions) sketch(canvas.current, motion, positions);
+        if (positions) sketch(canvas.current, motion, positions, seen);
         if (!reducedMotion.matches || !positions) timer = requestAnimationFrame(draw);
       };
       draw(began);
@@ -34,26 +36,23 @@ export function BarLoop({ place }: { place: Place }) {
   return <canvas ref={canvas} class="bar-canvas" aria-hidden="true" />;
 }
 
-/** The body on its spot, its own height high. */
-function sketch(canvas: HTMLCanvasElement, { skeleton }: Motion, positions: Float32Array): void {
-  const ratio = Math.min(2, devicePixelRatio);
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-  canvas.width = width * ratio;
-  canvas.height = height * ratio;
-  const pen = canvas.getContext("2d")!;
-  pen.scale(ratio, ratio);
+/** The body on its spot. seen: how tall it was so far, in its own unit. */
+function sketch(canvas: HTMLCanvasElement, { skeleton }: Motion, positions: Float32Array, seen: { tall: number }): void {
+  const { pen, width, height } = penOf(canvas);
   const up = skeleton.zUp ? 2 : 1;
   const side = skeleton.zUp ? 1 : 2;
-  const scale = ((height - 16) / (skeleton.height * 1.15)) * skeleton.metres;
-  let least = Infinity;
+  let [least, most] = [Infinity, -Infinity];
   let [midX, midSide, count] = [0, 0, 0];
   for (let at = 0; at < positions.length; at += 3) {
     if (positions[at] !== positions[at]) continue;
     least = Math.min(least, positions[at + up]);
+    most = Math.max(most, positions[at + up]);
     midX += positions[at];
     midSide += positions[at + side];
     count++;
   }
+  seen.tall = Math.max(seen.tall, most - least);
+  const scale = (height - 16) / (seen.tall * 1.05 || 1);
   const x = (point: number) => width / 2 + ((positions[point * 3] - midX / count) * ACROSS + (positions[point * 3 + side] - midSide / count) * DEPTH * (skeleton.zUp ? -1 : 1)) * scale;
   const y = (point: number) => height - 8 - (positions[point * 3 + up] - least) * scale;
   const { sides } = inksNow();

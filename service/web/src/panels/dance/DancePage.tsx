@@ -1,8 +1,10 @@
 /** The dance bench: beats and bars of clips, corrected; which bar follows which; a dance to a tempo or to music, with its sound. */
 import { useEffect, useMemo, useState } from "preact/hooks";
+import type { Schemas } from "../../api/client";
 import { resultOf, type Result } from "../../api/results";
 import { subject } from "../../shell/Bar";
 import { offer } from "../../state/keys";
+import { refuse } from "../../state/notes";
 import { param, setParams } from "../../state/route";
 import { selectionNow, useMembers } from "../../ui/ClipSelection";
 import { Tabs } from "../../ui/Tabs";
@@ -12,7 +14,8 @@ import { benchOf, type Bench, type Corrections } from "./bench";
 import { BenchBar } from "./BenchBar";
 import { ClipRows } from "./ClipRows";
 import { GraphPane } from "./GraphPane";
-import { keysOf } from "./keys";
+import { keysOf, setOffset } from "./keys";
+import { keptMusic } from "./music";
 import { PathStrip } from "./PathStrip";
 import { StagePane } from "./StagePane";
 import { StartBench } from "./StartBench";
@@ -72,6 +75,7 @@ function Opened({ documents, result, onOthers }: { documents: string[]; result?:
   const bench = useMemo<Bench>(() => {
     const made = benchOf(documents, result && correctionsOf(result));
     if (result?.analysis === "motion-graph") made.graph.value = result;
+    if (result?.analysis === "dance" && !result.parts.clip) made.dry.value = result;
     if (result?.analysis === "dance" && result.parts.clip) made.shown.value = { kind: "dance", result };
     if (result) {
       const given = result.parameters as { bpm?: number | null; bars?: number };
@@ -81,6 +85,16 @@ function Opened({ documents, result, onOthers }: { documents: string[]; result?:
   }, [documents.join(), result?.id]);
   const tab = TABS.find((one) => one === param("tab")) ?? (result?.parts.clip ? "stage" : "beats");
   useEffect(() => offer("dance", keysOf(bench)), [bench]);
+  useEffect(() => {
+    const stop = new AbortController();
+    const [document, given] = [result?.parts.clip?.document, result?.parameters.music as Schemas["Music"] | null | undefined];
+    if (document && given && !bench.music.peek()) keptMusic(document, given, stop.signal).then((kept) => {
+      if (!kept || stop.signal.aborted) return;
+      bench.music.value = kept.music;
+      setOffset(kept.offset);
+    }, refuse);
+    return () => stop.abort();
+  }, [bench, result?.id]);
   return (
     <div class={`bench at-${tab}`}>
       {!result && <h1 class="unseen">{d("title")}</h1>}

@@ -25,6 +25,7 @@ export function Figures({ bench, result, dry }: { bench: Bench; result: Result; 
   const rows: [string, string, string, string?][] = [
     [d("onBeat"), percent(values.grid_hits_70ms), ""],
     [d("alignMusic"), percent(values.beat_align_music), ""],
+    [d("alignMotion"), percent(values.beat_align_motion), ""],
     [d("inside"), number(values.beats_in_transitions ?? 0), number(values.classic_beats_in_transitions ?? 0)],
     [d("skate"), sizes(values.foot_skate_in_transitions), sizes(values.classic_foot_skate_in_transitions)],
     [d("skateOutside"), sizes(values.foot_skate_outside), ""],

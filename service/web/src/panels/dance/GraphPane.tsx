@@ -51,7 +51,7 @@ export function GraphPane({ bench }: { bench: Bench }) {
     <>
       <div class="row wrap bench-tools">
         <strong>{d("graph")}</strong>
-        {graph && <span class="dim" role="status">{d("graphOf", { bars: graph.nodes.length, edges: graph.all, components: parts.count })}</span>}
+        {graph && <span class="dim" role="status" title={d("largest", { n: parts.largest })}>{d("graphOf", { bars: graph.nodes.length, edges: graph.all, components: parts.count })}</span>}
         <span class="grow" />
         {graph && <label class="row">{d("threshold")}<input type="range" min={0} max={STEPS} value={Math.round((graph.threshold / graph.greatest) * STEPS)} aria-valuetext={`${number(graph.threshold, 3)} ${d("sizes")}`}
           onInput={(event) => setParams({ near: String(Math.round((Number(event.currentTarget.value) / STEPS) * graph.greatest * 1e4) / 1e4) })} /><span class="bench-near">{number(graph.threshold, 3)}</span></label>}

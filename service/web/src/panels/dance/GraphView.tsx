@@ -1,6 +1,7 @@
 /** The graph, drawn: nodes are bars, their loops move under the pointer; an edge that is pressed plays. Laid out in a worker. */
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { colour, look } from "../../state/settings";
+import { penOf } from "../../ui/canvas";
 import { number } from "../../words";
 import { BarLoop } from "./BarLoop";
 import { edgeAt, type Graph, type Node } from "./graph";
@@ -128,15 +129,7 @@ function radiusOf(spots: Float32Array): number {
 const SHADES = 4; // of edges by distance
 
 function draw(canvas: HTMLCanvasElement, graph: Graph, spots: Float32Array, radius: number, by: "clip" | "component", lit: number, litEdge: number, chosen: readonly number[], start: number): void {
-  const ratio = Math.min(2, devicePixelRatio);
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-  if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
-    canvas.width = Math.round(width * ratio);
-    canvas.height = Math.round(height * ratio);
-  }
-  const pen = canvas.getContext("2d")!;
-  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-  pen.clearRect(0, 0, width, height);
+  const { pen } = penOf(canvas);
   const dense = Math.min(1, 500 / Math.max(1, graph.edges.length));
   const line = (at: number) => {
     const { from, to } = graph.edges[at];

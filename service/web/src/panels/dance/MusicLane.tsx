@@ -1,6 +1,7 @@
 /** The outline of the music with its beats; dragged, it says where in it the dance begins. */
 import { useEffect, useRef } from "preact/hooks";
 import { colour, look } from "../../state/settings";
+import { penOf } from "../../ui/canvas";
 import { number } from "../../words";
 import { offsetNow, setOffset } from "./keys";
 import type { Music } from "./music";
@@ -45,12 +46,7 @@ export function MusicLane({ music }: { music: Music }) {
 
 /** The dance's time runs from left to right: the sound is shifted by the offset. */
 function draw(canvas: HTMLCanvasElement, music: Music, offset: number): void {
-  const ratio = Math.min(2, devicePixelRatio);
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-  canvas.width = Math.round(width * ratio);
-  canvas.height = Math.round(height * ratio);
-  const pen = canvas.getContext("2d")!;
-  pen.scale(ratio, ratio);
+  const { pen, width, height } = penOf(canvas);
   const x = (seconds: number) => ((seconds - offset) / music.seconds) * width;
   const middle = height / 2;
   if (music.peaks) {

@@ -1,5 +1,6 @@
 /** Draws a clip's row: speed, pins, crosses, bars, playhead. */
 import { colour } from "../../state/settings";
+import { penOf } from "../../ui/canvas";
 import type { ClipRow } from "./rows";
 
 /** Pixels within which a pointer means a beat. */
@@ -12,16 +13,8 @@ export interface Dragged { index: number; at: number }
 interface How { ink: string; stale: boolean; at: number | null; beat: number; drag: Dragged | null }
 
 export function drawLane(canvas: HTMLCanvasElement, row: ClipRow, how: How): void {
-  const ratio = Math.min(2, devicePixelRatio);
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  const { pen, width, height } = penOf(canvas);
   if (!width) return;
-  if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
-    canvas.width = Math.round(width * ratio);
-    canvas.height = Math.round(height * ratio);
-  }
-  const pen = canvas.getContext("2d")!;
-  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-  pen.clearRect(0, 0, width, height);
   const x = (seconds: number) => (seconds / (row.seconds || 1)) * width;
   const foot = height - BARS;
   bars(pen, row, how, x, foot, height);

@@ -1,5 +1,5 @@
 /** A piece of music: its beats as the server found them, its sound and outline as the browser reads it. */
-import { fetched, type Schemas } from "../../api/client";
+import { address, fetched, get, type Schemas } from "../../api/client";
 import { peaksOf } from "../../motion/peaks";
 
 const MOST_DECODED = 5 * 60; // seconds; what is longer plays from the file
@@ -32,15 +32,30 @@ export async function readMusic(file: File): Promise<Music> {
   const form = new FormData();
   form.append("file", file, file.name);
   const found = (await (await fetched("/api/v1/music", { method: "POST", body: form })).json()) as Schemas["MusicBeats"];
-  const address = URL.createObjectURL(file);
-  const seconds = await lengthOf(address);
-  const buffer = !(seconds > MOST_DECODED) ? await decoded(file) : null;
-  if (buffer) URL.revokeObjectURL(address);
-  const { beats, downbeat, factor } = found.music;
-  return withChoice({
-    file, buffer, beats, downbeat, factor, bpm: found.bpm, even: found.even, seconds: buffer?.duration ?? (Number.isFinite(seconds) ? seconds : (beats.at(-1) ?? 0)),
-    address: buffer || !Number.isFinite(seconds) ? null : address, peaks: buffer ? peaksOf(buffer.getChannelData(0), PEAKS) : null, wish: found.music,
-  }, {});
+  return soundOf(file, found.music, found.bpm, found.even);
+}
+
+/** The music that was kept with a dance, and the second of it at which the dance begins; null where there is none. */
+export async function keptMusic(document: string, given: Schemas["Music"], signal: AbortSignal): Promise<{ music: Music; offset: number } | null> {
+  const { media } = await get("/documents/{id}", { path: { id: document }, signal });
+  if (!media?.media_type.startsWith("audio/")) return null;
+  const bytes = await (await fetched(address("/documents/{id}/media", { id: document }), { signal })).blob();
+  const steps = given.beats.slice(1).map((at, index) => at - given.beats[index]).sort((a, b) => a - b);
+  const file = new File([bytes], media.name, { type: media.media_type });
+  return { music: await soundOf(file, given, 60 / (steps[steps.length >> 1] || 0.5), true), offset: media.offset };
+}
+
+async function soundOf(file: File, given: Schemas["Music"], bpm: number, even: boolean): Promise<Music> {
+  const source = URL.createObjectURL(file);
+  const seconds = await lengthOf(source);
+  const buffer = seconds > MOST_DECODED ? null : await decoded(file);
+  const plays = !buffer && Number.isFinite(seconds);
+  if (!plays) URL.revokeObjectURL(source);
+  const { beats, downbeat, factor } = given;
+  return {
+    file, buffer, beats, downbeat, factor, bpm, even, wish: given, seconds: buffer?.duration ?? (plays ? seconds : (beats.at(-1) ?? 0)),
+    address: plays ? source : null, peaks: buffer ? peaksOf(buffer.getChannelData(0), PEAKS) : null,
+  };
 }
 
 async function decoded(file: File): Promise<AudioBuffer | null> {
