@@ -90,6 +90,7 @@ def test_beats_are_corrected_and_bars_follow(open_studio: Served, bench: Any) ->
     expect(bars_of(bench, "groove 2")).to_have_attribute("data-bars", "8")
     bench.reload()
     expect(bars_of(bench, "groove 1")).to_have_attribute("data-bars", "7")
+    expect(bench.get_by_role("button", name="Jobs")).to_have_count(0)
     # A dance of it leaves out the bar that is none.
     result = make(bench, Bars="4")
     wish = open_studio.get(f"/results/{result}")["parameters"]

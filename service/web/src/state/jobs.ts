@@ -71,6 +71,12 @@ export async function cancelJob(job: Job): Promise<void> {
   }
 }
 
+/** Leave a job that has ended out of the list: it answered a question of a moment. */
+export function dropJob(id: string): void {
+  jobs.value = jobs.peek().filter((one) => one.id !== id);
+  sessionStorage.setItem(KEPT, JSON.stringify(jobs.peek().map((one) => one.id)));
+}
+
 /** Take up what was followed before a reload. */
 export function followKept(): void {
   const ids = JSON.parse(sessionStorage.getItem(KEPT) ?? "[]") as string[];

@@ -3,7 +3,7 @@ import { computed, signal } from "@preact/signals";
 import { ask } from "../../api/client";
 import { resultOf, type Result } from "../../api/results";
 import { accepted, movedBeat, readAllowed, withBeat, withoutBeat, type Beat } from "../../motion/dancing";
-import { runAnalysis, type Job } from "../../state/jobs";
+import { dropJob, runAnalysis, type Job } from "../../state/jobs";
 import type { Player } from "../../state/player";
 import { param } from "../../state/route";
 import { Steps } from "../../state/steps";
@@ -108,7 +108,8 @@ export class Bench {
     this.trouble.value = null;
     try {
       const clips = changed.filter((id) => wanted.get(id) !== JSON.stringify({ document: id })).map((id) => JSON.parse(wanted.get(id)!) as object);
-      const result = await resultOf(await runAnalysis("beats", { inputs: { documents: changed }, parameters: { clips } }));
+      let job = "";
+      const result = await resultOf(await runAnalysis("beats", { inputs: { documents: changed }, parameters: { clips } }, (started) => (job = started.id)));
       const rows = new Map(this.found.peek());
       for (const row of readRows(result)) {
         rows.set(row.id, row);
@@ -117,6 +118,7 @@ export class Bench {
       }
       this.found.value = rows;
       // What is asked while one corrects is no result to keep.
+      dropJob(job);
       void ask("delete", "/results/{id}", { path: { id: result.id } }).catch(() => undefined);
     } catch (error) {
       if ((error as Error).name !== "AbortError") this.trouble.value = error;
