@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.web.conftest import Served, Visit, walk
+from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_journeys import ready
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
@@ -69,6 +69,7 @@ def test_a_curve_is_changed_and_undone_before_it_is_saved(visit: Visit, studio: 
     expect(field).to_have_value(old)
 
 
+@one_door
 def test_text_is_checked_where_it_is_wrong_and_saved_where_it_is_right(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk())
     page = visit.open(f"/clips/{uuid}?tab=text&f=3")
@@ -123,6 +124,7 @@ def test_two_windows_meet_and_merge(visit: Visit, visit_of: Any, studio: Served)
         assert [float(item["value"]) for item in studio.get("/xpath", q=value, document=uuid)["items"]] == [11.5]
 
 
+@one_door
 def test_a_draft_of_yesterday_meets_what_others_did(visit: Visit, studio: Served) -> None:
     visit.wanted = {409, 412}
     uuid = studio.upload("kick.bvh", walk())
@@ -155,6 +157,7 @@ def test_a_draft_of_yesterday_meets_what_others_did(visit: Visit, studio: Served
     assert [item["value"] for item in studio.get("/xpath", q=value, document=uuid)["items"]] == ["11.5"]
 
 
+@one_door
 def test_the_motion_follows_its_sound(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(600))
     page = visit.open(f"/clips/{uuid}?tab=info")

@@ -94,7 +94,7 @@ export const ko: typeof en = {
   layerAt: "시작 프레임", strength: "세기", ease: "서서히 바뀌는 프레임", chooseJoints: "관절 고르기",
   chooseJointsHelp: "고른 관절은 레이어처럼, 나머지는 조각처럼 움직입니다. 화면에서 관절을 눌러도 됩니다.", partUpper: "상체", partArms: "두 팔", partLeftArm: "왼팔", partRightArm: "오른팔",
   partHead: "목과 머리", partLegs: "두 다리", mirror: "좌우 바꾸기", mirrored: "좌우 바뀜", allTransitions: "전체 전환", startAnew: "새로 시작",
-  seamOf: "이음매 {n}-{next}, {frames}프레임", seamHelp: "누르면 이 전환을 고치고, 끌면 길이가 바뀝니다", seamBetween: "이음매 {n}-{next}", transitionStyle: "전환 방식",
+  seamOf: "이음매 {n}-{next}, 프레임 {frames}", seamHelp: "누르면 이 전환을 고치고, 끌면 길이가 바뀝니다", seamBetween: "이음매 {n}-{next}", transitionStyle: "전환 방식",
   asAll: "전체와 같게: {what}", asAllSeams: "모든 이음매와 같게", bridgeHelp: "두 조각 사이에 새 프레임을 만듭니다", crossfadeHelp: "두 조각의 프레임을 그만큼 섞습니다",
   seamSmooth: "매끄럽습니다. 가장 큰 변화가 조각 안의 {step}배입니다.", seamRough: "튑니다. 가장 큰 변화가 조각 안의 {step}배입니다.", seamPlaced: "{degrees}° 돌리고 {shift}만큼 옮겼습니다.",
   seamNone: "원래 클립에서 이어지는 프레임이라 바뀐 것이 없습니다.", seamLonger: "{n}프레임으로 늘리기", layersHelp: "레이어는 한 클립의 관절 일부를 다른 클립에 얹습니다. 걷기에 손 흔들기를 얹으려면 조각 아래에 놓으세요.",
@@ -102,7 +102,7 @@ export const ko: typeof en = {
   // Retargeting of one and of many
   options: "옵션", scaleOf: "이동 거리 × {value}", cleanFeetHelp: "딛고 있는 발이 미끄러지지 않도록 다리를 맞춥니다.", matchRest: "기준 자세 맞추기",
   matchRestHelp: "관절이 기준 자세에서 원래 동작만큼 돕니다. 아니면 뼈가 원래 방향을 가리킵니다.", ownScale: "이동 거리의 배율", ownScaleHelp: "몸이 이동하는 거리의 배율입니다. 아니면 다리 길이로 정합니다.",
-  goToFrame: "{n}프레임으로 가기", worstFrame: "가장 나쁜 프레임은 {n}입니다", bone: "뼈", mean: "평균", largest: "최대", atFrame: "프레임",
+  goToFrame: "프레임 {n} 보기", worstFrame: "가장 나쁜 프레임은 {n}입니다", bone: "뼈", mean: "평균", largest: "최대", atFrame: "프레임",
   footSlides: "{foot} 미끄러짐 {before}, 이후 {after}. 딛는 프레임", contactOf: "{foot} 접지, {first}-{last}프레임", andMore: "외 {n}개", applyToMany: "여러 클립에 적용",
   applyMany: "여러 클립을 {name}에 리타기팅", whichClips: "대상 클립", noCollections: "아직 모음이 없습니다", applyHelp: "이 화면의 관절 대응과 옵션을 모든 클립에 씁니다.", applyNow: "클립 만들기",
   manyRunning: "{n}개 중 {done}개 완료", manyDone: "클립 {n}개를 만들었습니다.", manyStopped: "멈췄습니다. 만든 클립 {n}개는 남아 있습니다.", manyFailed: "{n}개는 만들지 못했습니다.",
