@@ -38,6 +38,7 @@ def clicks(bpm: float, seconds: float = 40.0, rate: int = 22050) -> bytes:
     return stream.getvalue()
 
 
+@pytest.mark.fuzz  # Long: in `make test` the browser goes this way (tests/web/test_dance.py).
 def test_from_music_to_dance(client: TestClient, database: Database) -> None:
     answer = client.post(f"{API}/music", files={"file": ("song.wav", clicks(116))})
     assert answer.status_code == 200, answer.text
