@@ -33,9 +33,8 @@ web: $(STAMP) ## Build the studio, where its sources changed
 run: web ## Serve the repository on 127.0.0.1:8000, with a demo library on first start
 	$(BIN)/mcml serve --demo
 
-# One more process than cores: browsers, servers and programs are often waited for.
 test: web ## Run all tests, on SQLite and PostgreSQL, and in the browser
-	$(BIN)/python -m pytest -n $$($(BIN)/python -c 'import os; print(min(4, os.cpu_count() + 1))') --dist worksteal
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
 check: $(STAMP) ## Style, types, layers, spelling
 	$(BIN)/ruff check .

@@ -29,7 +29,7 @@ StoreOf: TypeAlias = Callable[[str, Callable[[TestClient], Any]], tuple[TestClie
 settings.register_profile(
     "default",
     deadline=None,
-    max_examples=50,
+    max_examples=30,
     derandomize=True,
     suppress_health_check=list(HealthCheck),
     print_blob=True,

@@ -219,6 +219,7 @@ def test_a_running_job_is_cancelled(server: TestClient, monkeypatch: pytest.Monk
 
 
 @one_kind
+@pytest.mark.fuzz
 def test_a_worker_that_does_not_listen_is_killed(own_server: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(service.jobs.runner, "KILL_SECONDS", 0.5)
     instead(monkeypatch, deaf)

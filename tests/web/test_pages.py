@@ -152,7 +152,9 @@ def test_no_serious_fault_of_accessibility(filled: Any, visit_of: Any, scheme: s
     assert found == {}, found
 
 
-@pytest.mark.parametrize(("size", "scheme"), [("wide", "dark"), ("narrow", "light")])
+@pytest.mark.parametrize(
+    ("size", "scheme"), [pytest.param("wide", "dark", marks=pytest.mark.fuzz), ("narrow", "light")]
+)
 def test_pages_fit_their_windows(filled: Any, visit_of: Any, size: str, scheme: str) -> None:
     """Nothing goes wrong on any page, nothing is wider than the window, and each is kept as a picture."""
     served, pages = filled
