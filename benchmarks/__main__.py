@@ -15,6 +15,7 @@ BENCHMARKS = {
     "expression": "expression spaces: all stages, operations, 96,000 frames",
     "formats": "reading and writing BVH, against pybvh, simdjson, numpy.savetxt",
     "layouts": "ways to lay frames out in SQLite, against each other",
+    "library": "libraries of thousands of clips, over HTTP",
     "panels": "windows of the analyses in the browser: a map of 100,000 faces",
     "reach": "reach models: fit, synthesis, memory, growth",
     "share": "generated XPath expressions answered without projection",

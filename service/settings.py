@@ -76,6 +76,7 @@ class Settings(BaseSettings):
     read_memory_mib: int = Field(2048, ge=256, description="Most memory that reading music may take")
     query_seconds: float = Field(10.0, gt=0, description="Longest time one XPath query may take")
     query_memory_mib: int = Field(1024, ge=64, description="Most memory one projected XPath query may take")
+    query_cache_mib: int = Field(512, ge=8, description="Memory for columns that XPath queries keep between them")
     query_elements: int = Field(3_000_000, ge=1000, description="Most elements that a projected query may touch")
     job_workers: int = Field(0, ge=0, description="Jobs that run at a time; 0: one for every core but one, at most 4")
     job_memory_mib: int = Field(4096, ge=256, description="Most memory one job may take")

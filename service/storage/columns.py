@@ -27,6 +27,7 @@ from service.storage.tables import (
     document,
     frame_run,
     header,
+    revision,
     shape,
     shape_run,
     skeleton,
@@ -152,6 +153,7 @@ _COUNTS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _COUNTS.items(
 _HOLDERS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _HOLDERS.items()}
 _ZONE_WIDTH = 7 + len(CHANNEL_ENDS)
 _DOCUMENTS = {past: checked(listed_documents(past=past), document, content) for past in (False, True)}
+_CHANGED = select(revision.c.document).where(revision.c.commit > bindparam("number")).distinct()
 _DOCUMENTS_OF_KEYS = {past: query.where(OneOf(document.c.id, "keys")) for past, query in _DOCUMENTS.items()}
 
 
@@ -171,6 +173,10 @@ class Columns:
             found = self._rows(_DOCUMENTS_OF_KEYS[past], keys)
         listed = [Listed(*row) for row in found]
         return sorted(listed, key=lambda one: (one.name, one.key))
+
+    def changed_since(self, number: int) -> list[int]:
+        """The documents of which there are revisions after a commit."""
+        return [row[0] for row in self._tx.rows(_CHANGED, {"number": number})]
 
     def timelines(self, keys: Sequence[int]) -> list[Any]:
         """Rows (document, first, slot, count) in order of document and position."""

@@ -92,7 +92,7 @@ revision = Table(
     metadata,
     Column("document", ForeignKey("document.id"), primary_key=True),
     Column("number", Integer, primary_key=True),
-    Column("commit", ForeignKey("commit.number"), nullable=False),
+    Column("commit", ForeignKey("commit.number"), nullable=False, index=True),
     Column("parent", Integer),
     Column("operation", String(32), nullable=False),
     Column("message", Text, nullable=False),

@@ -33,7 +33,8 @@ _MADE_OF = (
     .join(document_upload, document_upload.c.document == document.c.id)
     .join(upload, upload.c.id == document_upload.c.upload)
     .where(document_upload.c.part == bindparam("part"), upload.c.sha256 == bindparam("sha256"))
-    .where(document.c.project == bindparam("project"), document.c.state == "ready")
+    # "+ 0": no index. Without statistics SQLite would begin with all documents of the project.
+    .where(document.c.project + 0 == bindparam("project"), document.c.state == "ready")
     .where(document.c.deleted_commit > bindparam("at"))
     .where(
         select(func.count()).select_from(_PARTS).where(_PARTS.c.document == document.c.id).scalar_subquery()

@@ -34,6 +34,10 @@ def number(function: str, source: Scan | ColumnSource) -> float | None:
     """`count`, `sum`, `min`, `max` or `avg`; None for the least, greatest or mean of nothing."""
     if function == "count":
         return float(source.count())
+    sample = source.plan.sample if isinstance(source, Scan) else None
+    if isinstance(source, Scan) and sample is not None and function in ("sum", "avg"):
+        total, count = source.totals(sample)
+        return total if function == "sum" else total / count if count else None
     total, count = 0.0, 0
     least, greatest = math.inf, -math.inf
     for found in _numbers(function, source):
@@ -51,11 +55,9 @@ def number(function: str, source: Scan | ColumnSource) -> float | None:
 
 
 def _numbers(function: str, source: Scan | ColumnSource) -> Iterator[Floats]:
-    """The numbers of the nodes; of the least and the greatest, some that hold it."""
-    sample = source.plan.sample if isinstance(source, Scan) else None
-    if isinstance(source, Scan) and sample is not None:
-        extreme = function in ("min", "max")
-        yield from source.extremes(sample, greatest=function == "max") if extreme else source.samples(sample)
+    """The numbers of the nodes; for the least or the greatest of samples, that alone."""
+    if isinstance(source, Scan) and source.plan.sample is not None:
+        yield from source.extremes(source.plan.sample, greatest=function == "max")
         return
     for forest, nodes in source.chunks():
         yield numbers(forest, nodes)

@@ -79,14 +79,14 @@ def _named_below(forest: Forest, nodes: Ints, test: str) -> Pairs:
     named = head.named(name_codes().get(test, -1))
     begin = np.searchsorted(named, rows, side="right")
     source, within = bounded(np.searchsorted(named, head.ends[rows], side="right") - begin)
-    return source, head.nodes[named[begin[source] + within]]
+    return source, head.nodes(named[begin[source] + within])
 
 
 def _head_children(forest: Forest, nodes: Ints, test: str) -> Pairs:
     if test in ("*", "node()", "text()"):
         return _of_rows(forest, nodes, children=True)
     source, rows = forest.head.children_named(name_codes().get(test, -1), forest.head.rows(nodes))
-    return source, forest.head.nodes[rows]
+    return source, forest.head.nodes(rows)
 
 
 def _of_rows(forest: Forest, nodes: Ints, *, children: bool) -> Pairs:
@@ -99,7 +99,7 @@ def _of_rows(forest: Forest, nodes: Ints, *, children: bool) -> Pairs:
     keep = (kinds == IS_ELEMENT) | (kinds == IS_TEXT)
     if children:
         keep &= head.parents[reached] == rows[source]
-    return source[keep], head.nodes[reached[keep]]
+    return source[keep], head.nodes(reached[keep])
 
 
 def _frames_below(forest: Forest, nodes: Ints, *, direct: bool) -> Pairs:
@@ -220,7 +220,7 @@ def _head_kind(forest: Forest, nodes: Ints, kind: int) -> Pairs:
     source, within = bounded(np.where(head.kinds[rows] == IS_ELEMENT, np.minimum(head.ends[rows] - rows, 16), 0))
     reached = rows[source] + 1 + within
     keep = (head.parents[reached] == rows[source]) & (head.kinds[reached] == kind)
-    return source[keep], head.nodes[reached[keep]]
+    return source[keep], head.nodes(reached[keep])
 
 
 def _namespace(forest: Forest, nodes: Ints, test: str) -> Pairs:
@@ -252,7 +252,7 @@ def _mixed_parents(forest: Forest, nodes: Ints) -> Ints:
         result[framed] = parents(forest, nodes[framed])
     head = forest.head
     rows = head.rows(nodes[~framed])
-    above = head.nodes[head.parents[rows]]
+    above = head.nodes(head.parents[rows])
     result[~framed] = np.where(head.kinds[rows] == IS_DOCUMENT, -1, above)
     return result
 

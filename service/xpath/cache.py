@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import random
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 Key = TypeVar("Key", bound=Hashable)
 Entry = TypeVar("Entry")
+
+OVERHEAD = 200
+"""About how many bytes an entry takes beside its own."""
 
 
 class Cache(Generic[Key, Entry]):
@@ -50,3 +54,45 @@ class Cache(Generic[Key, Entry]):
                     self._total += self._size(entry)
             while self._total > self._limit:
                 self._total -= self._size(self._entries.popitem(last=False)[1])
+
+
+class ColumnCache:
+    """Columns of groups of documents by key, up to a number of bytes. Threads may share it.
+
+    Any of them goes where there is no room: a question goes through all groups in turn, so that of a library that does
+    not fit, the one used least recently would always be the next that is asked for.
+    """
+
+    def __init__(self, limit: int) -> None:
+        self._limit = limit
+        self._total = 0
+        self._entries: dict[Hashable, tuple[int, Any]] = {}
+        self._keys: list[Hashable] = []
+        self._lock = threading.Lock()
+        self._random = random.Random(1)
+
+    def get(self, key: Hashable, make: Callable[[], Entry], size: Callable[[Entry], int]) -> Entry:
+        """The entry of a key. make: makes it where it is not kept. size: about how many bytes it takes."""
+        held = self._entries.get(key)
+        if held is not None:
+            entry: Entry = held[1]
+            return entry
+        entry = make()
+        self._keep(key, entry, size(entry) + OVERHEAD)
+        return entry
+
+    def holds(self, key: Hashable) -> bool:
+        """Whether there is an entry now."""
+        return key in self._entries
+
+    def _keep(self, key: Hashable, entry: object, size: int) -> None:
+        with self._lock:
+            if key in self._entries or size > self._limit // 4:
+                return
+            self._entries[key] = size, entry
+            self._keys.append(key)
+            self._total += size
+            while self._total > self._limit:
+                place = self._random.randrange(len(self._keys))
+                self._keys[place], self._keys[-1] = self._keys[-1], self._keys[place]
+                self._total -= self._entries.pop(self._keys.pop())[0]

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Generic, Protocol, TypeAlias, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from service.storage.blocks import Block
 from service.storage.columns import Listed
 from service.storage.database import Transaction
-from service.xpath.batches import Batch, batch_of
-from service.xpath.cache import Cache
+from service.xpath.cache import OVERHEAD, Cache, ColumnCache
 from service.xpath.frame_runs import Ids, Labels, read_ids, read_labels
 from service.xpath.heads import Heads
 from service.xpath.layouts import Layout, read_layouts
 from service.xpath.listing import Listing
-from service.xpath.tracks import OVERHEAD, BlockKey, Tracks
+from service.xpath.tracks import BlockKey, Tracks
 from service.xpath.zones import Zones, read_zones
 
 
@@ -54,32 +52,27 @@ class DocumentCache(Generic[Entry]):
         return self._kept.get([(listed.key, listed.revision) for listed in documents], missing)
 
 
-MANY_DOCUMENTS = 256
-"""Of more documents, columns are made anew for each query."""
-
-BatchKey: TypeAlias = tuple[bool, tuple[tuple[int, int], ...]]
+COLUMNS = 512 << 20
+"""Bytes, if nothing else is said."""
 
 
-@dataclass(frozen=True)
 class Caches:
-    """listing: which documents there are. heads, layouts, labels, ids, zones: of documents. tracks: decoded. blocks:
-    all tracks over a chunk."""
+    """What a process keeps. limit: bytes of columns: half for what documents are made of and their zone maps, half for
+    samples; the rest takes a little beside them.
 
-    listing: Listing = field(default_factory=Listing)
-    heads: Heads = field(default_factory=Heads)
-    layouts: DocumentCache[Layout] = field(default_factory=lambda: DocumentCache(read_layouts))
-    labels: DocumentCache[Labels] = field(default_factory=lambda: DocumentCache(read_labels))
-    ids: DocumentCache[Ids] = field(default_factory=lambda: DocumentCache(read_ids))
-    zones: DocumentCache[Zones] = field(default_factory=lambda: DocumentCache(read_zones, 24 << 20))
-    _batches: Cache[BatchKey, Batch] = field(default_factory=lambda: Cache(24 << 20, lambda batch: batch.nbytes))
-    tracks: Tracks = field(default_factory=Tracks)
-    blocks: Cache[BlockKey, Block] = field(
-        default_factory=lambda: Cache(24 << 20, lambda block: block.values.nbytes + OVERHEAD)
-    )
+    listing: which documents there are. heads, layouts, labels, ids, zones: of documents. columns: of groups of
+    documents. samples: of bones of groups. tracks: decoded. blocks: all tracks over a chunk.
+    """
 
-    def batch(self, documents: Sequence[Listed], *, whole_heads: bool) -> Batch:
-        """What was made so far of the columns of some documents, by all queries that asked these."""
-        if len(documents) > MANY_DOCUMENTS:
-            return batch_of(documents)
-        key = (whole_heads, tuple([(listed.key, listed.revision) for listed in documents]))
-        return self._batches.get([key], lambda _: {key: batch_of(documents)})[0]
+    def __init__(self, limit: int = COLUMNS) -> None:
+        small = min(8 << 20, limit // 16)
+        self.listing = Listing()
+        self.heads = Heads(small)
+        self.layouts = DocumentCache[Layout](read_layouts, 2 * small)
+        self.labels = DocumentCache[Labels](read_labels, small)
+        self.ids = DocumentCache[Ids](read_ids, small)
+        self.zones = DocumentCache[Zones](read_zones, 3 * small)
+        self.columns = ColumnCache(limit // 2)
+        self.samples = ColumnCache(limit // 2)
+        self.tracks = Tracks(4 * small, 5 * small)
+        self.blocks = Cache[BlockKey, Block](3 * small, lambda block: block.values.nbytes + OVERHEAD)

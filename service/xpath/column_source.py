@@ -1,4 +1,4 @@
-"""Answers from columns: documents in batches, paths in slices of frames, so that memory grows with neither."""
+"""Answers from columns: documents in groups, paths in slices of frames, so that memory grows with neither."""
 
 from __future__ import annotations
 
@@ -16,17 +16,14 @@ from service.xpath.forest import Forest
 from service.xpath.functions import as_booleans, kind_of
 from service.xpath.listing import Scope
 from service.xpath.nodesets import NodeSets, ordered
-from service.xpath.numbering import MAX_DOCUMENTS, Ints, documents_of, first_of_documents
+from service.xpath.numbering import Ints, documents_of, first_of_documents
 from service.xpath.pairs import TooWideError
-from service.xpath.projection import DOCUMENT, Projection, needs_head, projection
+from service.xpath.projection import DOCUMENT, needs_head
 from service.xpath.rules import after
 from service.xpath.starts import Frames, Start, start_of
 from service.xpath.texts import Strings
 from service.xpath.tree import Expression, Path, Step
 
-BATCH = 1_000_000
-"""Nodes of the documents that are looked at together, about."""
-HEAD_NODES, NODES_A_FRAME = 1000, 40
 SLICE_FRAMES = 4096
 """Frames that the rest of a path is walked from together; whole chunks, so that no track is read twice."""
 LEAVING = frozenset({"following", "preceding"})
@@ -56,57 +53,58 @@ class ColumnSource:
         return self.frames.documents
 
     def forests(self) -> Iterator[Forest]:
-        """The documents in batches. The first are small: often the first page is all that is wanted."""
+        """The documents in groups. Of what a question narrows, the first are small: often the first page is all that is
+        wanted."""
         whole_heads = needs_head(self.tree)
-        head, frame = HEAD_NODES if whole_heads else 1, self._nodes_a_frame()
-        weights = [head + int(listed.frames * frame) for listed in self.documents]
-        start, allowed = 0, BATCH // 8
-        while start < len(self.documents):
-            stop, weight = start, 0
-            last = min(len(self.documents), start + MAX_DOCUMENTS)
-            while stop < last and (stop == start or weight + weights[stop] <= allowed):
-                weight += weights[stop]
-                stop += 1
-            yield Forest(self.tx, self.documents[start:stop], self._caches, whole_heads=whole_heads)
-            start, allowed = stop, min(BATCH, allowed * 4)
-
-    def _nodes_a_frame(self) -> float:
-        """About how many nodes of a frame are looked at."""
-        if self.start is not None and self.start.indexed:
-            # Few frames have one id, unless ids are repeated.
-            return 1 if self.start.groups else 0.25
-        return {Projection.HEAD: 0, Projection.FRAMES: 1, Projection.WHOLE: NODES_A_FRAME}[projection(self.tree)]
+        for group in self.frames.groups:
+            yield Forest(self.tx, group, self._caches, whole_heads=whole_heads)
 
     def chunks(self) -> Iterator[tuple[Forest, Ints]]:
         """The nodes of the answer, in order, some at a time."""
         for forest in self.forests():
-            columns = Columns(forest, self._check)
-            for nodes in self._walk(columns):
+            yield from self._chunks(forest)
+
+    def _chunks(self, forest: Forest) -> Iterator[tuple[Forest, Ints]]:
+        """Those of a group; where they are too many to be looked at together, of each half alone."""
+        begun = False
+        try:
+            for nodes in self._walk(Columns(forest, self._check)):
+                begun = True
                 if len(nodes):
                     yield forest, nodes
+        except TooWideError:
+            if begun or len(forest) < 2:
+                raise
+        else:
+            return
+        for half in halves(forest):
+            yield from self._chunks(half)
 
     def count(self) -> int:
         """How many nodes the documents have together."""
         if self.start is not None and self.start.only_frames and not self._narrowed():
             return self.frames.count()
         if self.start is not None and not self.start.indexed and not self.start.predicates and _all_bones(self.start):
-            parts = (self.documents[at : at + MAX_DOCUMENTS] for at in range(0, len(self.documents), MAX_DOCUMENTS))
-            return sum(Forest(self.tx, part, self._caches, whole_heads=False).shapes.total() for part in parts)
+            return sum(forest.shapes.total for forest in self.forests())
         return sum(len(nodes) for _, nodes in self.chunks())
 
     def values(self) -> list[float | str | bool]:
         """The value of each document."""
-        result: list[float | str | bool] = []
-        for forest in self.forests():
-            columns = Columns(forest, self._check)
+        return [value for forest in self.forests() for value in self._values(forest)]
+
+    def _values(self, forest: Forest) -> list[float | str | bool]:
+        columns = Columns(forest, self._check)
+        try:
             found = columns.value(self.tree, columns.documents())
-            if isinstance(found, Strings):
-                result += found.list()
-            elif kind_of(found) == "boolean":
-                result += as_booleans(found).tolist()
-            else:
-                result += np.asarray(found, np.float64).tolist()
-        return result
+        except TooWideError:
+            if len(forest) < 2:
+                raise
+            return [value for half in halves(forest) for value in self._values(half)]
+        if isinstance(found, Strings):
+            return list(found.list())
+        if kind_of(found) == "boolean":
+            return list(as_booleans(found).tolist())
+        return list(np.asarray(found, np.float64).tolist())
 
     def _narrowed(self) -> bool:
         return self.start is not None and (self.start.position is not None or self.start.id is not None)
@@ -151,6 +149,12 @@ class ColumnSource:
             yield from self._from_some(columns, nodes[half:], steps)
             return
         yield found
+
+
+def halves(forest: Forest) -> tuple[Forest, Forest]:
+    """Its documents in two groups."""
+    middle = len(forest) // 2
+    return forest.part(forest.documents[:middle]), forest.part(forest.documents[middle:])
 
 
 def _all_bones(start: Start) -> bool:

@@ -96,7 +96,7 @@ def ends(forest: Forest, nodes: Ints) -> Ints:
         return np.asarray(inside, np.int64)
     head = forest.head
     rows = head.rows(nodes[~framed])
-    last = head.nodes[head.ends[rows]]
+    last = head.nodes(head.ends[rows])
     motion = head.motions[documents_of(nodes[~framed])]
     holds_frames = (rows <= motion) & (head.ends[rows] >= motion)
     inside[~framed] = np.where(holds_frames, ((documents_of(nodes[~framed]) + 1) << DOCUMENT_SHIFT) - 1, last)

@@ -1,75 +1,82 @@
-"""The documents of a batch as columns: heads as arrays of nodes, frames as runs of equal structure."""
+"""The documents of a group as columns: heads as arrays of nodes, frames as runs of equal structure."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Protocol, TypeVar
 
+from service.mcml.lexical import unescape
 from service.storage.columns import Listed
 from service.storage.database import Transaction
+from service.xpath.bone_columns import BoneColumns
 from service.xpath.caches import Caches
 from service.xpath.frame_runs import IdRuns, LabelRuns
+from service.xpath.groups import Group
 from service.xpath.head_rows import HeadRows
 from service.xpath.layouts import Layout, ShapeRuns
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
 from service.xpath.pairs import expand
 from service.xpath.timeline import Timeline
-from service.xpath.zones import FEW_FRAMES, MANY_FRAMES, Table, joined
+from service.xpath.zones import FEW_FRAMES, MANY_FRAMES, Table, joined, read_zones
+
+
+class _Sized(Protocol):
+    @property
+    def nbytes(self) -> int: ...
+
+
+Column = TypeVar("Column", bound=_Sized)
 
 
 class Forest:
     """Documents side by side. Nodes are numbers (`numbering`); a document's place here is the number's first part.
 
     documents: in order of the answer. whole_heads: whether headers and skeletons can be asked for. All columns are read
-    when they are first needed.
+    when they are first needed, and kept for other questions.
     """
 
-    def __init__(self, tx: Transaction, documents: Sequence[Listed], caches: Caches, *, whole_heads: bool) -> None:
+    def __init__(self, tx: Transaction, documents: Group, caches: Caches, *, whole_heads: bool) -> None:
         self.tx = tx
         self.documents = documents
         self.caches = caches
         self.whole_heads = whole_heads
-        self._columns = caches.batch(documents, whole_heads=whole_heads)
-        self.keys = self._columns.keys
-        self.frames = self._columns.frames
+        self.keys = documents.keys
+        self.frames = documents.frames
 
     def __len__(self) -> int:
         return len(self.documents)
 
-    @property
+    def part(self, documents: Sequence[Listed]) -> Forest:
+        """Some of the documents alone, numbered from 0."""
+        return Forest(self.tx, self.caches.listing.group(list(documents)), self.caches, whole_heads=self.whole_heads)
+
+    @cached_property
     def head(self) -> HeadRows:
-        if self._columns.head is None:
-            self._columns.head = HeadRows(self.caches.heads.read(self.tx, self.documents, whole=self.whole_heads))
-        return self._columns.head
+        whole = self.whole_heads
+        return self._kept(
+            ("head", whole), lambda: HeadRows(self.caches.heads.read(self.tx, self.documents, whole=whole))
+        )
 
-    @property
+    @cached_property
     def layouts(self) -> list[Layout]:
-        if self._columns.layouts is None:
-            self._columns.layouts = self.caches.layouts.read(self.tx, self.documents)
-        return self._columns.layouts
+        return self.caches.layouts.read(self.tx, self.documents)
 
-    @property
+    @cached_property
     def shapes(self) -> ShapeRuns:
-        if self._columns.shapes is None:
-            self._columns.shapes = ShapeRuns(self.layouts)
-        return self._columns.shapes
+        return self._kept("shapes", lambda: ShapeRuns(self.layouts))
 
-    @property
+    @cached_property
     def labels(self) -> LabelRuns:
-        if self._columns.labels is None:
-            self._columns.labels = LabelRuns(self.caches.labels.read(self.tx, self.documents))
-        return self._columns.labels
+        return self._kept("labels", lambda: LabelRuns(self.caches.labels.read(self.tx, self.documents)))
 
-    @property
+    @cached_property
     def ids(self) -> IdRuns:
-        if self._columns.ids is None:
-            self._columns.ids = IdRuns(self.caches.ids.read(self.tx, self.documents))
-        return self._columns.ids
+        return self._kept("ids", lambda: IdRuns(self.caches.ids.read(self.tx, self.documents)))
 
-    @property
+    @cached_property
     def timeline(self) -> Timeline:
-        if self._columns.timeline is None:
-            self._columns.timeline = Timeline(self.shapes)
-        return self._columns.timeline
+        return self._kept("timeline", lambda: Timeline(self.shapes))
 
     def has_tracks(self, asked: int = 1) -> bool:
         """Whether all tracks with their zone maps are at hand, or well worth reading: else, as after an edit of a long
@@ -77,21 +84,38 @@ class Forest:
 
         asked: of how many documents tracks are wanted. Where that is most of several, the next question will be, too.
         """
-        if self._columns.tracks is not None:
+        if self.caches.columns.holds((self.documents.number, "tracks")):
             return True
         frames = int(self.frames.sum())
         if frames <= FEW_FRAMES or (frames <= MANY_FRAMES and 1 < len(self) < 2 * asked):
             return True
         return int(self.frames.max()) <= MANY_FRAMES and self.caches.zones.holds(self.documents)
 
-    @property
+    @cached_property
     def tracks(self) -> Table:
         """All tracks with their zone maps."""
-        if self._columns.tracks is None:
-            self._columns.tracks = joined(self.caches.zones.read(self.tx, self.documents))
-        return self._columns.tracks
+        return self._kept("tracks", lambda: joined(self.caches.zones.read(self.tx, self.documents)))
+
+    def bone(self, name: str | None) -> BoneColumns:
+        """The tracks of the bone of a name, as XML has it, or of all bones."""
+        return self._kept(("bone", name), lambda: BoneColumns(self._tracks_of(name)))
+
+    def has_bone(self, name: str | None) -> bool:
+        """Whether they are at hand."""
+        return self.caches.columns.holds((self.documents.number, ("bone", name)))
+
+    def _tracks_of(self, name: str | None) -> Table:
+        if name is None:
+            return self.tracks
+        numbers = self.shapes.numbers_of(unescape(name))
+        if len(self) == 1 and not self.has_tracks():
+            return joined([read_zones(self.tx, self.documents, numbers.tolist())[self.keys[0]]])
+        return self.tracks.of_bones(numbers)
 
     def all_frames(self, documents: Ints) -> tuple[Ints, Ints]:
         """(index into documents, frame element) of every frame of each document, in order."""
         source, position = expand(self.frames[documents])
         return source, (documents[source] << DOCUMENT_SHIFT) | ((position + 1) << FRAME_SHIFT)
+
+    def _kept(self, what: object, make: Callable[[], Column]) -> Column:
+        return self.caches.columns.get((self.documents.number, what), make, lambda column: column.nbytes)

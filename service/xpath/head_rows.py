@@ -1,41 +1,76 @@
-"""The heads of the documents of a batch, side by side."""
+"""The heads of the documents of a group, side by side."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from service.xpath.heads import Head
-from service.xpath.numbering import DOCUMENT_SHIFT, IS_ELEMENT, IS_TEXT, MOTION, Bools, Ints, documents_of, slots_of
+from service.xpath.heads import Head, Subtree
+from service.xpath.numbering import (
+    DOCUMENT_SHIFT,
+    IS_ELEMENT,
+    IS_TEXT,
+    MOTION,
+    Bools,
+    Ints,
+    documents_of,
+    slots_of,
+)
 from service.xpath.pairs import expand
-from service.xpath.texts import Strings, of_texts
+from service.xpath.texts import Strings
+
+Some: TypeAlias = NDArray[np.signedinteger[Any]]
+"""Numbers of rows; those of all rows of a group are kept in 32 bits."""
+
+MCML_ROW = 1
+"""Behind the document node."""
 
 
 class HeadRows:
-    """The heads of a batch as one table: kinds, names, parents and ends by row; `nodes` are ascending."""
+    """The heads of a group as one table: kinds, names, parents and ends by row, those of a document from its start on,
+    its motion from `motions` on.
 
-    def __init__(self, heads: Sequence[Head]) -> None:
-        sizes = [len(head.part) for head in heads]
-        self.starts: Ints = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
-        self.motions: Ints = self.starts[:-1] + np.array([head.motion for head in heads], np.int64)
-        document = np.repeat(np.arange(len(heads)), sizes)
-        within = np.arange(self.starts[-1]) - self.starts[document]
-        motion = self.motions[document] - self.starts[document] if heads else within
-        slot = np.where(within < motion, within, within - motion + MOTION)
-        self.nodes: Ints = (document << DOCUMENT_SHIFT) | slot
-        offset = self.starts[:-1].tolist()
-        parts = [head.part for head in heads]
-        self.kinds = _joined([part.kinds for part in parts], np.int8)
-        self.names = _joined([part.names for part in parts], np.int16)
-        # The document node is its own parent here; the parent axis leaves it out.
-        self.parents = _joined([np.maximum(p.parents, 0) + o for p, o in zip(parts, offset, strict=True)], np.int64)
-        self.ends = _joined([part.ends + start for part, start in zip(parts, offset, strict=True)], np.int64)
-        self._parts = parts
-        self.heads = heads
+    parts: of each document, in order: the document node and `mcml` first, the motion last.
+    """
+
+    def __init__(self, parts: Sequence[tuple[Subtree, ...]]) -> None:
+        every = [part for some in parts for part in some]
+        sizes = np.array([len(part) for part in every], np.int64)
+        ends = np.cumsum(sizes)
+        counts = np.array([len(some) for some in parts], np.int64)
+        firsts = np.cumsum(counts) - counts
+        places: Ints = np.concatenate([[0], ends]).astype(np.int64)
+        self._parts = every
+        self._places = places
+        self.starts: Ints = np.append(places[firsts], places[-1])
+        self.motions: Ints = places[firsts + counts - 1]
+        self.kinds = _joined([part.kinds for part in every], np.int8)
+        self.names = _joined([part.names for part in every], np.int16)
+        document = np.repeat(np.arange(len(parts)), counts)
+        within = _joined([part.parents for part in every], np.int64)
+        # What has no parent in its part hangs from `mcml`; the document node is its own parent here, and the parent
+        # axis leaves it out.
+        above = np.repeat(self.starts[document] + MCML_ROW, sizes)
+        above[self.starts[:-1]] = self.starts[:-1]
+        self.parents: Some = np.where(within < 0, above, within + np.repeat(places[:-1], sizes)).astype(np.int32)
+        last = _joined([part.ends for part in every], np.int64) + np.repeat(places[:-1], sizes)
+        for row in (0, MCML_ROW):
+            last[self.starts[:-1] + row] = self.starts[1:] - 1
+        self.ends: Some = last.astype(np.int32)
+        self._documents = np.repeat(np.arange(len(parts), dtype=np.int16), np.diff(self.starts))
+        self._heads: dict[int, Head] = {}
         self._named: dict[int, Ints] = {}
         self._by_parent: dict[int, tuple[Ints, Ints]] = {}
+
+    @property
+    def nbytes(self) -> int:
+        """About how much memory it takes, with what is worked out when it is asked for."""
+        own = sum({id(part): 60 * len(part) for part in self._parts}.values())
+        return 24 * len(self.kinds) + own // 4 + 8 * len(self._parts)
 
     def rows(self, nodes: Ints) -> Ints:
         documents, slots = documents_of(nodes), slots_of(nodes)
@@ -44,10 +79,37 @@ class HeadRows:
         rows[moving] += (self.motions - self.starts[:-1] - MOTION)[documents[moving]]
         return rows
 
+    def nodes(self, rows: Some) -> Ints:
+        """The numbers of the nodes in rows."""
+        documents = self._documents[rows].astype(np.int64)
+        slots = rows - self.starts[documents]
+        moving = np.flatnonzero(rows >= self.motions[documents])
+        slots[moving] += (MOTION + self.starts[:-1] - self.motions)[documents[moving]]
+        return np.asarray((documents << DOCUMENT_SHIFT) | slots, np.int64)
+
+    def head(self, document: int) -> Head:
+        """The head of one document alone."""
+        if document not in self._heads:
+            start, stop = int(self.starts[document]), int(self.starts[document + 1])
+            rows = slice(start, stop)
+            parents, ends = (each[rows].astype(np.int64) - start for each in (self.parents, self.ends))
+            parents[0] = -1
+            texts = self.texts[np.arange(start, stop)].list()
+            self._heads[document] = Head(Subtree(self.kinds[rows], self.names[rows], parents, ends, texts))
+        return self._heads[document]
+
     @cached_property
     def texts(self) -> Strings:
         """The strings of all attributes, texts and namespace nodes, "" for other rows."""
-        return of_texts([text for part in self._parts for text in part.texts])
+        places: dict[str, int] = {}
+        known: dict[int, Some] = {}
+        for part in self._parts:
+            if id(part) not in known:
+                own = part.strings
+                codes = np.array([places.setdefault(text, len(places)) for text in own.values], np.int32)
+                known[id(part)] = codes[own.codes]
+        found: Any = _joined([known[id(part)] for part in self._parts], np.int32)
+        return Strings(found, list(places))
 
     @cached_property
     def text_rows(self) -> Ints:
@@ -76,7 +138,7 @@ class HeadRows:
         """The canonical addresses of nodes."""
         documents = np.searchsorted(self.starts, rows, side="right") - 1
         within = (rows - self.starts[documents]).tolist()
-        heads = [self.heads[place] for place in documents.tolist()]
+        heads = [self.head(place) for place in documents.tolist()]
         return [head.addresses.get(row) or head.address(row) for head, row in zip(heads, within, strict=True)]
 
     def named(self, code: int) -> Ints:

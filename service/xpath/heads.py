@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from service.mcml.vocabulary import MCML, MOTION
 from service.mcml.writer import attribute_bytes, text_bytes
 from service.storage.columns import Listed
 from service.storage.database import Transaction
+from service.xpath.cache import Cache
 from service.xpath.numbering import (
     IS_ATTRIBUTE,
     IS_DOCUMENT,
@@ -24,11 +25,12 @@ from service.xpath.numbering import (
     code_names,
     name_codes,
 )
+from service.xpath.texts import Strings, of_texts
 
 XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Subtree:
     """Nodes in document order, each element followed by its namespace node, its attributes, its text, its children.
 
@@ -45,16 +47,25 @@ class Subtree:
     def __len__(self) -> int:
         return len(self.texts)
 
+    @property
+    def nbytes(self) -> int:
+        """About how much memory it takes."""
+        return 500 + 60 * len(self.texts)
+
+    @cached_property
+    def strings(self) -> Strings:
+        """The texts, each different one once."""
+        return of_texts(self.texts)
+
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """Rows of the document node, `mcml` and all before the motion; from row `motion` on, the motion without frames.
+    """Rows of the document node, `mcml` and all before the motion; then the motion without frames.
 
     addresses: those of elements that somebody asked for, by row.
     """
 
     part: Subtree
-    motion: int
     addresses: dict[int, str] = field(default_factory=dict)
     _kept: list[tuple[list[int], list[str], list[int]]] = field(default_factory=list)
 
@@ -163,94 +174,68 @@ def flatten(forest: Sequence[Element]) -> Subtree:
     )
 
 
-def _assemble(version: str, parts: Sequence[Subtree], frames: int, frame_time: str | None) -> Head:
-    before = _frame_of_parts(version)
-    motion = _motion(frames, frame_time)
-    # `mcml` is in row 1; the document node and it end with the last row.
-    offset = len(before)
-    pieces = [before]
-    for part in parts:
-        pieces.append(_moved(part, offset, parent=1))
-        offset += len(part)
-    pieces.append(_moved(motion, offset, parent=1))
-    total = offset + len(motion)
-    ends = np.concatenate([piece.ends for piece in pieces])
-    ends[:2] = total - 1
-    whole = Subtree(
-        np.concatenate([piece.kinds for piece in pieces]),
-        np.concatenate([piece.names for piece in pieces]),
-        np.concatenate([piece.parents for piece in pieces]),
-        ends,
-        [text for piece in pieces for text in piece.texts],
-    )
-    return Head(whole, offset)
-
-
 @lru_cache(maxsize=16)
-def _frame_of_parts(version: str) -> Subtree:
-    """Document node and `mcml`."""
+def _first_part(version: str) -> Subtree:
+    """Document node and `mcml`: the other parts hang from `mcml`, and both end with the last of them."""
     mcml = flatten([Element(MCML, mcml_attributes(version), "", [])])
-    document = Subtree(np.array([IS_DOCUMENT], np.int8), np.zeros(1, np.int16), np.array([-1]), np.zeros(1, int), [""])
-    moved = _moved(mcml, 1, parent=0)
     return Subtree(
-        np.concatenate([document.kinds, moved.kinds]),
-        np.concatenate([document.names, moved.names]),
-        np.concatenate([document.parents, moved.parents]),
-        np.concatenate([document.ends, moved.ends]),
-        document.texts + moved.texts,
+        np.concatenate([np.array([IS_DOCUMENT], np.int8), mcml.kinds]),
+        np.concatenate([np.zeros(1, np.int16), mcml.names]),
+        np.concatenate([np.array([-1]), np.maximum(mcml.parents + 1, 0)]),
+        np.concatenate([np.zeros(1, np.int64), mcml.ends + 1]),
+        ["", *mcml.texts],
     )
 
 
-@lru_cache(maxsize=1024)
-def _motion(frames: int, frame_time: str | None) -> Subtree:
-    children = [Element("frames", {}, str(frames), [])]
-    if frame_time is not None:
-        children.append(Element("frametime", {}, frame_time, []))
-    return flatten([Element(MOTION, {}, "", children)])
+def _motion_part(frames: int, frame_time: str | None) -> Subtree:
+    """`motion` with what it holds beside frames."""
+    known, rows = _motion(frame_time is not None)
+    texts = list(known.texts)
+    for row, text in zip(rows, (str(frames), frame_time), strict=False):
+        texts[row] = text or ""
+    return replace(known, texts=texts)
 
 
-def _moved(part: Subtree, offset: int, parent: int) -> Subtree:
-    parents = np.where(part.parents < 0, parent, part.parents + offset)
-    return replace(part, parents=parents, ends=part.ends + offset)
+@lru_cache(maxsize=2)
+def _motion(timed: bool) -> tuple[Subtree, list[int]]:
+    """One motion, and the rows of its texts."""
+    children = [Element(name, {}, "0", []) for name in ("frames", "frametime")[: 1 + timed]]
+    made = flatten([Element(MOTION, {}, "", children)])
+    return made, np.flatnonzero(made.kinds == IS_TEXT).tolist()
 
 
 class Heads:
-    """Heads of documents, the parts read before kept: they never change under their keys, so none can be out of date.
+    """The parts of heads, the ones read last kept: they never change under their keys, so none can be out of date.
 
-    limit: nodes kept, about 100 bytes each. Threads may share it.
+    limit: bytes kept. Threads may share it.
     """
 
-    def __init__(self, limit: int = 1 << 20) -> None:
-        self._limit = limit
-        self._size = 0
-        self._heads: dict[tuple[int, int], Head] = {}
-        self._skeletons: dict[int, Subtree] = {}
+    def __init__(self, limit: int) -> None:
+        self._headers = Cache[tuple[int, int], Subtree](limit, lambda part: part.nbytes)
+        self._skeletons = Cache[int, Subtree](4 * limit, lambda part: part.nbytes)
 
-    def read(self, tx: Transaction, documents: Sequence[Listed], *, whole: bool) -> list[Head]:
-        """The head of each document. whole: with header and skeleton; else only document, `mcml` and motion."""
+    def read(self, tx: Transaction, documents: Sequence[Listed], *, whole: bool) -> list[tuple[Subtree, ...]]:
+        """The parts of the head of each document, one after the other: document and `mcml`, header, skeleton, motion.
+        whole: with header and skeleton."""
+        firsts = [_first_part(listed.version) for listed in documents]
+        motions = [_motion_part(listed.frames, listed.frame_time) for listed in documents]
         if not whole:
-            return [_assemble(stored.version, (), stored.frames, stored.frame_time) for stored in documents]
-        known, skeletons = self._heads, self._skeletons
-        unread = {listed.key: listed for listed in documents if (listed.key, listed.revision) not in known}
-        missing = [key for key in dict.fromkeys(listed.skeleton for listed in unread.values()) if key not in skeletons]
-        if not unread:
-            return [known[listed.key, listed.revision] for listed in documents]
-        forests = {key: flatten(forest) for key, forest in tx.columns.skeletons(missing).items()}
-        skeletons = {**skeletons, **forests} if forests else skeletons
-        found: dict[tuple[int, int], Head] = {}
-        for key, element in tx.columns.headers(list(unread)).items():
-            listed = unread[key]
-            parts = (flatten([element]), skeletons[listed.skeleton])
-            found[key, listed.revision] = _assemble(listed.version, parts, listed.frames, listed.frame_time)
-        if found:
-            known = {**known, **found}
-            self._remember(known, skeletons, sum(len(head.part) for head in found.values()))
-        return [known[listed.key, listed.revision] for listed in documents]
+            return list(zip(firsts, motions, strict=True))
+        keys = {(listed.key, listed.revision): listed for listed in documents}
 
-    def _remember(self, heads: dict[tuple[int, int], Head], skeletons: dict[int, Subtree], added: int) -> None:
-        # Threads that read at the same time may lose what the other read; it is read again when it is needed.
-        self._size += added
-        if self._size > self._limit:
-            self._heads, self._skeletons, self._size = {}, {}, 0
-        else:
-            self._heads, self._skeletons = heads, skeletons
+        def headers(missing: list[tuple[int, int]]) -> dict[tuple[int, int], Subtree]:
+            found = tx.columns.headers([key for key, _ in missing])
+            return {key: flatten([found[key[0]]]) for key in missing}
+
+        def skeletons(missing: list[int]) -> dict[int, Subtree]:
+            return {key: flatten(forest) for key, forest in tx.columns.skeletons(missing).items()}
+
+        return list(
+            zip(
+                firsts,
+                self._headers.get(list(keys), headers),
+                self._skeletons.get([listed.skeleton for listed in documents], skeletons),
+                motions,
+                strict=True,
+            )
+        )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -124,6 +124,8 @@ class ShapeRuns:
         self.shape: Ints = shape + (np.cumsum(shapes) - shapes)[self.places]
         self._by_bone: tuple[Ints, Ints] | None = None
         self._names: tuple[list[str], Ints] | None = None
+        self._numbers: dict[str, Ints] = {}
+        self._named: dict[str, tuple[Ints, Ints]] = {}
 
     @property
     def texts(self) -> list[str]:
@@ -145,6 +147,19 @@ class ShapeRuns:
             self._names = [escape(name) for name in codes], names
         return self._names
 
+    @property
+    def nbytes(self) -> int:
+        """About how much memory it takes, with what is worked out when it is asked for."""
+        arrays = (self._of_document, self.offsets, self.slots, self.counts, self.places, self.keys, self.shape)
+        return 32 * len(self.bones) + sum(array.nbytes for array in arrays) + 100 * len(self._layouts)
+
+    def numbers_of(self, name: str) -> Ints:
+        """The number of the bone of a stored name in each document, -1 where there is none."""
+        if name not in self._numbers:
+            self._numbers[name] = np.array([layout.numbers.get(name, -1) for layout in self._layouts], np.int64)
+        return self._numbers[name]
+
+    @cached_property
     def total(self) -> int:
         """How many frame_bones all frames have."""
         return int((self.counts * (self.offsets[self.shape + 1] - self.offsets[self.shape])).sum())
@@ -177,11 +192,12 @@ class ShapeRuns:
 
     def named(self, frames: Ints, text: str) -> tuple[Ints, Ints]:
         """(index into frames, frame_bone) of the frame_bones of a name."""
-        name = unescape(text)
-        wanted = np.array([layout.numbers.get(name, -1) for layout in self._layouts], np.int64)
-        matching = np.flatnonzero(self.bones == np.repeat(wanted[self._of_document], np.diff(self.offsets)))
-        shape = np.searchsorted(self.offsets, matching, side="right") - 1
-        number = matching - self.offsets[shape]
+        if text not in self._named:
+            wanted = self.numbers_of(unescape(text))
+            matching = np.flatnonzero(self.bones == np.repeat(wanted[self._of_document], np.diff(self.offsets)))
+            shape = np.searchsorted(self.offsets, matching, side="right") - 1
+            self._named[text] = shape, matching - self.offsets[shape]
+        shape, number = self._named[text]
         shapes = self.shape_of(frames)
         begin, end = np.searchsorted(shape, shapes, side="left"), np.searchsorted(shape, shapes, side="right")
         source, within = expand(end - begin)

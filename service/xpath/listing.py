@@ -9,6 +9,7 @@ from functools import cached_property
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.cache import Cache
+from service.xpath.groups import FEW_DOCUMENTS, Group, Groups
 from service.xpath.hints import Kind, compared_names, not_found
 from service.xpath.tree import Expression
 
@@ -22,26 +23,72 @@ KNOWN_NAMES = 10_000
 @dataclass
 class State:
     """What was read of the store as one commit left it: all documents, once somebody asked for them, and single ones by
-    key; keys by id; what was said of names that were compared, by scope. commit: that one."""
+    key; the groups of a project (None: of all) by its key; keys by id; what was said of names that were compared, by
+    scope. commit: that one."""
 
     commit: int
     whole: list[Listed] | None = None
+    groups: dict[int | None, list[Group]] = field(default_factory=dict)
     documents: dict[int, Listed] = field(default_factory=dict)
     keys: dict[str, int] = field(default_factory=dict)
     unused: dict[tuple[Kind, str, tuple[int, ...] | None, int | None], str | None] = field(default_factory=dict)
 
 
 class Listing:
-    """The documents of the store, read anew after each commit. Threads may share it."""
+    """The documents of the store; after a commit those that it changed are read anew. Threads may share it."""
 
     def __init__(self) -> None:
         # By the newest commit as well as the one that is read: a deleted document that comes back was never away.
         self._states = Cache[tuple[int, int], State](STATES, lambda _: 1)
+        self._groups = Groups()
+        self._last: State | None = None
 
     def state(self, tx: Transaction) -> State:
         """What a transaction sees."""
         newest = tx.newest_commit()
         return self._states.get([(newest, tx.at)], lambda keys: {keys[0]: State(min(newest, tx.at))})[0]
+
+    def whole(self, tx: Transaction, state: State) -> list[Listed]:
+        """All documents by name, then key, the order of answers."""
+        if state.whole is None:
+            last = self._last
+            # Only of the newest state it is known what changed since another.
+            is_newest = tx.at >= tx.newest_commit()
+            if is_newest and last is not None and last.whole is not None and last.commit <= state.commit:
+                state.whole = _changed(tx, last.whole, last.commit)
+            else:
+                state.whole = tx.columns.documents()
+            state.documents.update({listed.key: listed for listed in state.whole})
+            if is_newest and (last is None or last.commit <= state.commit):
+                self._last = state
+        return state.whole
+
+    def groups(self, tx: Transaction, state: State, project: int | None) -> list[Group]:
+        """The same, of a project or all, in groups."""
+        if project not in state.groups:
+            whole = self.whole(tx, state)
+            wanted = whole if project is None else [listed for listed in whole if listed.project == project]
+            state.groups[project] = self._groups.cut(wanted)
+        return state.groups[project]
+
+    def group(self, documents: list[Listed]) -> Group:
+        """Some documents as a group."""
+        return self._groups.group(documents)
+
+
+def _changed(tx: Transaction, whole: list[Listed], commit: int) -> list[Listed]:
+    """All documents, given those of an earlier commit: every change, a deletion too, is a revision."""
+    changed = tx.columns.changed_since(commit)
+    if not changed:
+        return whole
+    gone = set(changed)
+    kept = [listed for listed in whole if listed.key not in gone]
+    new = tx.columns.documents(changed)
+    return sorted([*kept, *new], key=_in_order) if new else kept
+
+
+def _in_order(listed: Listed) -> tuple[str, int]:
+    return listed.name, listed.key
 
 
 class Scope:
@@ -68,15 +115,19 @@ class Scope:
     def _listed(self, keys: Sequence[int] | None) -> list[Listed]:
         state = self.state
         if keys is None:
-            if state.whole is None:
-                state.whole = self._tx.columns.documents()
-                state.documents.update({listed.key: listed for listed in state.whole})
-            return state.whole
+            return self._listing.whole(self._tx, state)
         missing = [key for key in keys if key not in state.documents]
         if missing and state.whole is None:
             state.documents.update({listed.key: listed for listed in self._tx.columns.documents(missing)})
         chosen = [state.documents[key] for key in dict.fromkeys(keys) if key in state.documents]
-        return sorted(chosen, key=lambda listed: (listed.name, listed.key))
+        return sorted(chosen, key=_in_order)
+
+    def groups(self, documents: list[Listed] | None = None) -> list[Group]:
+        """The documents in groups. documents: only these of them, in order; all, if none are given."""
+        if self.keys is None and documents is None:
+            return self._listing.groups(self._tx, self.state, self.project)
+        few = self.documents() if documents is None else documents
+        return [self._listing.group(few[at : at + FEW_DOCUMENTS]) for at in range(0, len(few), FEW_DOCUMENTS)]
 
     def used_names(self, kind: Kind) -> list[str]:
         """The different names of bones, or the motion names, that occur."""

@@ -159,7 +159,7 @@ def _of_head(forest: Forest, nodes: Ints) -> list[str]:
     for place in np.flatnonzero(~leaves).tolist():
         document = int(documents[place])
         if not whole[place]:
-            texts[place] = head.heads[document].xml(int(within[place]))
+            texts[place] = head.head(document).xml(int(within[place]))
             continue
         listed = forest.documents[document]
         blocks = labelled_blocks(forest.tx, listed, 1, listed.frames)

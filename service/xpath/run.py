@@ -26,6 +26,7 @@ from service.xpath.evaluate import Evaluator
 from service.xpath.explain import steps_of
 from service.xpath.forest import Forest
 from service.xpath.functions import NotOnColumnsError
+from service.xpath.groups import Group
 from service.xpath.hints import unknown_names
 from service.xpath.items import Kind, kind_of_value, node_item, plain, run_items, scalars
 from service.xpath.labels import without_index
@@ -38,7 +39,8 @@ from service.xpath.parse import Query, parse
 from service.xpath.projected import Projected
 from service.xpath.rules import normal
 from service.xpath.saxon import Saxon
-from service.xpath.scan import Scan, plan_scan
+from service.xpath.scan import Scan
+from service.xpath.scan_plan import plan_scan
 from service.xpath.sequences import Answer as Sequenced
 from service.xpath.sequences import Sequences
 from service.xpath.sources import Nth, Source
@@ -59,7 +61,7 @@ class Queries:
         self.settings = settings
         self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
         self.saxon = Saxon(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
-        self.caches = Caches()
+        self.caches = Caches(settings.query_cache_mib << 20)
 
     def close(self) -> None:
         self.evaluator.close()
@@ -216,10 +218,9 @@ class _Asking:
     def source(self, tree: Expression) -> Scan | ColumnSource:
         """Where the nodes of an expression come from."""
         plan = plan_scan(tree)
-        documents = [] if plan is None else self.scope.documents()
-        if plan is None or len(documents) > MAX_DOCUMENTS:
+        if plan is None:
             return self._column_source(tree)
-        scan = Scan(self.tx, plan, documents, self.engine.caches, self.limits.check)
+        scan = Scan(self.tx, plan, self.scope, self.engine.caches, self.limits.check)
         self._explained("index", scan)
         return scan
 
@@ -247,7 +248,7 @@ class _Asking:
         return QueryAnswer(type="number", value=None if found is None else plain(found))
 
     def _constant(self, tree: Expression) -> float | str | bool:
-        nowhere = Forest(self.tx, [], self.engine.caches, whole_heads=False)
+        nowhere = Forest(self.tx, Group([]), self.engine.caches, whole_heads=False)
         columns = Columns(nowhere, self.limits.check)
         context = Context(np.zeros(1, np.int64))
         if type_of(tree) == "string":

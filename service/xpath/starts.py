@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from service.mcml.vocabulary import FRAME, MCML, MOTION
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.forest import Forest
+from service.xpath.groups import Group
 from service.xpath.labels import Groups, compared_text, motion_name_groups, position_of, ranges_of, without_self
 from service.xpath.listing import Scope
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
@@ -94,7 +96,6 @@ class Frames:
         self.start = start
         self._tx = tx
         self._scope = scope
-        self._documents: list[Listed] | None = None
         self._ranges: dict[int, list[tuple[int, int]]] | None = None
         if start is not None and start.groups:
             keys = scope.keys
@@ -102,13 +103,17 @@ class Frames:
                 keys = [listed.key for listed in scope.documents()]
             self._ranges = ranges_of(tx, start.groups, keys)
 
+    @cached_property
+    def groups(self) -> list[Group]:
+        """The documents that have such frames, as far as the index on names says, in order of the answer."""
+        if self._ranges is None:
+            return self._scope.groups()
+        return self._scope.groups(self._scope.documents(list(self._ranges)))
+
     @property
     def documents(self) -> list[Listed]:
-        """The documents that have such frames, as far as the index on names says, in order of the answer."""
-        if self._documents is None:
-            keys = None if self._ranges is None else list(self._ranges)
-            self._documents = self._scope.documents(keys)
-        return self._documents
+        """The same, one after the other."""
+        return [listed for group in self.groups for listed in group]
 
     def count(self) -> int:
         """How many frames these are, where only motion names or nothing narrows them."""

@@ -16,12 +16,12 @@ from typing import TypeVar
 import numpy as np
 
 from service.errors import LimitError
-from service.storage.columns import Listed
 from service.storage.database import Database, Transaction
-from service.xpath.caches import MANY_DOCUMENTS, Caches
+from service.xpath.caches import Caches
 from service.xpath.forest import Forest
+from service.xpath.groups import Group
 from service.xpath.nodes import Node
-from service.xpath.numbering import DOCUMENT_SHIFT, Ints, documents_of
+from service.xpath.numbering import Ints
 from service.xpath.render import holds_frames
 from service.xpath.sources import Source
 
@@ -30,14 +30,13 @@ Form = TypeVar("Form")
 MAX_NODES = 10_000_000
 AT_A_TIME = 1000
 """Nodes that are read and written together."""
-_INSIDE = (1 << DOCUMENT_SHIFT) - 1
 
 
 @dataclass(frozen=True)
-class BatchNodes:
-    """Nodes of one batch of documents."""
+class GroupNodes:
+    """Nodes of one group of documents."""
 
-    documents: list[Listed]
+    documents: Group
     nodes: Ints
     whole_heads: bool
 
@@ -46,7 +45,7 @@ class Answer:
     """The nodes of an answer. total: how many. whole_since: which states were whole when they were found."""
 
     def __init__(
-        self, database: Database, caches: Caches, commit: int, whole_since: int, parts: list[BatchNodes]
+        self, database: Database, caches: Caches, commit: int, whole_since: int, parts: list[GroupNodes]
     ) -> None:
         self.total = sum(len(part.nodes) for part in parts)
         self._database = database
@@ -63,15 +62,10 @@ class Answer:
         """What a function makes of the nodes of some documents, some at a time; a whole document comes alone."""
         for part in self._parts:
             for some in _slices(part.nodes):
-                documents, nodes = part.documents, some
-                if len(documents) > MANY_DOCUMENTS:
-                    places, renumbered = np.unique(documents_of(some), return_inverse=True)
-                    documents = [part.documents[place] for place in places.tolist()]
-                    nodes = (renumbered.reshape(-1).astype(np.int64) << DOCUMENT_SHIFT) | (some & _INSIDE)
                 with self.read() as tx:
                     tx.pruning.require_whole_since(self._whole_since)
-                    forest = Forest(tx, documents, self._caches, whole_heads=part.whole_heads)
-                    made = show(forest, nodes)
+                    forest = Forest(tx, part.documents, self._caches, whole_heads=part.whole_heads)
+                    made = show(forest, some)
                 # Not within the transaction: whoever reads slowly would hold it.
                 yield made
 
@@ -87,14 +81,14 @@ class Shown:
         yield self._found
 
 
-def collect(source: Source, limit: int | None) -> list[BatchNodes]:
+def collect(source: Source, limit: int | None) -> list[GroupNodes]:
     """The nodes of a source, at most `limit`. LimitError for more than can be held."""
-    parts: list[BatchNodes] = []
+    parts: list[GroupNodes] = []
     left = MAX_NODES + 1 if limit is None else limit
     for forest, nodes in source.chunks():
         some = nodes[:left]
         left -= len(some)
-        parts.append(BatchNodes(list(forest.documents), some, forest.whole_heads))
+        parts.append(GroupNodes(forest.documents, some, forest.whole_heads))
         if left <= 0:
             break
     if limit is None and left <= 0:

@@ -27,7 +27,7 @@ class Strings:
         return len(self.codes)
 
     def __getitem__(self, which: Ints | Bools) -> Strings:
-        return Strings(self.codes[which], self.values)
+        return Strings(self.codes[which].astype(np.int64, copy=False), self.values)
 
     def list(self) -> list[str]:
         return [self.values[code] for code in self.codes.tolist()]

@@ -26,6 +26,11 @@ class Timeline:
         self._first = np.append(0, frames_of(runs.keys[order] << FRAME_SHIFT))
         self.moved = np.unique(runs.places[1:][np.diff(slots) < 0])
 
+    @property
+    def nbytes(self) -> int:
+        """About how much memory it takes."""
+        return self._starts.nbytes + self._count.nbytes + self._first.nbytes
+
     def positions(self, places: Ints, slots: Ints) -> Ints:
         """The position of the frame in each slot, 0 where no frame of the document lies any more."""
         keys = (places << 32) | slots

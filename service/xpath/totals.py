@@ -14,7 +14,7 @@ from service.storage.database import Transaction
 from service.xpath.nodes import Run
 from service.xpath.parse import parse
 from service.xpath.rules import normal
-from service.xpath.scan import plan_scan
+from service.xpath.scan_plan import plan_scan
 
 MAX_RUNS = 100_000
 """That are counted, or gone past for a later page."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from service.motion.skeleton import Array
 from service.storage.blocks import Block, side_by_side
 from service.storage.encoding import channels_of, decompress
-from service.xpath.cache import Cache
+from service.xpath.cache import OVERHEAD, Cache
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction
@@ -21,9 +21,6 @@ BlockKey: TypeAlias = tuple[int, int, int]
 """(document, revision, chunk)."""
 Packed: TypeAlias = tuple[int, bytes]
 """Codec and bytes, as the store has them."""
-
-OVERHEAD = 200
-"""About how many bytes a kept track takes beside its own."""
 
 
 class Tracks:

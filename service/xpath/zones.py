@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -75,16 +75,17 @@ class Table:
     def __len__(self) -> int:
         return len(self.places)
 
+    @property
+    def nbytes(self) -> int:
+        """About how much memory it takes."""
+        return self.places.nbytes + self.about.nbytes + self.least.nbytes + self.greatest.nbytes
+
     def __getitem__(self, which: Ints | slice) -> Table:
         return Table(self.places[which], self.about[:, which], self.least[:, which], self.greatest[:, which])
 
-    def moved(self, by: int) -> Table:
-        """The same tracks, the places of their documents numbered from another number on."""
-        return replace(self, places=self.places + by) if by else self
-
-    def of_bones(self, numbers: Sequence[int]) -> Table:
+    def of_bones(self, numbers: Ints) -> Table:
         """The tracks of one bone of each document, by its number."""
-        return self[np.flatnonzero(self.about[BONE] == np.array(numbers, np.int64)[self.places])]
+        return self[np.flatnonzero(self.about[BONE] == numbers[self.places])]
 
     def named(self, tracks: Ints) -> Table:
         """Tracks by their numbers (place << 48 | bone << 32 | chunk), which are all there, of all bones."""

@@ -13,7 +13,7 @@ from lxml import etree
 from service.errors import LimitError, QueryError
 from service.xpath.parse import parse
 from service.xpath.rules import normal
-from service.xpath.scan import plan_scan
+from service.xpath.scan_plan import plan_scan
 from service.xpath.signatures import FUNCTIONS
 from service.xpath.starts import start_of
 from service.xpath.tree import Operation, Path, Step, Written, type_of, walk

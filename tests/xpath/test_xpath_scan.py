@@ -16,16 +16,14 @@ from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
-from service.xpath import caches, forest, run, scan, streams
-from service.xpath.caches import Caches, DocumentCache
+from service.xpath import forest, group_scan, groups, run, streams
+from service.xpath.caches import Caches
 from service.xpath.nodes import Node
 from service.xpath.parse import parse
 from service.xpath.rules import normal
 from service.xpath.run import Queries
-from service.xpath.scan import plan_scan
+from service.xpath.scan_plan import plan_scan
 from service.xpath.sources import described
-from service.xpath.tracks import Tracks
-from service.xpath.zones import read_zones
 from tests.builders import HTR, MCML, bvh, store
 from tests.edits import change_element, delete_element
 
@@ -135,8 +133,8 @@ def test_moved_frames_stay_in_order(engine: Queries, monkeypatch: pytest.MonkeyP
         move_frames(tx, stored, 600, 650, 3, renumber=True)
         move_frames(tx, tx.documents.get(stored.uuid), 20, 300, 500, renumber=True)
         tx.documents.add_revision(stored, "frames")
-    monkeypatch.setattr(scan, "FIRST_UNITS", 1)
-    monkeypatch.setattr(scan, "UNITS", 2)
+    monkeypatch.setattr(group_scan, "FIRST_UNITS", 1)
+    monkeypatch.setattr(group_scan, "UNITS", 2)
     for text in ("//frame_bone[@Rx > -1000]", "//frame[frame_bone[@name='Root']/@Rx > -1000]/@id"):
         assert plan_scan(normal(parse(text).tree)) is not None
         request = QueryRequest(q=text, limit=1000)
@@ -182,14 +180,16 @@ def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: p
     requests = [QueryRequest(q=text, limit=200) for text in questions]
     usual = [shown(engine.answer(request)) for request in requests]
     forgetful = Queries(engine.database, Settings())
-    forgetful.caches = Caches(tracks=Tracks(packed=0, decoded=0), zones=DocumentCache(read_zones, 0))
-    for module in (caches, streams):
-        monkeypatch.setattr(module, "MANY_DOCUMENTS", 0)
-    for many, few in ((10**9, 10**9), (10**9, 0), (299, 10**9)):
-        for module in (forest, scan):
-            monkeypatch.setattr(module, "MANY_FRAMES", many)
+    for limit, documents, tracks, few, seldom in (
+        (0, 1, 0, 10**9, 0), (0, 2, 10**9, 0, 10**9), (1 << 20, 1, 10**9, 10**9, 10**9), (1 << 20, 10**9, 0, 0, 6),
+    ):  # fmt: skip
+        forgetful.caches = Caches(limit)
+        monkeypatch.setattr(groups, "MOST_DOCUMENTS", documents)
+        monkeypatch.setattr(group_scan, "MOST_TRACKS", tracks)
+        monkeypatch.setattr(group_scan, "FEW", seldom)
         monkeypatch.setattr(forest, "FEW_FRAMES", few)
-        assert [shown(forgetful.answer(request)) for request in requests] == usual
+        for _ in range(2):
+            assert [shown(forgetful.answer(request)) for request in requests] == usual
         for request, first in zip(requests, usual, strict=True):
             if first[1]:
                 found = streamed(forgetful, request)
