@@ -9,7 +9,8 @@ import numpy as np
 
 from service.errors import LimitError
 from service.xpath.column_source import ColumnSource
-from service.xpath.numbering import Floats
+from service.xpath.forest import Forest
+from service.xpath.numbering import Floats, Ints
 from service.xpath.scan import Scan
 from service.xpath.texts import Strings
 from service.xpath.tree import Call, Expression, Literal, type_of
@@ -26,8 +27,17 @@ def aggregated(tree: Expression) -> Call | None:
     joins = tree.function == "string-join" and all(isinstance(each, Literal) for each in tree.arguments[1:])
     functions = NUMBER_AGGREGATES | TRUTH_AGGREGATES | {"distinct-values"}
     if joins or (tree.function in functions and len(tree.arguments) == 1):
-        return tree if type_of(tree.arguments[0]) == "nodes" else None
+        inner = distinct_of(tree) or tree.arguments[0]
+        return tree if type_of(inner) == "nodes" else None
     return None
+
+
+def distinct_of(call: Call) -> Expression | None:
+    """The nodes of `count(distinct-values(nodes))`, or of `string-join` of them; None for others."""
+    inner = call.arguments[0]
+    is_distinct = isinstance(inner, Call) and inner.function == "distinct-values" and len(inner.arguments) == 1
+    takes = call.function in ("count", "string-join")
+    return inner.arguments[0] if takes and is_distinct and isinstance(inner, Call) else None
 
 
 def number(function: str, source: Scan | ColumnSource) -> float | None:
@@ -64,24 +74,28 @@ def _numbers(function: str, source: Scan | ColumnSource) -> Iterator[Floats]:
 
 
 def exists(source: Scan | ColumnSource) -> bool:
-    return any(len(nodes) for _, nodes in source.chunks())
+    return any(len(nodes) for _, nodes in _examples(source))
+
+
+def _examples(source: Scan | ColumnSource) -> Iterator[tuple[Forest, Ints]]:
+    return source.examples() if isinstance(source, ColumnSource) else source.chunks()
 
 
 def distinct(source: Scan | ColumnSource) -> list[str]:
     """The different strings of the nodes, in order of their first node."""
     found: dict[str, None] = {}
-    for forest, nodes in source.chunks():
+    for forest, nodes in _examples(source):
         found.update(dict.fromkeys(_in_order(strings(forest, nodes))))
     return list(found)
 
 
 def joined(call: Call, source: Scan | ColumnSource) -> str:
-    """The strings of the nodes, one after the other."""
+    """The strings of the nodes, or the different ones, one after the other."""
     between = call.arguments[1].value if len(call.arguments) > 1 and isinstance(call.arguments[1], Literal) else ""
     parts: list[str] = []
     size = 0
-    for forest, nodes in source.chunks():
-        some = strings(forest, nodes).list()
+    once = distinct_of(call) is not None
+    for some in [distinct(source)] if once else (strings(*chunk).list() for chunk in source.chunks()):
         size += sum(map(len, some)) + len(some) * len(str(between))
         if size > MAX_TEXT:
             raise LimitError("The text is too long.", remedy="Join fewer nodes.", code="query-too-large")

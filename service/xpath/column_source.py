@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from service.xpath.listing import Scope
 from service.xpath.nodesets import NodeSets, ordered
 from service.xpath.numbering import Ints, documents_of, first_of_documents
 from service.xpath.pairs import TooWideError
-from service.xpath.projection import DOCUMENT, needs_head
+from service.xpath.projection import DOCUMENT, is_of_skeleton, needs_head
 from service.xpath.rules import after
 from service.xpath.starts import Frames, Start, start_of
 from service.xpath.texts import Strings
@@ -46,6 +47,7 @@ class ColumnSource:
         self.frames = Frames(tx, self.start, scope)
         self._caches = caches
         self._check = check
+        self._one_a_skeleton = is_of_skeleton(tree)
 
     @property
     def documents(self) -> Sequence[Listed]:
@@ -63,6 +65,35 @@ class ColumnSource:
         """The nodes of the answer, in order, some at a time."""
         for forest in self.forests():
             yield from self._chunks(forest)
+
+    def examples(self) -> Iterator[tuple[Forest, Ints]]:
+        """Nodes that have all strings of the answer, in the order of the first of each; some at a time."""
+        if not self._one_a_skeleton:
+            yield from self.chunks()
+            return
+        for forest in self._examples():
+            yield from self._chunks(forest)
+
+    @cached_property
+    def _skeletons(self) -> tuple[list[Listed], dict[int, int], Ints]:
+        """The first document of each skeleton, how many have it, and which of these each document has."""
+        documents = self.documents
+        skeletons = np.array([listed.skeleton for listed in documents], np.int64)
+        found, first, inverse, counts = np.unique(skeletons, return_index=True, return_inverse=True, return_counts=True)
+        order = np.argsort(first)
+        place = np.empty(len(order), np.int64)
+        place[order] = np.arange(len(order))
+        times = dict(zip(found.tolist(), counts.tolist(), strict=True))
+        return [documents[number] for number in first[order].tolist()], times, place[inverse.reshape(-1)]
+
+    def _examples(self) -> Iterator[Forest]:
+        """These documents in groups."""
+        for group in self._caches.listing.cut(self._skeletons[0]):
+            yield Forest(self.tx, group, self._caches, whole_heads=True)
+
+    def _times(self, forest: Forest) -> Ints:
+        """How many documents have the skeleton of each."""
+        return np.array([self._skeletons[1][listed.skeleton] for listed in forest.documents], np.int64)
 
     def _chunks(self, forest: Forest) -> Iterator[tuple[Forest, Ints]]:
         """Those of a group; where they are too many to be looked at together, of each half alone."""
@@ -86,10 +117,15 @@ class ColumnSource:
             return self.frames.count()
         if self.start is not None and not self.start.indexed and not self.start.predicates and _all_bones(self.start):
             return sum(forest.shapes.total for forest in self.forests())
+        if self._one_a_skeleton:
+            return sum(int(self._times(forest)[documents_of(nodes)].sum()) for forest, nodes in self.examples())
         return sum(len(nodes) for _, nodes in self.chunks())
 
     def values(self) -> list[float | str | bool]:
         """The value of each document."""
+        if self._one_a_skeleton:
+            found = [value for forest in self._examples() for value in self._values(forest)]
+            return [found[number] for number in self._skeletons[2].tolist()]
         return [value for forest in self.forests() for value in self._values(forest)]
 
     def _values(self, forest: Forest) -> list[float | str | bool]:

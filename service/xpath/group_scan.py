@@ -8,7 +8,7 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from service.mcml.vocabulary import FRAME_BONE
+from service.mcml.vocabulary import FRAME, FRAME_BONE
 from service.storage.blocks import Some, evenly
 from service.storage.encoding import channels_of
 from service.storage.schema import CHUNK
@@ -143,7 +143,7 @@ class GroupScan:
     def _targets(self, hits: _Hits) -> Ints:
         plan = self.plan
         frames, bones = hits.frames(self._timeline)
-        nodes = frames
+        nodes = np.unique(frames) if plan.any_bone and plan.target == FRAME else frames
         if plan.target == FRAME_BONE and plan.any_bone:
             nodes = np.sort(self.forest.shapes.numbered(frames, bones))
         elif plan.target == FRAME_BONE:

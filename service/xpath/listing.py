@@ -71,8 +71,12 @@ class Listing:
             state.groups[project] = self._groups.cut(wanted)
         return state.groups[project]
 
+    def cut(self, documents: list[Listed]) -> list[Group]:
+        """Some documents in groups."""
+        return self._groups.cut(documents)
+
     def group(self, documents: list[Listed]) -> Group:
-        """Some documents as a group."""
+        """Some documents as one group."""
         return self._groups.group(documents)
 
 

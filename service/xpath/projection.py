@@ -12,7 +12,7 @@ from enum import IntEnum
 from functools import cache, lru_cache
 
 from service.mcml.content import declarations
-from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
+from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME, ROOT, SKELETON
 from service.xpath.tree import Call, Expression, Filter, Literal, Operation, Path, Step, Written, type_of
 
 DOCUMENT = "/"
@@ -58,6 +58,17 @@ def needs_head(tree: Expression) -> bool:
     return analysis.sees_head()
 
 
+def is_of_skeleton(tree: Expression) -> bool:
+    """Whether the value depends on skeletons alone, and is no node but of them."""
+    analysis = _Analysis()
+    result = analysis.types(tree, frozenset({DOCUMENT}))
+    if type_of(tree) == "nodes":
+        analysis.use(result)
+        if result & {DOCUMENT, MCML}:
+            return False
+    return analysis.sees_only(_skeleton_types() | {DOCUMENT, MCML})
+
+
 def types_of(tree: Expression, context: Types = frozenset({DOCUMENT})) -> Types:
     """Types of the nodes that an expression can select; of a value, none."""
     return _Analysis().types(tree, context)
@@ -82,6 +93,9 @@ class _Analysis:
         if self._used & _BONE_TYPES:
             return Projection.WHOLE
         return Projection.FRAMES if self._used & _FRAME_TYPES else Projection.HEAD
+
+    def sees_only(self, types: Types) -> bool:
+        return not self._head_text and self._used <= types
 
     def sees_head(self) -> bool:
         return self._head_text or not self._used <= _STRUCTURE
@@ -228,6 +242,12 @@ def _descendants() -> dict[str, Types]:
         wider = {name: held.union(*(found.get(tag, frozenset()) for tag in held)) for name, held in found.items()}
         changed, found = wider != found, wider
     return found
+
+
+@cache
+def _skeleton_types() -> Types:
+    inside = _descendants()[SKELETON] | {SKELETON, ROOT} | _descendants().get(ROOT, frozenset())
+    return inside | {f"@{name}" for name in inside if not name.startswith("#")}
 
 
 @cache

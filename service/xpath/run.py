@@ -191,10 +191,13 @@ class _Asking:
             return QueryAnswer(type=_kind(tree), value=self._constant(tree))
         call = aggregates.aggregated(tree)
         if call is not None:
-            source = self.source(call.arguments[0])
-            self.explain.plan.append(f"{call.function} of them")
+            different = aggregates.distinct_of(call)
+            source = self.source(different or call.arguments[0])
+            self.explain.plan.append(f"{call.function} of {'the different ones' if different else 'them'}")
             if call.function == "string-join":
                 return QueryAnswer(type="string", value=aggregates.joined(call, source))
+            if different is not None:
+                return QueryAnswer(type="number", value=plain(float(len(aggregates.distinct(source)))))
             return self._aggregate(call.function, source, page)
         if type_of(tree) == "nodes":
             return page.of(self.tx, self.nodes(), self.limits.max_elements)

@@ -15,6 +15,7 @@ from service.xpath.tree import Expression, Path
 from service.xpath.vectors import (
     Condition,
     Sample,
+    any_bone_condition,
     attribute_conditions,
     bone_conditions,
     condition,
@@ -55,7 +56,7 @@ class ScanPlan:
     def one_each(self) -> bool:
         """Whether every frame (or track) that fulfils the condition gives exactly one node."""
         if self.target == FRAME:
-            return self.attribute in (None, "id")
+            return self.attribute in (None, "id") and not self.any_bone
         own = any(name == self.bone for name, _ in self.condition.strict)
         return own and (self.attribute in (None, "name") or self.sample is not None)
 
@@ -69,14 +70,19 @@ def plan_scan(tree: Expression) -> ScanPlan | None:
         return None
     names: list[tuple[str, ...]] = []
     conditions: list[Condition] = []
+    steps = tree.steps[3:]
+    of_any = False
     for predicate in tree.steps[2].predicates:
         groups = motion_name_groups(predicate)
         found = condition(predicate, FRAME) if groups is None else None
         if groups is None and found is None:
+            # Of one frame_bone it may be asked whether any fulfils it, and only where no other one is asked for.
+            alone = not of_any and all(step.axis == "attribute" for step in steps)
+            found, of_any = (any_bone_condition(predicate) if alone else None), True
+        if groups is None and found is None:
             return None
         names += groups or ()
         conditions += [found] if found is not None else []
-    steps = tree.steps[3:]
     target, bone = FRAME, None
     if steps and steps[0].name == FRAME_BONE:
         compiled = bone_conditions(steps[0])

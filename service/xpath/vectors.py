@@ -100,13 +100,7 @@ def _logic(predicate: Operation, context: str, own: Own) -> Condition | None:
             strict,
             bounds,
         )
-    strict = frozenset.intersection(*(part.strict for part in found))
-    return Condition(
-        lambda block: ~_all(~part.holds(block) for part in found),
-        lambda ends: intervals.any_of([part.judge(ends) for part in found]),
-        samples,
-        strict,
-    )
+    return _any(found)
 
 
 def _all(parts: object) -> Bools:
@@ -168,7 +162,7 @@ def _number(expression: Expression, context: str, own: Own) -> _Number | None:
         sample = _sample(expression, context, own)
         if sample is None:
             return None
-        return _Number(lambda block: block[sample], lambda ends: ends[sample], frozenset({sample}), sample)
+        return _of_sample(sample)
     if isinstance(expression, Call) and expression.function in _ROUNDING and len(expression.arguments) == 1:
         inner = _number(expression.arguments[0], context, own)
         if inner is None:
@@ -190,6 +184,10 @@ def _number(expression: Expression, context: str, own: Own) -> _Number | None:
     for part in found[1:]:
         result = _joined(expression.operator, result, part)
     return result
+
+
+def _of_sample(sample: Sample) -> _Number:
+    return _Number(lambda block: block[sample], lambda ends: ends[sample], frozenset({sample}), sample)
 
 
 def _constant(value: float) -> _Number:
@@ -257,6 +255,55 @@ def _existence(path: Path, context: str, own: Own) -> Condition | None:
             return None
         parts.append(inner)
     return conjunction(parts) if parts else None
+
+
+def any_bone_condition(predicate: Expression) -> Condition | None:
+    """A predicate of frames that one of their frame_bones must fulfil, whichever: `frame_bone/@Rx > 45`,
+    `frame_bone[@Rx > @Ry]`, or one of several such; as a condition on that frame_bone. None for others.
+
+    A comparison with a node set asks for any of its nodes, but a function or arithmetic takes the first one.
+    """
+    if isinstance(predicate, Operation) and predicate.operator == "or":
+        parts = [any_bone_condition(operand) for operand in predicate.operands]
+        return None if None in parts else _any([part for part in parts if part is not None])
+    if isinstance(predicate, Call) and predicate.function == "boolean":
+        return any_bone_condition(predicate.arguments[0]) if isinstance(predicate.arguments[0], Path) else None
+    if isinstance(predicate, Path):
+        found = _own_bone(predicate)
+        return None if found is None else conjunction([*found[1], *([present(found[0])] if found[0] else [])])
+    if isinstance(predicate, Operation) and predicate.operator in TURNED and len(predicate.operands) == 2:
+        for operator, one, other in (
+            (predicate.operator, *predicate.operands), (TURNED[predicate.operator], *predicate.operands[::-1]),
+        ):  # fmt: skip
+            found = _own_bone(one) if isinstance(one, Path) else None
+            if found is None or found[0] is None or not isinstance(other, Literal) or isinstance(other.value, str):
+                continue
+            compared = _comparison(operator, _of_sample(found[0]), _constant(other.value))
+            return None if compared is None else conjunction([*found[1], compared])
+    return None
+
+
+def _own_bone(path: Path) -> tuple[Sample | None, list[Condition]] | None:
+    """Of `frame_bone[…]/@Rx`, the sample of that frame_bone (None without the attribute) and its predicates."""
+    if path.absolute or path.start is not None or not 1 <= len(path.steps) <= 2:
+        return None
+    bone = bone_conditions(path.steps[0])
+    if bone is None or bone[0] is not None:
+        return None
+    if len(path.steps) == 1:
+        return (None, bone[1]) if bone[1] else None
+    sample = _sample(Path((path.steps[1],)), FRAME_BONE, None)
+    return None if sample is None else (sample, bone[1])
+
+
+def _any(parts: list[Condition]) -> Condition:
+    """One of them."""
+    return Condition(
+        lambda block: ~_all(~part.holds(block) for part in parts),
+        lambda ends: intervals.any_of([part.judge(ends) for part in parts]),
+        frozenset[Sample]().union(*(part.samples for part in parts)),
+        frozenset.intersection(*(part.strict for part in parts)),
+    )
 
 
 def attribute_conditions(step: Step, bone: str | None) -> tuple[str, list[Condition]] | None:

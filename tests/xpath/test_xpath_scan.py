@@ -62,9 +62,21 @@ class Maker:
         operator = self.random.choice(["<", ">", "<=", ">=", "=", "!="])
         return f"{self.number(context)} {operator} {self.number(context)}"
 
+    def of_any(self) -> str:
+        """What any frame_bone fulfils."""
+        pick = self.random.choice
+        some = pick(["", f"[{self.condition('bone')}]"])
+        kinds = [
+            f"frame_bone{some}/@{pick(CHANNELS)} {pick(['<', '>', '!=', '='])} {pick(NUMBERS)}",
+            f"frame_bone[{self.condition('bone')}]",
+            f"5 < frame_bone{some}/@Rx or frame_bone{some}/@{pick(CHANNELS)} < {pick(NUMBERS)}",
+        ]
+        return pick(kinds)
+
     def question(self) -> str:
         chance, pick = self.random.random, self.random.choice
         text = "//frame" + (f"[{self.condition('frame')}]" if chance() < 0.6 else "")
+        text += f"[{self.of_any()}]" if chance() < 0.3 else ""
         text += "[motion_name='walk']" if chance() < 0.2 else ""
         target = ""
         if chance() < 0.7:
