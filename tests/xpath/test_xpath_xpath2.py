@@ -33,7 +33,7 @@ def processor() -> PySaxonProcessor:
     return PySaxonProcessor(license=False)
 
 
-@pytest.fixture(scope="module", params=["sqlite", "postgresql"])
+@pytest.fixture(scope="module", params=["sqlite", pytest.param("postgresql", marks=pytest.mark.fuzz)])
 def documents(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Library]:
     """The library on each kind of database, made once."""
     if request.param == "sqlite":

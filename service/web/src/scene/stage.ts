@@ -10,6 +10,7 @@ import { actorOf, dispose, recolour, type Actor } from "./actor";
 import { Ground } from "./ground";
 import { arrowAt, drawHandle, reachOf, type Handle, type Surroundings } from "./handle";
 import { drawAxes } from "./axes";
+import { Sharpness } from "./sharpness";
 import { fillTrails } from "./trails";
 import type { Skeleton } from "../motion/skeleton";
 
@@ -36,7 +37,9 @@ export class Stage {
   private gridStep = 0.5;
   private floor = 0;
   private followed = new THREE.Vector3();
-  private slow = 0;
+  private readonly sharpness: Sharpness;
+  private wanted = 0; // when the frame that is pending was asked for
+  private submitted = 0;
   shown: Shown = { follow: false, ghosts: false, trails: false, names: false, axes: true };
   selected = new Set<number>();
   hovered = -1;
@@ -52,6 +55,7 @@ export class Stage {
   constructor(private readonly host: HTMLElement, private readonly token: (name: string) => string) {
     this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: false, powerPreference: "high-performance" });
     this.renderer.outputColorSpace = THREE.SRGBColorSpace;
+    this.sharpness = new Sharpness(this.renderer, () => { if (!document.hidden) this.draw(); });
     this.canvas = this.renderer.domElement;
     this.overlay = document.createElement("canvas");
     this.overlay.className = "stage-overlay";
@@ -198,15 +202,23 @@ export class Stage {
 
   /** Draw soon. */
   ask(): void {
-    if (!this.pending && !document.hidden) this.pending = requestAnimationFrame(this.turn);
+    if (this.pending || document.hidden) return;
+    this.wanted = performance.now();
+    this.pending = requestAnimationFrame(this.turn);
   }
 
   /** Draws, unless the frame before is not done: frames that queue let the hand wait. */
   private readonly turn = (): void => {
     this.pending = 0;
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    if (this.unfinished && !gl.isContextLost() && gl.getSyncParameter(this.unfinished, gl.SYNC_STATUS) !== gl.SIGNALED) return this.ask();
+    if (this.unfinished && !gl.isContextLost() && gl.getSyncParameter(this.unfinished, gl.SYNC_STATUS) !== gl.SIGNALED) {
+      this.pending = requestAnimationFrame(this.turn);
+      return;
+    }
     gl.deleteSync(this.unfinished);
+    const now = performance.now();
+    this.sharpness.move(now - Math.max(this.wanted, this.submitted));
+    this.submitted = now;
     this.draw();
     this.unfinished = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
@@ -232,11 +244,6 @@ export class Stage {
     this.renderer.render(this.scene, this.camera);
     this.drawOverlay();
     this.lastScript = performance.now() - started;
-    this.slow = this.lastScript > 12 ? this.slow + 1 : 0;
-    if (this.slow > 30 && this.renderer.getPixelRatio() > 1) {
-      this.renderer.setPixelRatio(1);
-      this.slow = 0;
-    }
   }
 
   private root(): THREE.Vector3 | null {
@@ -345,7 +352,7 @@ export class Stage {
   private resize(): void {
     const [width, height] = [Math.max(1, this.host.clientWidth), Math.max(1, this.host.clientHeight)];
     const ratio = Math.min(devicePixelRatio, 2);
-    this.renderer.setPixelRatio(ratio);
+    this.sharpness.full = ratio;
     this.renderer.setSize(width, height, false);
     this.overlay.width = width * ratio;
     this.overlay.height = height * ratio;
@@ -358,6 +365,7 @@ export class Stage {
 
   /** The picture as it is now. */
   picture(): Promise<Blob> {
+    this.sharpness.rest();
     this.draw();
     const both = document.createElement("canvas");
     both.width = this.canvas.width;
@@ -374,6 +382,7 @@ export class Stage {
 
   close(): void {
     cancelAnimationFrame(this.pending);
+    this.sharpness.close();
     this.pending = -1;
     this.clear();
     this.observer.disconnect();

@@ -41,7 +41,7 @@ export class Space {
     readonly neutral: Float32Array,
     readonly facing: Facing,
     private readonly gaps: boolean,
-    readonly tau: { chosen: number; rows: { tau: number; r: number | null; stress: number | null }[] },
+    readonly tau: { chosen: number; rows: { tau: number; r: number | null; stress: number | null; stretch: number | null }[] },
   ) {}
 
   static async load(result: Result): Promise<Space> {

@@ -12,7 +12,7 @@ export const f = wordsOf(
     walk: "Make the animation", walking: "Making it", total: "{mm} mm", version: "Version {n}", versions: "Versions", newPath: "New path", natural: "Natural speed", speed: "Speed", loop: "There and back", smooth: "Smooth",
     refine: "Refine", offered: "1 face is offered near it|{n} faces are offered near it", auto: "Refine by itself", autoHelp: "at most {percent} % longer", detour: "{mm} mm more", near: "{mm} mm beside it", noOffers: "Nothing is offered at this level.", bound: "Bound",
     thisMap: "This map", frames: "Frames", framesOf: "{frames} of {takes} takes", threshold: "Threshold", thresholdOf: "{mm} mm", unbroken: "no broken ways", bridges: "1 bridge|{n} bridges", fits: "Fit", fitOf: "r {r}, stress {stress}",
-    weak: "in two dimensions faces overlap", tauCurve: "How the threshold was chosen", correlation: "correlation", stress: "stress", save: "Save as clip", saved: "{name}: saved", export: "Export", picture: "Picture", clipName: "Name of the clip",
+    weak: "in two dimensions faces overlap", tauCurve: "How the threshold was chosen", correlation: "correlation", stress: "stress", stretch: "stretch", stretchHelp: "Stretch: how much longer the ways along links are than straight ones.", save: "Save as clip", saved: "{name}: saved", export: "Export", picture: "Picture", clipName: "Name of the clip",
     add: "Add to the path", crossLabel: "Where the animation is on the map", markersUsed: "Markers", leftOut: "{n} left out", pathOf: "from face to face",
   },
   {
@@ -26,7 +26,7 @@ export const f = wordsOf(
     walk: "애니메이션 만들기", walking: "만드는 중", total: "{mm} mm", version: "버전 {n}", versions: "버전", newPath: "새 경로", natural: "자연스러운 속력", speed: "속력", loop: "갔다가 돌아오기", smooth: "다듬기",
     refine: "세분하기", offered: "가까운 후보 얼굴 {n}개", auto: "자동 세분", autoHelp: "최대 {percent} % 더 길게", detour: "{mm} mm 더", near: "{mm} mm 옆", noOffers: "이 수준에는 후보가 없습니다.", bound: "한도",
     thisMap: "이 지도", frames: "프레임", framesOf: "테이크 {takes}개의 {frames}개", threshold: "문턱값", thresholdOf: "{mm} mm", unbroken: "끊긴 길 없음", bridges: "다리 {n}개", fits: "적합도", fitOf: "r {r}, 스트레스 {stress}",
-    weak: "2차원에서는 얼굴이 겹칩니다", tauCurve: "문턱값을 고른 방법", correlation: "상관", stress: "스트레스", save: "클립으로 저장", saved: "{name}: 저장했습니다", export: "내보내기", picture: "그림", clipName: "클립 이름",
+    weak: "2차원에서는 얼굴이 겹칩니다", tauCurve: "문턱값을 고른 방법", correlation: "상관", stress: "스트레스", stretch: "늘임", stretchHelp: "늘임: 링크를 따라가는 길이 직선보다 얼마나 긴지.", save: "클립으로 저장", saved: "{name}: 저장했습니다", export: "내보내기", picture: "그림", clipName: "클립 이름",
     add: "경로에 넣기", crossLabel: "지도에서 애니메이션의 위치", markersUsed: "마커", leftOut: "{n}개 제외", pathOf: "얼굴에서 얼굴로",
   },
 );
