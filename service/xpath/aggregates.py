@@ -13,7 +13,7 @@ from service.xpath.forest import Forest
 from service.xpath.numbering import Floats, Ints
 from service.xpath.scan import Scan
 from service.xpath.texts import Strings
-from service.xpath.tree import Call, Expression, Literal, type_of
+from service.xpath.tree import Call, Expression, Literal, distinct_of, type_of
 from service.xpath.values import MAX_TEXT, numbers, strings
 
 NUMBER_AGGREGATES = frozenset({"count", "sum", "min", "max", "avg"})
@@ -30,14 +30,6 @@ def aggregated(tree: Expression) -> Call | None:
         inner = distinct_of(tree) or tree.arguments[0]
         return tree if type_of(inner) == "nodes" else None
     return None
-
-
-def distinct_of(call: Call) -> Expression | None:
-    """The nodes of `count(distinct-values(nodes))`, or of `string-join` of them; None for others."""
-    inner = call.arguments[0]
-    is_distinct = isinstance(inner, Call) and inner.function == "distinct-values" and len(inner.arguments) == 1
-    takes = call.function in ("count", "string-join")
-    return inner.arguments[0] if takes and is_distinct and isinstance(inner, Call) else None
 
 
 def number(function: str, source: Scan | ColumnSource) -> float | None:

@@ -19,7 +19,7 @@ from service.xpath.listing import Scope
 from service.xpath.nodesets import NodeSets, ordered
 from service.xpath.numbering import Ints, documents_of, first_of_documents
 from service.xpath.pairs import TooWideError
-from service.xpath.projection import DOCUMENT, is_of_skeleton, needs_head
+from service.xpath.projection import DOCUMENT, HeadPart, head_of, is_of_skeleton
 from service.xpath.rules import after
 from service.xpath.starts import Frames, Start, start_of
 from service.xpath.texts import Strings
@@ -57,9 +57,9 @@ class ColumnSource:
     def forests(self) -> Iterator[Forest]:
         """The documents in groups. Of what a question narrows, the first are small: often the first page is all that is
         wanted."""
-        whole_heads = needs_head(self.tree)
+        head_part = head_of(self.tree)
         for group in self.frames.groups:
-            yield Forest(self.tx, group, self._caches, whole_heads=whole_heads)
+            yield Forest(self.tx, group, self._caches, head_part=head_part)
 
     def chunks(self) -> Iterator[tuple[Forest, Ints]]:
         """The nodes of the answer, in order, some at a time."""
@@ -89,7 +89,7 @@ class ColumnSource:
     def _examples(self) -> Iterator[Forest]:
         """These documents in groups."""
         for group in self._caches.listing.cut(self._skeletons[0]):
-            yield Forest(self.tx, group, self._caches, whole_heads=True)
+            yield Forest(self.tx, group, self._caches, head_part=HeadPart.ALL)
 
     def _times(self, forest: Forest) -> Ints:
         """How many documents have the skeleton of each."""

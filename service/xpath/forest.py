@@ -17,6 +17,7 @@ from service.xpath.head_rows import HeadRows
 from service.xpath.layouts import Layout, ShapeRuns
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
 from service.xpath.pairs import expand
+from service.xpath.projection import HeadPart
 from service.xpath.timeline import Timeline
 from service.xpath.zones import FEW_FRAMES, MANY_FRAMES, Table, joined, read_zones
 
@@ -32,15 +33,15 @@ Column = TypeVar("Column", bound=_Sized)
 class Forest:
     """Documents side by side. Nodes are numbers (`numbering`); a document's place here is the number's first part.
 
-    documents: in order of the answer. whole_heads: whether headers and skeletons can be asked for. All columns are read
+    documents: in order of the answer. head_part: what of their heads can be asked for. All columns are read
     when they are first needed, and kept for other questions.
     """
 
-    def __init__(self, tx: Transaction, documents: Group, caches: Caches, *, whole_heads: bool) -> None:
+    def __init__(self, tx: Transaction, documents: Group, caches: Caches, *, head_part: HeadPart) -> None:
         self.tx = tx
         self.documents = documents
         self.caches = caches
-        self.whole_heads = whole_heads
+        self.head_part = head_part
         self.keys = documents.keys
         self.frames = documents.frames
 
@@ -49,14 +50,12 @@ class Forest:
 
     def part(self, documents: Sequence[Listed]) -> Forest:
         """Some of the documents alone, numbered from 0."""
-        return Forest(self.tx, self.caches.listing.group(list(documents)), self.caches, whole_heads=self.whole_heads)
+        return Forest(self.tx, self.caches.listing.group(list(documents)), self.caches, head_part=self.head_part)
 
     @cached_property
     def head(self) -> HeadRows:
-        whole = self.whole_heads
-        return self._kept(
-            ("head", whole), lambda: HeadRows(self.caches.heads.read(self.tx, self.documents, whole=whole))
-        )
+        part = self.head_part
+        return self._kept(("head", part), lambda: HeadRows(self.caches.heads.read(self.tx, self.documents, part)))
 
     @cached_property
     def layouts(self) -> list[Layout]:

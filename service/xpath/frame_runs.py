@@ -84,6 +84,16 @@ class LabelRuns:
     def run_of(self, nodes: Ints) -> Ints:
         return np.asarray(np.searchsorted(self.starts, nodes >> FRAME_SHIFT, side="right") - 1)
 
+    def named_frames(self, frames: Ints) -> Ints:
+        """The frame elements that carry motion names, in order. frames: how many each document has."""
+        documents = self.starts >> (DOCUMENT_SHIFT - FRAME_SHIFT)
+        ends = (documents << (DOCUMENT_SHIFT - FRAME_SHIFT)) + frames[documents] + 1
+        following = np.append(self.starts[1:], ends[-1:])
+        counts = np.minimum(following, ends) - self.starts
+        runs = np.flatnonzero(self.lengths)
+        source, within = expand(counts[runs])
+        return np.asarray((self.starts[runs][source] + within) << FRAME_SHIFT, np.int64)
+
     def sizes(self, frames: Ints) -> Ints:
         """How many motion_names each frame has."""
         return np.asarray(self.lengths[self.run_of(frames)], np.int64)

@@ -25,6 +25,7 @@ from service.xpath.numbering import (
     code_names,
     name_codes,
 )
+from service.xpath.projection import HeadPart
 from service.xpath.texts import Strings, of_texts
 
 XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
@@ -214,12 +215,12 @@ class Heads:
         self._headers = Cache[tuple[int, int], Subtree](limit, lambda part: part.nbytes)
         self._skeletons = Cache[int, Subtree](4 * limit, lambda part: part.nbytes)
 
-    def read(self, tx: Transaction, documents: Sequence[Listed], *, whole: bool) -> list[tuple[Subtree, ...]]:
-        """The parts of the head of each document, one after the other: document and `mcml`, header, skeleton, motion.
-        whole: with header and skeleton."""
+    def read(self, tx: Transaction, documents: Sequence[Listed], part: HeadPart) -> list[tuple[Subtree, ...]]:
+        """The parts of the head of each document, one after the other: document and `mcml`, header, skeleton, motion,
+        as far as they are asked for."""
         firsts = [_first_part(listed.version) for listed in documents]
         motions = [_motion_part(listed.frames, listed.frame_time) for listed in documents]
-        if not whole:
+        if part is HeadPart.MOTION:
             return list(zip(firsts, motions, strict=True))
         keys = {(listed.key, listed.revision): listed for listed in documents}
 
@@ -230,12 +231,9 @@ class Heads:
         def skeletons(missing: list[int]) -> dict[int, Subtree]:
             return {key: flatten(forest) for key, forest in tx.columns.skeletons(missing).items()}
 
+        before = (firsts, self._headers.get(list(keys), headers))
+        if part is HeadPart.HEADER:
+            return list(zip(*before, motions, strict=True))
         return list(
-            zip(
-                firsts,
-                self._headers.get(list(keys), headers),
-                self._skeletons.get([listed.skeleton for listed in documents], skeletons),
-                motions,
-                strict=True,
-            )
+            zip(*before, self._skeletons.get([one.skeleton for one in documents], skeletons), motions, strict=True)
         )

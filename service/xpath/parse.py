@@ -20,6 +20,7 @@ from service.xpath.tree import (
     Path,
     Written,
     children,
+    distinct_of,
     type_of,
     walk,
 )
@@ -148,7 +149,9 @@ def _check_types(tree: Expression) -> None:
         elif isinstance(part, Operation) and part.operator == "|":
             needed = part.operands
         elif isinstance(part, Call) and FUNCTIONS[part.function].of_nodes:
-            needed = part.arguments[:1]
+            # Around the whole, the different strings of the nodes are counted by columns too.
+            different = distinct_of(part) if part is tree else None
+            needed = part.arguments[:1] if different is None else (different,)
         for operand in needed:
             if type_of(operand) != "nodes":
                 raise QueryError(

@@ -12,7 +12,7 @@ from enum import IntEnum
 from functools import cache, lru_cache
 
 from service.mcml.content import declarations
-from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME, ROOT, SKELETON
+from service.mcml.vocabulary import FRAME, FRAME_BONE, HEADER, MCML, MOTION, MOTION_NAME, ROOT, SKELETON
 from service.xpath.tree import Call, Expression, Filter, Literal, Operation, Path, Step, Written, type_of
 
 DOCUMENT = "/"
@@ -25,6 +25,14 @@ class Projection(IntEnum):
     HEAD = 0
     FRAMES = 1
     WHOLE = 2
+
+
+class HeadPart(IntEnum):
+    """Of the head of a document: `mcml` and the motion without frames, the header too, or all."""
+
+    MOTION = 0
+    HEADER = 1
+    ALL = 2
 
 
 _FRAME_TYPES = frozenset({FRAME, f"@{FRAME}", MOTION_NAME, f"#{MOTION_NAME}"})
@@ -47,15 +55,19 @@ def projection(tree: Expression) -> Projection:
     return analysis.least()
 
 
-def needs_head(tree: Expression) -> bool:
-    """Whether the value depends on headers or skeletons, or is made of them."""
+def head_of(tree: Expression) -> HeadPart:
+    """What of the head the value depends on, or is made of."""
     analysis = _Analysis()
     result = analysis.types(tree, frozenset({DOCUMENT}))
     if type_of(tree) == "nodes":
         analysis.use(result)
         # Who takes the nodes, such as sum(), may take their text, and that of these is the header's too.
-        return analysis.sees_head() or bool(result & {DOCUMENT, MCML})
-    return analysis.sees_head()
+        if result & {DOCUMENT, MCML}:
+            return HeadPart.ALL
+    if analysis.sees_only(_STRUCTURE):
+        return HeadPart.MOTION
+    header = _inside(HEADER)
+    return HeadPart.HEADER if analysis.sees_only(_STRUCTURE | header) else HeadPart.ALL
 
 
 def is_of_skeleton(tree: Expression) -> bool:
@@ -66,7 +78,7 @@ def is_of_skeleton(tree: Expression) -> bool:
         analysis.use(result)
         if result & {DOCUMENT, MCML}:
             return False
-    return analysis.sees_only(_skeleton_types() | {DOCUMENT, MCML})
+    return analysis.sees_only(_inside(SKELETON) | _inside(ROOT) | {DOCUMENT, MCML})
 
 
 def types_of(tree: Expression, context: Types = frozenset({DOCUMENT})) -> Types:
@@ -96,9 +108,6 @@ class _Analysis:
 
     def sees_only(self, types: Types) -> bool:
         return not self._head_text and self._used <= types
-
-    def sees_head(self) -> bool:
-        return self._head_text or not self._used <= _STRUCTURE
 
     def types(self, expression: Expression, context: Types) -> Types:
         """Types of the nodes selected; of a value, none. context: types of the context node."""
@@ -245,8 +254,9 @@ def _descendants() -> dict[str, Types]:
 
 
 @cache
-def _skeleton_types() -> Types:
-    inside = _descendants()[SKELETON] | {SKELETON, ROOT} | _descendants().get(ROOT, frozenset())
+def _inside(tag: str) -> Types:
+    """An element, all that can be in it, and their attributes."""
+    inside = _descendants().get(tag, frozenset()) | {tag}
     return inside | {f"@{name}" for name in inside if not name.startswith("#")}
 
 

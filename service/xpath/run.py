@@ -37,6 +37,7 @@ from service.xpath.numbering import MAX_DOCUMENTS
 from service.xpath.pairs import TooWideError
 from service.xpath.parse import Query, parse
 from service.xpath.projected import Projected
+from service.xpath.projection import HeadPart
 from service.xpath.rules import normal
 from service.xpath.saxon import Saxon
 from service.xpath.scan import Scan
@@ -46,7 +47,7 @@ from service.xpath.sequences import Sequences
 from service.xpath.sources import Nth, Source
 from service.xpath.streams import Answer, Shown, collect
 from service.xpath.totals import MAX_RUNS, add_ranges, counted
-from service.xpath.tree import Expression, is_constant, type_of
+from service.xpath.tree import Expression, distinct_of, is_constant, type_of
 from service.xpath.values import TooLongError
 
 DEFAULT_LIMIT = 100
@@ -191,7 +192,7 @@ class _Asking:
             return QueryAnswer(type=_kind(tree), value=self._constant(tree))
         call = aggregates.aggregated(tree)
         if call is not None:
-            different = aggregates.distinct_of(call)
+            different = distinct_of(call)
             source = self.source(different or call.arguments[0])
             self.explain.plan.append(f"{call.function} of {'the different ones' if different else 'them'}")
             if call.function == "string-join":
@@ -251,7 +252,7 @@ class _Asking:
         return QueryAnswer(type="number", value=None if found is None else plain(found))
 
     def _constant(self, tree: Expression) -> float | str | bool:
-        nowhere = Forest(self.tx, Group([]), self.engine.caches, whole_heads=False)
+        nowhere = Forest(self.tx, Group([]), self.engine.caches, head_part=HeadPart.MOTION)
         columns = Columns(nowhere, self.limits.check)
         context = Context(np.zeros(1, np.int64))
         if type_of(tree) == "string":

@@ -15,6 +15,7 @@ from service.xpath.group_scan import GroupScan, part_ends
 from service.xpath.labels import ranges_of
 from service.xpath.listing import Scope
 from service.xpath.numbering import Floats, Ints
+from service.xpath.projection import HeadPart
 from service.xpath.scan_plan import ScanPlan
 from service.xpath.vectors import Sample
 
@@ -36,7 +37,7 @@ class Scan:
         if plan.names:
             labelled = ranges_of(tx, plan.names, [key for group in groups for key in group.keys])
             groups = scope.groups([listed for group in groups for listed in group if listed.key in labelled])
-        forests = [Forest(tx, group, caches, whole_heads=False) for group in groups]
+        forests = [Forest(tx, group, caches, head_part=HeadPart.MOTION) for group in groups]
         self._parts = [GroupScan(forest, plan, labelled, check) for forest in forests]
 
     @property

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from service.mcml.vocabulary import FRAME, MCML, MOTION
+from service.mcml.vocabulary import FRAME, MCML, MOTION, MOTION_NAME
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.forest import Forest
@@ -39,6 +39,12 @@ class Start:
     def indexed(self) -> bool:
         """Whether fewer frames than all are looked at."""
         return bool(self.groups) or self.position is not None or self.id is not None
+
+    @property
+    def named_only(self) -> bool:
+        """Whether only frames that carry motion names matter."""
+        first = self.steps[0] if self.steps and not self.predicates else None
+        return first is not None and (first.axis, first.name) == ("child", MOTION_NAME)
 
     @property
     def only_frames(self) -> bool:
@@ -127,6 +133,8 @@ class Frames:
         if start is not None and start.position is not None:
             places = np.flatnonzero(forest.frames >= start.position)
             return np.asarray((places << DOCUMENT_SHIFT) | (start.position << FRAME_SHIFT), np.int64)
+        if start is not None and not start.indexed and start.named_only:
+            return forest.labels.named_frames(forest.frames)
         found = None if start is None or start.id is None else forest.ids.find(start.id)
         if self._ranges is None:
             return forest.all_frames(np.arange(len(forest)))[1] if found is None else found

@@ -22,6 +22,7 @@ from service.xpath.forest import Forest
 from service.xpath.groups import Group
 from service.xpath.nodes import Node
 from service.xpath.numbering import Ints
+from service.xpath.projection import HeadPart
 from service.xpath.render import holds_frames
 from service.xpath.sources import Source
 
@@ -38,7 +39,7 @@ class GroupNodes:
 
     documents: Group
     nodes: Ints
-    whole_heads: bool
+    head_part: HeadPart
 
 
 class Answer:
@@ -64,7 +65,7 @@ class Answer:
             for some in _slices(part.nodes):
                 with self.read() as tx:
                     tx.pruning.require_whole_since(self._whole_since)
-                    forest = Forest(tx, part.documents, self._caches, whole_heads=part.whole_heads)
+                    forest = Forest(tx, part.documents, self._caches, head_part=part.head_part)
                     made = show(forest, some)
                 # Not within the transaction: whoever reads slowly would hold it.
                 yield made
@@ -88,7 +89,7 @@ def collect(source: Source, limit: int | None) -> list[GroupNodes]:
     for forest, nodes in source.chunks():
         some = nodes[:left]
         left -= len(some)
-        parts.append(GroupNodes(forest.documents, some, forest.whole_heads))
+        parts.append(GroupNodes(forest.documents, some, forest.head_part))
         if left <= 0:
             break
     if limit is None and left <= 0:

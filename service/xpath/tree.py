@@ -195,3 +195,11 @@ def depends_on_position(expression: Expression) -> bool:
     if isinstance(expression, Filter):
         return depends_on_position(expression.operand)
     return isinstance(expression, Operation) and any(depends_on_position(operand) for operand in expression.operands)
+
+
+def distinct_of(call: Call) -> Expression | None:
+    """The nodes of `count(distinct-values(nodes))`, or of `string-join` of them; None for others."""
+    inner = call.arguments[0] if call.arguments else None
+    is_distinct = isinstance(inner, Call) and inner.function == "distinct-values" and len(inner.arguments) == 1
+    takes = call.function in ("count", "string-join")
+    return inner.arguments[0] if takes and is_distinct and isinstance(inner, Call) else None

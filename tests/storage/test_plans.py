@@ -1,0 +1,39 @@
+"""What is asked often finds its rows by an index, in a store without statistics too: SQLite's plans say so."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from sqlalchemy import event
+
+from service.storage.database import Database, Transaction
+from tests.builders import bvh, store
+
+ASKED: dict[str, tuple[Callable[[Transaction], object], str]] = {
+    "files that were stored before": (lambda tx: tx.uploads.twins({"bvh": "0" * 64}, 1), "ix_upload_sha256"),
+    "what changed since": (lambda tx: tx.columns.changed_since(1), "ix_revision_commit"),
+    "revisions since": (lambda tx: tx.documents.revisions_since(1, 100), "ix_revision_commit"),
+}
+
+
+@pytest.mark.parametrize("what", ASKED)
+def test_rows_are_found_by_their_index(tmp_path: Path, what: str) -> None:
+    database = Database(f"sqlite:///{tmp_path}/store.db")
+    database.migrate()
+    store(database, {"one.bvh": bvh(3)}, labels=())
+    ask, index = ASKED[what]
+    plans: list[str] = []
+
+    def explained(connection: Any, cursor: Any, statement: str, parameters: Any, *_: Any) -> None:
+        rows = cursor.connection.cursor().execute(f"EXPLAIN QUERY PLAN {statement}", parameters).fetchall()
+        plans.append(" / ".join(row[3] for row in rows))
+
+    with database.read() as tx:
+        event.listen(database.dialect.engine, "before_cursor_execute", explained)
+        ask(tx)
+    database.close()
+    first = plans[-1].split(" / ")[0]
+    assert index in first, plans
