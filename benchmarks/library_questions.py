@@ -22,8 +22,6 @@ CLASSES = (
         "heads, counts, ids, names, statistics",
         (6, 10),
         (
-            "count(//frame[{k} > 0])",
-            "count(//frame_bone[{k} > 0][{k} > 0])",
             "count(//frame)",
             "count(//frame_bone)",
             "count(//header)",

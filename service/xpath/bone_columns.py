@@ -7,24 +7,25 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from service.storage.schema import CHUNK
 from service.xpath.intervals import Interval
-from service.xpath.numbering import Bools, Floats
-from service.xpath.timeline import Timeline
-from service.xpath.zones import CHUNK_NUMBER, FRAMES, Table
+from service.xpath.numbering import Floats
+from service.xpath.zones import Table
 
 
 class BoneColumns:
     """table: the tracks with their zone maps. least, greatest: of all samples of each channel, NaN where there are
     none. A bone whose name is not there has no tracks."""
 
-    def __init__(self, table: Table) -> None:
+    def __init__(self, table: Table, *, shared: bool = False) -> None:
+        """shared: the table is kept elsewhere, too."""
         self.table = table
         self.least: Floats = np.fmin.reduce(table.least, axis=1, initial=np.nan)
         self.greatest: Floats = np.fmax.reduce(table.greatest, axis=1, initial=np.nan)
-        self._here: Bools | None = None
+        self._own = 0 if shared else table.nbytes
         self._facing: WeakKeyDictionary[BoneColumns, Table] = WeakKeyDictionary()
         self._sums: dict[int, Floats] = {}
+        self.totals: dict[int, tuple[float, int]] = {}
+        """Of each channel the sum of all samples of frames that are there, and how many; what was asked for."""
 
     def __len__(self) -> int:
         return len(self.table)
@@ -32,17 +33,7 @@ class BoneColumns:
     @property
     def nbytes(self) -> int:
         """About how much memory it takes, with what questions work out."""
-        return 2 * self.table.nbytes + len(self.table) * CHUNK
-
-    def here(self, timeline: Timeline) -> Bools:
-        """(tracks, CHUNK): where the documents have a frame."""
-        if self._here is None:
-            self._here = timeline.here(self.table.places, self.table.about[CHUNK_NUMBER])
-        return self._here
-
-    def whole(self, timeline: Timeline) -> Bools:
-        """Which tracks belong to frames that are all there still."""
-        return np.asarray(self.here(timeline).sum(axis=1) == self.table.about[FRAMES])
+        return 500 + 2 * self._own + 8 * len(self.table)
 
     def facing(self, lead: BoneColumns) -> Table:
         """For each track of another bone the one of the same frames."""

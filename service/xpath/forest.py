@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Protocol, TypeVar
 
+import numpy as np
+
 from service.mcml.lexical import unescape
 from service.storage.columns import Listed
 from service.storage.database import Transaction
@@ -15,11 +17,11 @@ from service.xpath.frame_runs import IdRuns, LabelRuns
 from service.xpath.groups import Group
 from service.xpath.head_rows import HeadRows
 from service.xpath.layouts import Layout, ShapeRuns
-from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
+from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Bools, Floats, Ints
 from service.xpath.pairs import expand
 from service.xpath.projection import HeadPart
 from service.xpath.timeline import Timeline
-from service.xpath.zones import FEW_FRAMES, MANY_FRAMES, Table, joined, read_zones
+from service.xpath.zones import FEW_FRAMES, FRAMES, MANY_FRAMES, Table, joined, read_zones
 
 
 class _Sized(Protocol):
@@ -97,7 +99,22 @@ class Forest:
 
     def bone(self, name: str | None) -> BoneColumns:
         """The tracks of the bone of a name, as XML has it, or of all bones."""
-        return self._kept(("bone", name), lambda: BoneColumns(self._tracks_of(name)))
+        return self._kept(("bone", name), lambda: BoneColumns(self._tracks_of(name), shared=name is None))
+
+    def here(self, name: str | None) -> Bools:
+        """(tracks, CHUNK): over which slots of these tracks the documents have a frame."""
+        return self._sampled(
+            (name, "here"), lambda: self.timeline.here(self.bone(name).table.places, self.bone(name).table.chunks)
+        )
+
+    def whole(self, name: str | None) -> Bools:
+        """Which of these tracks have only frames that are there still."""
+        frames = self.bone(name).table.about[FRAMES]
+        return self._sampled((name, "whole"), lambda: np.asarray(self.here(name).sum(axis=1) == frames))
+
+    def samples(self, lead: str | None, name: str | None, channel: int, read: Callable[[], Floats]) -> Floats:
+        """(tracks, CHUNK): the samples of a channel over the tracks of the leading bone. read: reads them."""
+        return self._sampled((lead, name, channel), read)
 
     def has_bone(self, name: str | None) -> bool:
         """Whether they are at hand."""
@@ -115,6 +132,9 @@ class Forest:
         """(index into documents, frame element) of every frame of each document, in order."""
         source, position = expand(self.frames[documents])
         return source, (documents[source] << DOCUMENT_SHIFT) | ((position + 1) << FRAME_SHIFT)
+
+    def _sampled(self, what: object, make: Callable[[], Column]) -> Column:
+        return self.caches.samples.get((self.documents.number, what), make, lambda column: column.nbytes)
 
     def _kept(self, what: object, make: Callable[[], Column]) -> Column:
         return self.caches.columns.get((self.documents.number, what), make, lambda column: column.nbytes)

@@ -67,35 +67,48 @@ class GroupScan:
 
     def nodes(self) -> Iterator[Ints]:
         """The nodes of the answer in order, some at a time."""
-        for hits in self._hits():
+        for hits in self._hits(self._units()):
             nodes = self._targets(hits)
             if len(nodes):
                 yield nodes
 
     def count(self) -> int:
         """How many nodes there are."""
-        if self.plan.one_each:
-            return sum(hits.count for hits in self._hits())
-        return sum(len(nodes) for nodes in self.nodes())
+        if not self.plan.one_each:
+            return sum(len(nodes) for nodes in self.nodes())
+        units = self._units()
+        lead = self._bones[self.plan.lead]
+        if self._labelled is None and len(lead) <= MOST_TRACKS and 2 * np.count_nonzero(~units.must) > len(lead):
+            # Most tracks have to be compared: all are, as they lie, rather than chosen and put in order first.
+            self.tracks_read += len(lead)
+            block = {(name, channel): self._kept(name, channel) for name, channel in self.plan.condition.samples}
+            return int(np.count_nonzero(self._fulfil(block) & self.forest.here(self.plan.lead)))
+        return sum(hits.count for hits in self._hits(units))
 
     def totals(self, sample: Sample) -> tuple[float, int]:
         """The sum of the numbers of a channel, of all hits, and how many there are.
 
         Of tracks all of whose frames are hits the sums are kept.
         """
+        columns = self.ends(sample)
+        known = self.plan.condition.is_presence and self._labelled is None
+        if known and sample[1] in columns.totals:
+            return columns.totals[sample[1]]
         units = self._units()
         whole = np.zeros(len(units), bool)
         total = count = 0.0
         if sample[0] in (None, self.plan.lead):
             whole = units.must & self._whole(units)
         if whole.any():
-            sums = self.ends(sample).sums(sample[1], lambda table: self._sums(table, sample[1]))
+            sums = columns.sums(sample[1], lambda table: self._sums(table, sample[1]))
             total = float(sums[units.numbers[whole]].sum())
             count = float(units.lead.about[FRAMES][whole].sum())
         for some in self._parts(units[np.flatnonzero(~whole)]):
             block = self._read(some)
             values = block[sample][self._holds(some, block)]
             total, count = total + float(values.sum()), count + len(values)
+        if known:
+            columns.totals[sample[1]] = total, int(count)
         return total, int(count)
 
     def most_of_hits(self, sample: Sample, sign: float, best: float) -> float:
@@ -151,8 +164,8 @@ class GroupScan:
             nodes = shapes.children(frames)[1] if plan.bone is None else shapes.named(frames, plan.bone)[1]
         return nodes if plan.attribute is None else axis_step(self.forest, nodes, "attribute", plan.attribute)[1]
 
-    def _hits(self) -> Iterator[_Hits]:
-        for some in self._parts(self._units()):
+    def _hits(self, units: _Units) -> Iterator[_Hits]:
+        for some in self._parts(units):
             holds = np.arange(CHUNK) < some.lead.about[FRAMES][:, None]
             unsure = np.flatnonzero(~some.must)
             if len(unsure):
@@ -208,10 +221,7 @@ class GroupScan:
         """The samples of a channel in all tracks of the leading bone, or of another one over the same frames."""
         lead = self._bones[self.plan.lead]
         table = lead.table if name == self.plan.lead else self._bones[name].facing(lead)
-        key = (self.forest.documents.number, self.plan.lead, name, channel)
-        return self.forest.caches.samples.get(
-            key, lambda: self._values(table, (channel,))[0], lambda values: values.nbytes
-        )
+        return self.forest.samples(self.plan.lead, name, channel, lambda: self._values(table, (channel,))[0])
 
     def _values(self, table: Table, wanted: tuple[int, ...]) -> Floats:
         """(channels, tracks, CHUNK): samples of tracks, NaN where a frame has none."""
@@ -246,7 +256,7 @@ class GroupScan:
         places, chunks = units.lead.places, units.lead.about[CHUNK_NUMBER]
         lead = self._bones[self.plan.lead]
         if len(lead) <= MOST_TRACKS:
-            found = lead.here(self._timeline)[units.numbers]
+            found = self.forest.here(self.plan.lead)[units.numbers]
         else:
             found = self._timeline.here(places, chunks)
         if self._labelled is None:
@@ -263,7 +273,7 @@ class GroupScan:
         """Of which units every frame is asked for."""
         lead = self._bones[self.plan.lead]
         if self._labelled is None and len(lead) <= MOST_TRACKS:
-            return lead.whole(self._timeline)[units.numbers]
+            return self.forest.whole(self.plan.lead)[units.numbers]
         return np.asarray(self._there(units).sum(axis=1) == units.lead.about[FRAMES])
 
 

@@ -44,8 +44,8 @@ class HeadRows:
         counts = np.array([len(some) for some in parts], np.int64)
         firsts = np.cumsum(counts) - counts
         places: Ints = np.concatenate([[0], ends]).astype(np.int64)
-        self._parts = every
-        self._places = places
+        self.texts = _texts(every)
+        """The strings of all attributes, texts and namespace nodes, "" for other rows."""
         self.starts: Ints = np.append(places[firsts], places[-1])
         self.motions: Ints = places[firsts + counts - 1]
         self.kinds = _joined([part.kinds for part in every], np.int8)
@@ -68,9 +68,8 @@ class HeadRows:
 
     @property
     def nbytes(self) -> int:
-        """About how much memory it takes, with what is worked out when it is asked for."""
-        own = sum({id(part): 60 * len(part) for part in self._parts}.values())
-        return 24 * len(self.kinds) + own // 4 + 8 * len(self._parts)
+        """About how much memory it takes."""
+        return 17 * len(self.kinds) + 100 * len(self.texts.values) + 24 * len(self.starts)
 
     def rows(self, nodes: Ints) -> Ints:
         documents, slots = documents_of(nodes), slots_of(nodes)
@@ -97,19 +96,6 @@ class HeadRows:
             texts = self.texts[np.arange(start, stop)].list()
             self._heads[document] = Head(Subtree(self.kinds[rows], self.names[rows], parents, ends, texts))
         return self._heads[document]
-
-    @cached_property
-    def texts(self) -> Strings:
-        """The strings of all attributes, texts and namespace nodes, "" for other rows."""
-        places: dict[str, int] = {}
-        known: dict[int, Some] = {}
-        for part in self._parts:
-            if id(part) not in known:
-                own = part.strings
-                codes = np.array([places.setdefault(text, len(places)) for text in own.values], np.int32)
-                known[id(part)] = codes[own.codes]
-        found: Any = _joined([known[id(part)] for part in self._parts], np.int32)
-        return Strings(found, list(places))
 
     @cached_property
     def text_rows(self) -> Ints:
@@ -150,3 +136,15 @@ class HeadRows:
 
 def _joined(parts: list[np.ndarray], kind: type) -> np.ndarray:
     return np.concatenate([*parts, np.empty(0, kind)]).astype(kind, copy=False)
+
+
+def _texts(parts: Sequence[Subtree]) -> Strings:
+    places: dict[str, int] = {}
+    known: dict[int, Some] = {}
+    for part in parts:
+        if id(part) not in known:
+            own = part.strings
+            codes = np.array([places.setdefault(text, len(places)) for text in own.values], np.int32)
+            known[id(part)] = codes[own.codes]
+    found: Any = _joined([known[id(part)] for part in parts], np.int32)
+    return Strings(found, list(places))

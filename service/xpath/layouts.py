@@ -85,15 +85,22 @@ def _layout(
     runs.sort()
     entries = np.array([pair for shape in shapes.values() for pair in shape], np.int64).reshape(-1, 2)
     last = max([*names, *entries[:, 0].tolist()], default=-1)
+    every = _same(tuple([names.get(number, "") for number in range(last + 1)]))
     return Layout(
-        _same(tuple([names.get(number, "") for number in range(last + 1)])),
-        {name: number for number, name in names.items()},
+        every,
+        _numbers_of(every, tuple(names)),
         tuple(_same(shape) for shape in shapes.values()),
         np.array([len(shape) for shape in shapes.values()], np.int64),
         np.ascontiguousarray(entries[:, 0]),
         np.ascontiguousarray(entries[:, 1]),
         np.array(runs, np.int64).reshape(-1, 4),
     )
+
+
+@lru_cache(maxsize=4096)
+def _numbers_of(names: tuple[str, ...], numbers: tuple[int, ...]) -> dict[str, int]:
+    """The numbers of named bones by name, one dictionary for all documents that have the same."""
+    return {names[number]: number for number in numbers}
 
 
 @lru_cache(maxsize=4096)

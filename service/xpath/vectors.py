@@ -51,6 +51,8 @@ class Condition:
     samples: frozenset[Sample]
     strict: frozenset[Sample]
     bounds: tuple[tuple[Sample, str, float], ...] = ()
+    is_presence: bool = False
+    """Whether it only asks that a frame has a sample."""
 
 
 @dataclass(frozen=True)
@@ -235,7 +237,9 @@ def _sample(path: Path, context: str, own: Own) -> Sample | None:
 def present(sample: Sample) -> Condition:
     """That a frame has the sample."""
     own = frozenset({sample})
-    return Condition(lambda block: ~np.isnan(block[sample]), lambda ends: intervals.present(ends[sample]), own, own)
+    return Condition(
+        lambda block: ~np.isnan(block[sample]), lambda ends: intervals.present(ends[sample]), own, own, is_presence=True
+    )
 
 
 def _existence(path: Path, context: str, own: Own) -> Condition | None:
@@ -317,6 +321,8 @@ def attribute_conditions(step: Step, bone: str | None) -> tuple[str, list[Condit
 
 def conjunction(parts: list[Condition]) -> Condition:
     """All of them."""
+    if len(parts) == 1:
+        return parts[0]
     return Condition(
         lambda block: _all(part.holds(block) for part in parts),
         lambda ends: intervals.all_of([part.judge(ends) for part in parts]),

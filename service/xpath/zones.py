@@ -83,6 +83,11 @@ class Table:
     def __getitem__(self, which: Ints | slice) -> Table:
         return Table(self.places[which], self.about[:, which], self.least[:, which], self.greatest[:, which])
 
+    @property
+    def chunks(self) -> Ints:
+        """The number of the chunk of each track."""
+        return np.asarray(self.about[CHUNK_NUMBER], np.int64)
+
     def of_bones(self, numbers: Ints) -> Table:
         """The tracks of one bone of each document, by its number."""
         return self[np.flatnonzero(self.about[BONE] == numbers[self.places])]
