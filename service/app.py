@@ -13,6 +13,7 @@ from starlette.middleware.gzip import DEFAULT_EXCLUDED_CONTENT_TYPES
 from starlette.routing import BaseRoute
 
 from service.actions.exporting.write_tables import TYPES
+from service.actions.importing.import_pool import ImportPool
 from service.actions.keeping.purge_documents import finish_purges
 from service.api import description, events, health, page, problems, sessions, studio
 from service.api.doors import Doors
@@ -81,6 +82,7 @@ def create_app(
     app.state.repository = Repository(store, settings)
     app.state.runner = Runner(store, settings)
     app.state.repository.wake = app.state.runner.wake
+    app.state.repository.import_pool = ImportPool()
     app.state.requests = {}
     problems.install(app)
     description.install(app)

@@ -15,6 +15,7 @@ from service.storage.database import Database, Transaction
 if TYPE_CHECKING:
     from service.actions.analysing.use_result import Results
     from service.actions.importing.encode_clip import Progress
+    from service.actions.importing.import_pool import ImportPool
     from service.xpath.limits import Limits
     from service.xpath.run import Queries
 
@@ -29,6 +30,8 @@ class Repository:
         """Tells whoever runs jobs that there is one."""
         self.runner: str | None = None
         """Who alone may run the jobs that are started; None: any server of the store."""
+        self.import_pool: ImportPool | None = None
+        """Processes that read uploads of many files, of a server."""
 
     @cached_property
     def queries(self) -> Queries:
@@ -43,7 +46,9 @@ class Repository:
         return Results(self.database, self.settings)
 
     def close(self) -> None:
-        """End the processes that evaluate queries; the store is its owner's."""
+        """End the processes that evaluate queries and read imports; the store is its owner's."""
+        if self.import_pool is not None:
+            self.import_pool.close()
         if "queries" in self.__dict__:
             self.queries.close()
 

@@ -103,7 +103,10 @@ def upload_documents(
         movements=movements,
         repair=checked_repairs(repair or ()),
     )
-    result = upload_files(call.database, file, options, call.settings, author=call.author, progress=call.progress)
+    pool = call.repository.import_pool
+    result = upload_files(
+        call.database, file, options, call.settings, author=call.author, progress=call.progress, pool=pool
+    )
     if result.problems and not result.documents:
         raise UploadError(result.problems)
     if result.documents:

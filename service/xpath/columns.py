@@ -14,18 +14,18 @@ from typing import TypeAlias
 
 import numpy as np
 
-from service.mcml.vocabulary import FRAME, FRAME_BONE
+from service.mcml.vocabulary import FRAME_BONE
 from service.numerics.runs import find_equal
 from service.xpath import functions
-from service.xpath.axes import REVERSE, SIBLINGS, are_frames, named_bones, parents, sibling_frames, step
+from service.xpath.axes import REVERSE, are_frames, named_bones, parents, sibling_frames, step
 from service.xpath.comparisons import compare
 from service.xpath.existence import Beyond
 from service.xpath.forest import Forest
-from service.xpath.labels import named, position_of
+from service.xpath.labels import named
 from service.xpath.nodesets import NodeSets, ordered
 from service.xpath.numbering import Bools, Floats, Ints, documents_of, first_of_documents
 from service.xpath.pairs import TooWideError, expand
-from service.xpath.rules import BEYOND, counts
+from service.xpath.positions import frame_distance, is_beyond, is_window, window_of
 from service.xpath.texts import Strings, constant
 from service.xpath.tree import (
     Call,
@@ -39,6 +39,7 @@ from service.xpath.tree import (
     depends_on_position,
     type_of,
 )
+from service.xpath.windows import Windows
 
 SLICE = 10_000
 """Candidates of a predicate that are looked at together."""
@@ -73,6 +74,7 @@ class Columns:
         self.forest = forest
         self.check = check
         self._asked: dict[Path, Beyond] = {}
+        self._near: dict[Path, Windows] = {}
 
     def documents(self) -> Context:
         """Every document node as context."""
@@ -113,8 +115,10 @@ class Columns:
 
     def truth(self, expression: Expression, context: Context) -> Bools:
         """The value as a boolean; a number is not a position here."""
-        if isinstance(expression, Path) and _is_beyond(expression):
+        if isinstance(expression, Path) and is_beyond(expression):
             return self._beyond(expression, context)
+        if isinstance(expression, Path) and is_window(expression) and are_frames(context.nodes):
+            return np.asarray(self._window(expression, context) > 0)
         return functions.as_booleans(self.value(expression, context))
 
     # -- paths -----------------------------------------------------------------------------------------------------
@@ -249,6 +253,23 @@ class Columns:
             self._asked[path] = Beyond(self.forest, first.axis, first.name, kept)
         return self._asked[path].exists(context.nodes)
 
+    def _window(self, path: Path, context: Context) -> Ints:
+        """Of each frame how many frames of a window a path reaches that hold what the rest of the path asks for."""
+        first, rest = path.steps[0], path.steps[1:]
+        window = window_of(first)
+        if path not in self._near and window is not None:
+            asked = (*first.predicates[1:], *([Path(rest)] if rest else []))
+
+            def kept(frames: Ints) -> Bools:
+                keep = np.ones(len(frames), bool)
+                for predicate in asked:
+                    index = np.flatnonzero(keep)
+                    keep[index] = self._sliced(predicate, Context(frames[index]))
+                return keep
+
+            self._near[path] = Windows(self.forest, first, window, kept)
+        return self._near[path].counts(context.nodes)
+
     def _operation(self, operation: Operation, context: Context) -> Value:
         operator, operands = operation.operator, operation.operands
         if operator in ("or", "and"):
@@ -298,6 +319,9 @@ class Columns:
         if name in ("boolean", "not", "exists", "empty") and isinstance(arguments[0], Path):
             found = self.truth(arguments[0], context)
             return ~found if name in ("not", "empty") else found
+        near = arguments[0] if name == "count" and is_window(arguments[0]) else None
+        if isinstance(near, Path) and len(near.steps) == 1 and are_frames(context.nodes):
+            return self._window(near, context).astype(np.float64)
         if not arguments and name in functions.OF_CONTEXT:
             own: Value = NodeSets(np.arange(len(context)), context.nodes, len(context))
             return functions.call(self.forest, name, [own], len(context))
@@ -311,24 +335,6 @@ def _union(one: NodeSets, other: NodeSets) -> NodeSets:
     if one.index is not None or other.index is not None:
         one, other = one.flat()[0], other.flat()[0]
     return ordered(np.concatenate([one.groups, other.groups]), np.concatenate([one.nodes, other.nodes]), one.count)
-
-
-def _is_beyond(path: Path) -> bool:
-    return (
-        not path.absolute
-        and path.start is None
-        and bool(path.steps)
-        and path.steps[0].axis in BEYOND
-        and not counts(path.steps[0])
-    )
-
-
-def frame_distance(step: Step) -> int | None:
-    """N of `following-sibling::frame[N]…`, -N of `preceding-sibling::frame[N]…`, None for other steps."""
-    if step.axis not in SIBLINGS or step.name != FRAME or not step.predicates:
-        return None
-    position = position_of(step.predicates[0])
-    return position if position is None or step.axis not in REVERSE else -position
 
 
 def bone_name(step: Step) -> str | None:

@@ -1,4 +1,4 @@
-"""What predicates ask for: motion names, and the frames that carry them; bone names; positions."""
+"""What predicates ask for: motion names, and the frames that carry them; bone names."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ from service.mcml.lexical import unescape
 from service.mcml.vocabulary import MOTION_NAME, NAME
 from service.storage.database import Transaction
 from service.storage.runs import intersection
-from service.xpath.tree import Call, Expression, Filter, Literal, Operation, Path, Step
-
-FAR = 2**38
-"""A position beyond the end of every list, as all greater ones are. It can be part of the number of a node."""
+from service.xpath.positions import position_of
+from service.xpath.tree import Expression, Filter, Literal, Operation, Path, Step
 
 Groups = tuple[tuple[str, ...], ...]
 """((a, b), (c,)) stands for frames named (a or b) and c."""
@@ -67,19 +65,6 @@ def named(predicate: Expression) -> str | None:
     steps = without_self(compared[0].steps)
     is_name = len(steps) == 1 and (steps[0].axis, steps[0].name, steps[0].predicates) == ("attribute", NAME, ())
     return compared[1] if is_name else None
-
-
-def position_of(predicate: Expression) -> int | None:
-    """N of `N` or `position()=N`, a whole number from 1."""
-    value: Expression = predicate
-    if isinstance(predicate, Operation) and predicate.operator == "=" and len(predicate.operands) == 2:
-        for one, other in (predicate.operands, predicate.operands[::-1]):
-            if isinstance(one, Call) and one.function == "position":
-                value = other
-    if not isinstance(value, Literal) or not isinstance(value.value, float):
-        return None
-    # Infinity is no integer, and NaN is not at least 1.
-    return int(min(value.value, FAR)) if value.value >= 1 and value.value.is_integer() else None
 
 
 def without_index(tree: Expression) -> tuple[Expression, int | None]:

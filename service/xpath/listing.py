@@ -22,12 +22,16 @@ KNOWN_NAMES = 10_000
 
 @dataclass
 class State:
-    """What was read of the store as one commit left it: all documents, once somebody asked for them, and single ones by
-    key; the groups of a project (None: of all) by its key; keys by id; what was said of names that were compared, by
-    scope. commit: that one."""
+    """What was read of the store as one commit left it.
+
+    commit: that one. whole: all documents, once somebody asked for them; whole_since: since when the history was whole
+    then. documents: single ones by key. groups: of a project (None: of all) by its key. keys: by id. unused: what was
+    said of names that were compared, by scope.
+    """
 
     commit: int
     whole: list[Listed] | None = None
+    whole_since: int = 0
     groups: dict[int | None, list[Group]] = field(default_factory=dict)
     documents: dict[int, Listed] = field(default_factory=dict)
     keys: dict[str, int] = field(default_factory=dict)
@@ -52,9 +56,10 @@ class Listing:
         """All documents by name, then key, the order of answers."""
         if state.whole is None:
             last = self._last
-            # Only of the newest state it is known what changed since another.
-            is_newest = tx.at >= tx.newest_commit()
-            if is_newest and last is not None and last.whole is not None and last.commit <= state.commit:
+            # Only of the newest state it is known what changed since another; what was purged leaves no trace.
+            is_newest, state.whole_since = tx.at >= tx.newest_commit(), tx.pruning.whole_since()
+            is_known = last is not None and last.commit <= state.commit and last.whole_since == state.whole_since
+            if is_newest and is_known and last is not None and last.whole is not None:
                 state.whole = _changed(tx, last.whole, last.commit)
             else:
                 state.whole = tx.columns.documents()

@@ -12,7 +12,8 @@ can reach (`projection.reach`). Rules, in the order in which they are tried:
    `/child::mcml/child::motion/child::frame`, positions and all.
 7. `x[p and q]` is `x[p][q]` where p and q neither are numbers nor count positions.
 8. `following-sibling::x/y = 'k'`, for a comparison with a constant, is `boolean(following-sibling::x[y = 'k'])`; so
-   for the other sibling axes, `following` and `preceding`. The same operand of a union is evaluated once.
+   for the other sibling axes, `following` and `preceding`, and where the first predicate of x is a window of frames
+   (`positions.window_of`). The same operand of a union is evaluated once.
 """
 
 from __future__ import annotations
@@ -22,11 +23,11 @@ from functools import cache
 
 from service.mcml.content import declarations
 from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
+from service.xpath.positions import BEYOND, counts, window_of
 from service.xpath.projection import DOCUMENT, Types, parent_types, reach, types_of
 from service.xpath.tree import Call, Expression, Filter, Literal, Operation, Path, Step, depends_on_position, type_of
 
 COMPARISONS = ("=", "!=", "<", "<=", ">", ">=")
-BEYOND = frozenset({"following-sibling", "preceding-sibling", "following", "preceding"})
 ANY = ("descendant-or-self", "node()")
 _WAY = {DOCUMENT: (MCML, MOTION, FRAME), MCML: (MOTION, FRAME), MOTION: (FRAME,)}
 """From each of these the one way down to all frames."""
@@ -65,18 +66,13 @@ def _operation(operation: Operation, context: Types) -> Expression:
             if not isinstance(path, Path) or not isinstance(other, Literal) or path.absolute or path.start is not None:
                 continue
             first, rest = path.steps[0] if path.steps else None, path.steps[1:]
-            if first is None or first.axis not in BEYOND or counts(first):
+            if first is None or first.axis not in BEYOND or (counts(first) and window_of(first) is None):
                 continue
             inner = Path(rest or (Step("self", "node()"),))
             sides = (inner, other) if place == 0 else (other, inner)
             held = first.where((*first.predicates, Operation(operation.operator, sides)))
             return Call("boolean", (Path((held,)),), operation.span)
     return Operation(operation.operator, operands, operation.span)
-
-
-def counts(step: Step) -> bool:
-    """Whether a predicate of the step depends on positions."""
-    return any(type_of(each) == "number" or depends_on_position(each) for each in step.predicates)
 
 
 def after(types: Types, step: Step) -> Types:

@@ -12,11 +12,11 @@ from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.forest import Forest
 from service.xpath.groups import Group
-from service.xpath.labels import Groups, compared_text, motion_name_groups, position_of, ranges_of, without_self
+from service.xpath.labels import Groups, compared_text, motion_name_groups, ranges_of, without_self
 from service.xpath.listing import Scope
 from service.xpath.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Ints
 from service.xpath.pairs import expand
-from service.xpath.rules import counts
+from service.xpath.positions import counts, position_of
 from service.xpath.tree import Expression, Literal, Operation, Path, Step
 
 

@@ -20,7 +20,8 @@ from service.actions.exporting.export_motion import ExportOptions, export_docume
 from service.actions.importing import import_workers
 from service.actions.importing.import_batch import ImportResult
 from service.actions.importing.import_motion import import_files
-from service.actions.importing.import_workers import ImportWorkers, ReadApart, Task, reading_ahead
+from service.actions.importing.import_pool import reading_ahead
+from service.actions.importing.import_workers import ImportWorkers, ReadApart, Task
 from service.actions.reading.gather_files import Clip
 from service.actions.reading.import_options import ImportOptions
 from service.formats.format import SourceFile

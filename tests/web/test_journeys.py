@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from tests.builders import TRC
-from tests.web.conftest import Served, Visit, walk
+from tests.web.conftest import Served, Visit, one_door, walk
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
@@ -64,6 +64,7 @@ def colours_of(page: Any) -> set[tuple[int, ...]]:
     return {tuple(colour) for _, colour in picture.getcolors(1 << 24) or []}
 
 
+@one_door
 def test_a_refused_file_says_why_and_stops_no_other(visit: Visit, studio: Served, tmp_path: Path) -> None:
     visit.wanted = {422}
     bad, good = tmp_path / "bad.bvh", tmp_path / "good.bvh"
@@ -112,6 +113,7 @@ def test_two_clips_are_composed(visit: Visit, studio: Served) -> None:
     assert both["frames"] > 20 + 40 - 1
 
 
+@one_door
 def test_a_motion_is_put_on_another_body(visit: Visit, studio: Served) -> None:
     one, body = studio.upload("one.bvh", walk(40)), studio.upload("body.bvh", walk(1, seed=3))
     page = visit.open(f"/retarget?from={one}&to={body}")
@@ -138,6 +140,7 @@ def test_what_is_exported_comes_back_equal(visit: Visit, studio: Served, tmp_pat
     assert download.value.suggested_filename == "there.bvh"
 
 
+@one_door
 def test_deleted_clips_come_back(visit: Visit, studio: Served) -> None:
     for name in ("a.bvh", "b.bvh", "c.bvh"):
         studio.upload(name, walk(5))
@@ -152,6 +155,7 @@ def test_deleted_clips_come_back(visit: Visit, studio: Served) -> None:
     expect(cards).to_have_count(3)
 
 
+@one_door
 def test_picked_clips_are_named_collected_and_exported(visit: Visit, studio: Served) -> None:
     ids = [studio.upload(name, walk(5)) for name in ("a.bvh", "b.bvh", "c.bvh")]
     page = visit.open("/library?sort=name")
@@ -178,6 +182,7 @@ def test_picked_clips_are_named_collected_and_exported(visit: Visit, studio: Ser
         assert sorted(found.namelist()) == ["a.bvh", "b.bvh"]
 
 
+@one_door
 def test_markers_are_offered_as_what_holds_markers(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("m.trc", TRC)
     page = visit.open(f"/clips/{uuid}")
@@ -192,6 +197,7 @@ def test_markers_are_offered_as_what_holds_markers(visit: Visit, studio: Served)
             assert client.get(address.removeprefix("/api/v1")).status_code == 200, address
 
 
+@one_door
 def test_a_question_is_saved_and_its_answer_becomes_a_clip(visit: Visit, studio: Served) -> None:
     studio.upload("kick.bvh", walk(), label="kick:10-25")
     page = visit.open("/xpath?q=//frame[motion_name='kick']")
@@ -210,6 +216,7 @@ def test_a_question_is_saved_and_its_answer_becomes_a_clip(visit: Visit, studio:
     assert made["frames"] == 16
 
 
+@one_door
 def test_keys_alone(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(60))
     page = visit.open("/library")
@@ -238,6 +245,7 @@ def test_keys_alone(visit: Visit, studio: Served) -> None:
     page.wait_for_url(re.compile("/xpath"))
 
 
+@one_door
 def test_korean(visit: Visit, studio: Served) -> None:
     studio.upload("걷기.bvh", walk(20), label="walk")
     page = visit.open("/library")

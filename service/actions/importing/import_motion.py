@@ -18,7 +18,8 @@ import orjson
 from service.actions.checking.check_names import given_name, name_of_file
 from service.actions.importing.encode_clip import EncodedClip, Progress, encode_clip
 from service.actions.importing.import_batch import Batch, Imported, ImportResult
-from service.actions.importing.import_workers import FEWEST_CLIPS, MOST_BYTES, ReadApart, Task, reading_ahead
+from service.actions.importing.import_pool import ImportPool, reading_ahead
+from service.actions.importing.import_workers import FEWEST_CLIPS, MOST_BYTES, ReadApart, Task
 from service.actions.importing.keep_upload import WORKERS, Upload, digest_of
 from service.actions.reading.gather_files import Clip, SkeletonLookup, gathered
 from service.actions.reading.import_options import ImportOptions
@@ -41,8 +42,12 @@ def import_files(
     *,
     author: str = "local",
     progress: Progress | None = None,
+    pool: ImportPool | None = None,
 ) -> ImportResult:
-    """Store every clip among the files; a bad one is a problem in the result and stops no other."""
+    """Store every clip among the files; a bad one is a problem in the result and stops no other.
+
+    pool: processes that read, for a process that must not fork.
+    """
     options = replace(
         options,
         project=given_name(options.project, "project"),
@@ -56,7 +61,7 @@ def import_files(
         result.problems += found.problems
         chosen = options if len(found.clips) == 1 else replace(options, name=None)
         batch = Batch(database, author, result)
-        with reading_ahead(_tasks(database, found.clips, chosen), settings) as workers:
+        with reading_ahead(_tasks(database, found.clips, chosen), settings, pool) as workers:
             try:
                 for number, clip in enumerate(found.clips):
                     if workers.is_behind(number):

@@ -1,8 +1,8 @@
 """Processes that read the short clips of an import beside the one that stores them.
 
 Reading holds Python's lock, so threads do not help. A process without threads forks in a few milliseconds, and its
-workers find files, options and settings in the memory they inherit. A process with threads must not fork, and to start
-a worker afresh takes longer than to read a hundred clips: there, and where fork is unsafe, the importer reads alone.
+workers find files, options and settings in the memory they inherit. A process with threads must not fork: a server has
+workers that stay (`import_pool`).
 
 They are not programs as those of `service/processes`: copies have nothing to start or to be sent, and nobody watches
 them, for they run the readers that the importer runs itself, under the same limits. One that dies costs time alone, as
@@ -145,18 +145,6 @@ class ImportWorkers:
                 worker.terminate()
             for worker in running:
                 worker.join()
-
-
-@contextmanager
-def reading_ahead(tasks: dict[int, Task], settings: Settings) -> Iterator[ImportWorkers]:
-    """Workers for the tasks, none where that is not worth while."""
-    workers = ImportWorkers(tasks)
-    processes = min(settings.import_processes_at_a_time, len(tasks) // 2)
-    if processes < 2 or len(tasks) < FEWEST_CLIPS or not may_fork():
-        yield workers
-        return
-    with workers.started(settings, processes):
-        yield workers
 
 
 def may_fork() -> bool:

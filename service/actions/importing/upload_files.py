@@ -6,6 +6,7 @@ from schemas.documents import FileProblem, ImportedDocument, NoticeLine, Receipt
 from service.actions.checking.describe_problem import problem_of
 from service.actions.importing.encode_clip import Progress
 from service.actions.importing.import_motion import import_files
+from service.actions.importing.import_pool import ImportPool
 from service.actions.reading.import_options import ImportOptions
 from service.errors import McmlError
 from service.formats.format import SourceFile
@@ -21,13 +22,14 @@ def upload_files(
     *,
     author: str = "local",
     progress: Progress | None = None,
+    pool: ImportPool | None = None,
 ) -> UploadResult:
     """Store every clip among the files; a bad one is a problem in the answer and stops no other.
 
     Movements are named, where that is asked, as a revision of their own: it can be undone, and the upload stays what
     it was. Where they cannot be named, a notice of the receipt says why.
     """
-    done = import_files(database, files, options, settings, author=author, progress=progress)
+    done = import_files(database, files, options, settings, author=author, progress=progress, pool=pool)
     documents = []
     for item in done.documents:
         document = ImportedDocument(id=item.uuid, name=item.name, skipped=item.skipped, receipt=Receipt(**item.receipt))

@@ -1,0 +1,115 @@
+"""Workers that stay: a server's uploads of many clips are read by them, and become what the importer alone makes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from service.actions.importing import import_pool
+from service.actions.importing.import_motion import import_files
+from service.actions.importing.import_pool import ImportPool
+from service.actions.reading.import_options import ImportOptions
+from service.settings import Settings
+from service.storage.database import Database
+from service.storage.filtering import DocumentFilter
+from tests.builders import bvh, source
+
+CLIPS = {f"clip{number:02}.bvh": bvh(3 + number % 5, seed=number) for number in range(12)}
+
+
+@pytest.fixture(scope="module")
+def pool() -> Iterator[ImportPool]:
+    made = ImportPool()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def sqlite(tmp_path: Path) -> Iterator[Database]:
+    database = Database(f"sqlite:///{tmp_path}/store.db")
+    database.migrate()
+    yield database
+    database.close()
+
+
+@pytest.fixture(autouse=True)
+def as_a_server(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A process with threads, and workers for few clips."""
+    monkeypatch.setenv("MCML_IMPORT_PROCESSES", "2")
+    monkeypatch.setattr(import_pool, "WORTH_STARTING", 8)
+    over = threading.Event()
+    waiting = threading.Thread(target=over.wait)
+    waiting.start()
+    yield
+    over.set()
+    waiting.join()
+
+
+def imported(database: Database, files: dict[str, bytes], pool: ImportPool | None) -> Any:
+    sources = [source(name, content) for name, content in files.items()]
+    return import_files(database, sources, ImportOptions(), Settings(), pool=pool)
+
+
+def test_they_make_what_the_importer_makes(tmp_path: Path, pool: ImportPool) -> None:
+    files = CLIPS | {"bad.bvh": b"HIERARCHY\nROOT"}
+    seen = []
+    for number, each in enumerate((pool, None)):
+        database = Database(f"sqlite:///{tmp_path}/{number}.db")
+        database.migrate()
+        done = imported(database, files, each)
+        assert database.check() == []
+        with database.read() as tx:
+            stored = tx.documents.page(DocumentFilter(), after=None, limit=100)
+            receipts = [{**item.receipt, "twins": []} for item in done.documents]
+            seen.append(([(one.name, one.frames) for one in stored], receipts, [str(one) for one in done.problems]))
+        database.close()
+    assert pool.is_running
+    assert seen[0] == seen[1]
+
+
+def test_a_worker_that_dies_costs_no_clip(sqlite: Database, pool: ImportPool) -> None:
+    imported(sqlite, CLIPS, pool)
+    executor = pool._started(2)
+    for process in list(executor._processes.values()):
+        os.kill(process.pid, signal.SIGKILL)
+    again = {name: content + b"\n" for name, content in CLIPS.items()}
+    for _ in range(2):
+        assert len(imported(sqlite, again, pool).documents) == len(CLIPS)
+    assert sqlite.check() == []
+
+
+PROGRAM = """
+import sys
+from service.actions.importing.import_pool import ImportPool
+from service.settings import Settings
+from service.actions.reading.import_options import ImportOptions
+if __name__ == "__main__":
+    pool = ImportPool()
+    pool.submit(("bvh", {}, ImportOptions()), Settings()).result()
+    print(*[process.pid for process in pool._started(2)._processes.values()], flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_they_end_with_who_started_them(tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    program.write_text(PROGRAM)
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
+    with subprocess.Popen(
+        [sys.executable, program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment
+    ) as started:
+        assert started.stdout is not None
+        workers = [psutil.Process(int(pid)) for pid in started.stdout.readline().split()]
+        assert workers
+        started.kill()
+        _, alive = psutil.wait_procs(workers, timeout=20)
+    assert alive == []
