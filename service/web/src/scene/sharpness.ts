@@ -1,24 +1,46 @@
-/** Fewer pixels while something moves where drawing is slow, as without a graphics card; all of them once it rests. */
+/**
+ * How many pixels a picture has. Where drawing is slow, what moves has fewer, and all of them once it rests.
+ *
+ * Without a graphics card edges are smoothed by drawing what rests larger than it is shown: to smooth each frame takes
+ * most of the time there.
+ */
 import type { WebGLRenderer } from "three";
 
 const SLOW = 30; // ms from wanting a frame to drawing it
 const SLOW_FRAMES = 4; // one after the other
 const COARSE = 0.5; // of the ratio of pixels
+const COARSE_SOFTWARE = 0.7;
+const FINE_SOFTWARE = 1.5;
 const RESTED = 160; // ms without a frame
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+
+let known: boolean | undefined;
+
+/** Whether the processor draws, for want of a graphics card. */
+export function isSoftware(): boolean {
+  if (known !== undefined) return known;
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+  known = info ? SOFTWARE.test(String(gl!.getParameter(info.UNMASKED_RENDERER_WEBGL))) : false;
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return known;
+}
 
 export class Sharpness {
+  private fine = 1;
   private ratio = 1;
   private slow = 0;
-  private coarse = false;
+  private coarse = isSoftware();
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   /** redraw: draws the picture again, with all pixels. */
   constructor(private readonly renderer: WebGLRenderer, private readonly redraw: () => void) {}
 
-  /** The ratio of pixels of a picture that rests. */
-  set full(ratio: number) {
+  /** Pixels of the screen for one of the page. */
+  set screen(ratio: number) {
     this.ratio = ratio;
-    this.use(ratio);
+    this.fine = isSoftware() ? Math.max(ratio, FINE_SOFTWARE) : ratio;
+    this.use(this.fine);
   }
 
   /** Before a frame of what moves. waited: ms since it was wanted. */
@@ -26,7 +48,7 @@ export class Sharpness {
     this.slow = waited > SLOW ? this.slow + 1 : 0;
     this.coarse ||= this.slow >= SLOW_FRAMES;
     if (!this.coarse) return;
-    this.use(this.ratio * COARSE);
+    this.use(this.ratio * (isSoftware() ? COARSE_SOFTWARE : COARSE));
     clearTimeout(this.timer);
     this.timer = setTimeout(() => {
       this.rest();
@@ -36,7 +58,7 @@ export class Sharpness {
 
   /** Before a picture that is looked at. */
   rest(): void {
-    this.use(this.ratio);
+    this.use(this.fine);
   }
 
   close(): void {

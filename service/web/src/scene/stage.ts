@@ -10,7 +10,7 @@ import { actorOf, dispose, recolour, type Actor } from "./actor";
 import { Ground } from "./ground";
 import { arrowAt, drawHandle, reachOf, type Handle, type Surroundings } from "./handle";
 import { drawAxes } from "./axes";
-import { Sharpness } from "./sharpness";
+import { isSoftware, Sharpness } from "./sharpness";
 import { fillTrails } from "./trails";
 import type { Skeleton } from "../motion/skeleton";
 
@@ -53,7 +53,7 @@ export class Stage {
   private unfinished: WebGLSync | null = null;
 
   constructor(private readonly host: HTMLElement, private readonly token: (name: string) => string) {
-    this.renderer = new THREE.WebGLRenderer({ antialias: true, alpha: false, powerPreference: "high-performance" });
+    this.renderer = new THREE.WebGLRenderer({ antialias: !isSoftware(), alpha: false, powerPreference: "high-performance" });
     this.renderer.outputColorSpace = THREE.SRGBColorSpace;
     this.sharpness = new Sharpness(this.renderer, () => { if (!document.hidden) this.draw(); });
     this.canvas = this.renderer.domElement;
@@ -352,7 +352,7 @@ export class Stage {
   private resize(): void {
     const [width, height] = [Math.max(1, this.host.clientWidth), Math.max(1, this.host.clientHeight)];
     const ratio = Math.min(devicePixelRatio, 2);
-    this.sharpness.full = ratio;
+    this.sharpness.screen = ratio;
     this.renderer.setSize(width, height, false);
     this.overlay.width = width * ratio;
     this.overlay.height = height * ratio;
