@@ -12,9 +12,9 @@ from sqlalchemy import bindparam, delete, func, select, update
 
 from service.errors import NotFoundError
 from service.storage.damage import damage, named
-from service.storage.filtering import DocumentFilter, chosen, filtered
+from service.storage.filtering import DocumentFilter, chosen
 from service.storage.identifiers import new_uuid, stored_form
-from service.storage.moments import imported
+from service.storage.moments import imported, there
 from service.storage.schema import CURRENT, metadata
 from service.storage.seals import SEALS, checked, closing
 from service.storage.selected import all_documents, one_document
@@ -37,6 +37,7 @@ _REVISION = (
 )
 """The columns of a StoredRevision."""
 _BEGUN = select(document.c.uuid, document.c.name, document.c.format).where(document.c.id == bindparam("key"))
+_COUNT = select(func.count()).select_from(document).where(there())
 _NAMED = select(document.c.name, document.c.project).where(document.c.id == bindparam("key"))
 _PUBLISH = _IMPORTING.values(
     state="ready",
@@ -212,7 +213,8 @@ class Documents:
         offset: int = 0,
     ) -> list[StoredDocument]:
         """Documents by name and key after (name, key), or newest first after (_, key), without the first `offset`."""
-        query = filtered(all_documents(past=self._past), wanted, self._tx)
+        # Which ones first: to ask what is told of all, before they are put in order, takes most of the time.
+        query = chosen(document.c.id, wanted, self._tx)
         if newest_first:
             query = query.order_by(document.c.id.desc())
             if after is not None:
@@ -222,12 +224,16 @@ class Documents:
             if after is not None:
                 name, key = after
                 query = query.where((document.c.name > name) | (document.c.name == name) & (document.c.id > key))
-        found = self._tx.checked_once(
-            checked(query.limit(limit).offset(offset), document, content), {"at": self._tx.at}
-        )
-        return [_stored(row) for row in found]
+        keys = list(self._tx.connection.execute(query.limit(limit).offset(offset)).scalars())
+        told = all_documents(past=self._past).where(document.c.id.in_(keys))
+        found = self._tx.checked_once(checked(told, document, content), {"at": self._tx.at})
+        place = {key: number for number, key in enumerate(keys)}
+        return sorted(map(_stored, found), key=lambda stored: place[stored.key])
 
     def count(self, wanted: DocumentFilter) -> int:
+        if wanted == DocumentFilter():
+            # An index alone answers this one.
+            return int(self._tx.rows(_COUNT, {"at": self._tx.at})[0][0])
         return int(self._tx.connection.execute(chosen(func.count(), wanted, self._tx)).scalar_one())
 
     def everything(self) -> list[tuple[int, str, str]]:

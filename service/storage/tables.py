@@ -85,7 +85,10 @@ document = Table(
     Column("receipt", LargeBinary, nullable=False),
     checksum(),
     Index(None, "project", "name"),
+    Index("ix_document_there", "name", "state", "deleted_commit", "created_commit"),
 )
+"""`ix_document_there`: which documents there are, by name, without their receipts."""
+
 
 revision = Table(
     "revision",

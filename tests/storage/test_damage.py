@@ -146,7 +146,8 @@ def as_before_checksums(database: Database) -> None:
                     tx.connection.execute(text(f'ALTER TABLE "{table.name}" DROP COLUMN {column.name}'))
         for later in ("store", "joint_alias", "session", "request", "thumbnail", "saved", "document_media"):
             tx.connection.execute(text(f"DROP TABLE {later}"))
-        tx.connection.execute(text("DROP INDEX ix_revision_commit"))
+        for index in ("ix_revision_commit", "ix_document_there"):
+            tx.connection.execute(text(f"DROP INDEX {index}"))
         tx.connection.execute(text("UPDATE alembic_version SET version_num = '0005'"))
 
 
