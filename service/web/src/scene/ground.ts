@@ -15,10 +15,11 @@ uniform vec3 ink;
 uniform vec3 centre;
 uniform float step_;
 uniform float reach;
+uniform float thick;
 float lines(vec2 at, float size) {
   vec2 here = at / size;
   vec2 wide = fwidth(here);
-  vec2 near = abs(fract(here - 0.5) - 0.5) / wide;
+  vec2 near = abs(fract(here - 0.5) - 0.5) / (wide * thick);
   float found = 1.0 - min(min(near.x, near.y), 1.0);
   return found * clamp(1.0 - max(wide.x, wide.y) * 1.6, 0.0, 1.0);
 }
@@ -36,6 +37,7 @@ export class Ground {
     centre: { value: new THREE.Vector3() },
     step_: { value: 0.5 },
     reach: { value: 8 },
+    thick: { value: 1 },
   };
 
   constructor() {
@@ -45,6 +47,11 @@ export class Ground {
     this.mesh = new THREE.Mesh(new THREE.PlaneGeometry(1, 1).rotateX(-Math.PI / 2), material);
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = -1;
+  }
+
+  /** Pixels that a line is wide. */
+  set thick(pixels: number) {
+    this.uniforms.thick.value = Math.max(1, pixels);
   }
 
   /** height, step: metres. */

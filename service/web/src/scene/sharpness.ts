@@ -43,6 +43,11 @@ export class Sharpness {
     this.use(this.fine);
   }
 
+  /** How many pixels are drawn now for one of the screen, along a side. */
+  get larger(): number {
+    return this.renderer.getPixelRatio() / this.ratio;
+  }
+
   /** Before a frame of what moves. waited: ms since it was wanted. */
   move(waited: number): void {
     this.slow = waited > SLOW ? this.slow + 1 : 0;

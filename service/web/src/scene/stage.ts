@@ -239,6 +239,7 @@ export class Stage {
       }
     } else if (root) this.followed.copy(root);
     const reach = Math.max(4, this.camera.position.distanceTo(this.controls.target) * 2.6);
+    this.ground.thick = this.sharpness.larger;
     this.ground.place(this.controls.target, this.floor, this.gridStep, reach);
     this.camera.lookAt(this.controls.target);
     this.renderer.render(this.scene, this.camera);
