@@ -115,8 +115,8 @@ def studio(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Served]:
     yield from serve(tmp_path, closed=request.param == "session")
 
 
-one_door = pytest.mark.parametrize("studio", ["session"], indirect=True)
-"""Of tests whose pages ask nothing of who is let in that the journeys do not ask of both doors."""
+one_door = pytest.mark.parametrize("studio", [pytest.param("open", marks=pytest.mark.fuzz), "session"], indirect=True)
+"""Of tests whose pages ask nothing of who is let in that the journeys do not ask of both doors; in `make fuzz` both."""
 
 
 @pytest.fixture

@@ -46,7 +46,6 @@ def expect_other_picture(page: Any, before: bytes) -> None:
     raise AssertionError("the body did not move")
 
 
-@one_door
 def test_a_curve_is_changed_and_undone_before_it_is_saved(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk())
     page = visit.open(f"/clips/{uuid}?f=5&sel=left_up_leg&tab=graph")
@@ -100,7 +99,6 @@ def test_text_is_checked_where_it_is_wrong_and_saved_where_it_is_right(visit: Vi
     assert len(found["items"]) == 1
 
 
-@one_door
 def test_two_windows_meet_and_merge(visit: Visit, visit_of: Any, studio: Served) -> None:
     visit.wanted = {409, 412}
     uuid = studio.upload("kick.bvh", walk())

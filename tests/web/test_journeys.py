@@ -113,7 +113,6 @@ def test_two_clips_are_composed(visit: Visit, studio: Served) -> None:
     assert both["frames"] > 20 + 40 - 1
 
 
-@one_door
 def test_a_motion_is_put_on_another_body(visit: Visit, studio: Served) -> None:
     one, body = studio.upload("one.bvh", walk(40)), studio.upload("body.bvh", walk(1, seed=3))
     page = visit.open(f"/retarget?from={one}&to={body}")
@@ -216,7 +215,6 @@ def test_a_question_is_saved_and_its_answer_becomes_a_clip(visit: Visit, studio:
     assert made["frames"] == 16
 
 
-@one_door
 def test_keys_alone(visit: Visit, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk(60))
     page = visit.open("/library")
@@ -245,7 +243,6 @@ def test_keys_alone(visit: Visit, studio: Served) -> None:
     page.wait_for_url(re.compile("/xpath"))
 
 
-@one_door
 def test_korean(visit: Visit, studio: Served) -> None:
     studio.upload("걷기.bvh", walk(20), label="walk")
     page = visit.open("/library")
