@@ -11,7 +11,7 @@ from random import Random
 from schemas.queries import QueryRequest
 from service.errors import LimitError, QueryError
 from service.storage.database import Database
-from service.xpath.parse import parse
+from service.xpath.language.parse import parse
 from tests.conftest import shared_folder
 from tests.xpath.grammar import Grammar
 from tests.xpath.library import Library, library

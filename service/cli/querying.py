@@ -21,9 +21,9 @@ from service.cli.shared import (
     table,
     write_blocks,
 )
-from service.xpath.parse import parse
-from service.xpath.tree import type_of
-from service.xpath.writing import STREAMS
+from service.xpath.answer.writing import STREAMS
+from service.xpath.language.parse import parse
+from service.xpath.language.tree import type_of
 
 FORMS = ("runs", "json", "xml", "ndjson", "csv", "count")
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from service.actions.importing.encode_clip import Progress
     from service.actions.importing.import_pool import ImportPool
     from service.xpath.limits import Limits
-    from service.xpath.run import Queries
+    from service.xpath.queries import Queries
 
 
 class Repository:
@@ -35,7 +35,7 @@ class Repository:
 
     @cached_property
     def queries(self) -> Queries:
-        from service.xpath.run import Queries
+        from service.xpath.queries import Queries
 
         return Queries(self.database, self.settings)
 

@@ -15,7 +15,7 @@ from service.actions.exporting.write_tables import TYPES, Batches, batches_of, w
 from service.operations.arguments import MOST, InProject
 from service.operations.call import Call, Content
 from service.operations.operation import gives
-from service.xpath.writing import FIELDS, STREAMS, xml_item
+from service.xpath.answer.writing import FIELDS, STREAMS, xml_item
 
 _NUMBER = re.compile(r"-?(\d+(\.\d*)?|\.\d+)")
 

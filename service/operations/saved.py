@@ -49,7 +49,7 @@ def save_query(
     call: Call, name: Name, query: QueryToSave, project: Keeper = "default", if_match: IfMatch = None
 ) -> SavedQuery:
     """A present one is changed with `If-Match`, its version."""
-    from service.xpath.parse import parse
+    from service.xpath.language.parse import parse
 
     parse(query.q, query.variables)
     return _query(_put(call, "query", project, name, query.model_dump(), if_match))

@@ -21,7 +21,7 @@ from service.errors import DocumentError, NotFoundError
 from service.mcml.dtd import violations
 from service.settings import Settings
 from service.storage.database import Database
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 from tests.actions.test_edit_element import PARSER, canonical
 from tests.builders import bvh, store
 from tests.edits import OTHER_SEEDS, change_element, delete_element

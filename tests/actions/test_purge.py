@@ -26,7 +26,7 @@ from service.settings import Settings
 from service.storage.database import Database
 from service.storage.schema import metadata
 from service.storage.tables import document
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 from tests.builders import MCML, bvh, store
 
 NAME = "somebody-private"

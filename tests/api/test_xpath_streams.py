@@ -16,9 +16,9 @@ from lxml import etree
 from schemas.queries import QueryRequest
 from service.api.routes import while_connected
 from service.errors import LimitError
+from service.xpath.answer.writing import STREAMS
 from service.xpath.limits import Limits
-from service.xpath.run import Queries
-from service.xpath.writing import STREAMS
+from service.xpath.queries import Queries
 from tests.builders import HTR, MCML, bvh, upload
 from tests.conftest import StoreOf
 

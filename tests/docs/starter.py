@@ -29,7 +29,7 @@ def serve(path: str) -> None:
     import service.cli
     import service.cli.commands
     import service.operations.analyses
-    import service.xpath.run  # noqa: F401  # what most commands need
+    import service.xpath.queries  # noqa: F401  # what most commands need
 
     listener = socket.socket(socket.AF_UNIX)
     listener.bind(path)

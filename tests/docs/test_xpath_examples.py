@@ -18,10 +18,10 @@ from service.actions.importing.load_demo import load_people
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
-from service.xpath.parse import parse
-from service.xpath.run import Queries
-from service.xpath.tree import type_of
-from service.xpath.worker import Addresses, describe
+from service.xpath.language.parse import parse
+from service.xpath.language.tree import type_of
+from service.xpath.queries import Queries
+from service.xpath.xml.worker import Addresses, describe
 
 TEXT = (Path(__file__).resolve().parents[2] / "docs" / "xpath.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^\| [^|`]+ \| `(.+)` \|$", TEXT, re.MULTILINE)

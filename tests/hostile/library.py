@@ -23,7 +23,7 @@ from service.jobs.runner import run_here
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.identifiers import new_uuid
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, mcml_of, store
 
 API = "/api/v1"

@@ -25,7 +25,7 @@ from service.storage.checks import faults
 from service.storage.database import Database, Transaction
 from service.storage.filtering import DocumentFilter
 from service.storage.schema import metadata
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 from tests import postgres
 from tests.builders import ASF, HTR, MCML, amc, bvh, c3d_file, store
 from tests.edits import change_element

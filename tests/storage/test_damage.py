@@ -19,7 +19,7 @@ from service.storage import tables
 from service.storage.database import Database, Transaction
 from service.storage.layout import LAYOUT
 from service.storage.schema import metadata
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 from tests.builders import ASF, MCML, amc, bvh, store
 from tests.edits import change_element
 

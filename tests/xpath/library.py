@@ -21,7 +21,7 @@ from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 from tests.builders import ASF, HTR, MCML, amc, bvh, mcml_of, store
 from tests.edits import change_element, delete_element
 

@@ -17,13 +17,23 @@ from typing import Any
 from lxml import etree
 
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
-from service.xpath.labels import without_index
-from service.xpath.parse import Query, parse
-from service.xpath.run import Queries
-from service.xpath.texts import to_number
-from service.xpath.tree import Call, Expression, Literal, Operation, Path, children, is_constant, type_of, with_children
-from service.xpath.unparse import unparse
-from service.xpath.worker import Addresses, describe, namespace_owners
+from service.xpath.language.labels import without_index
+from service.xpath.language.parse import Query, parse
+from service.xpath.language.tree import (
+    Call,
+    Expression,
+    Literal,
+    Operation,
+    Path,
+    children,
+    is_constant,
+    type_of,
+    with_children,
+)
+from service.xpath.language.unparse import unparse
+from service.xpath.nodes.texts import to_number
+from service.xpath.queries import Queries
+from service.xpath.xml.worker import Addresses, describe, namespace_owners
 
 Trees = Mapping[str, Any]
 WIDE = ("descendant", "descendant-or-self", "following", "preceding", "following-sibling", "preceding-sibling")

@@ -9,8 +9,8 @@ from random import Random
 import pytest
 
 from service.storage.database import Database
-from service.xpath import column_source
-from service.xpath.parse import parse
+from service.xpath.engine import column_source
+from service.xpath.language.parse import parse
 from tests.conftest import shared_folder
 from tests.xpath.grammar import Grammar
 from tests.xpath.library import Library, library

@@ -17,9 +17,9 @@ from service.actions.reading.import_options import ImportOptions
 from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database
-from service.xpath.evaluate import Evaluator, Nodes
-from service.xpath.parse import parse
-from service.xpath.run import Queries
+from service.xpath.language.parse import parse
+from service.xpath.queries import Queries
+from service.xpath.xml.evaluate import Evaluator, Nodes
 from tests.xpath.small import DOCUMENT, answer, tree
 
 

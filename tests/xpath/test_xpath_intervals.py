@@ -6,12 +6,12 @@ from random import Random
 
 import numpy as np
 
-from service.xpath.intervals import Interval
-from service.xpath.numbering import Bools, Floats
-from service.xpath.parse import parse
-from service.xpath.rules import normal
-from service.xpath.tree import Path
-from service.xpath.vectors import Sample, condition
+from service.xpath.engine.vectors import Sample, condition
+from service.xpath.language.parse import parse
+from service.xpath.language.rules import normal
+from service.xpath.language.tree import Path
+from service.xpath.library.intervals import Interval
+from service.xpath.nodes.numbering import Bools, Floats
 from tests.xpath.test_xpath_scan import Maker
 
 TRACKS, FRAMES = 40, 6

@@ -24,11 +24,12 @@ from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
-from service.xpath import group_scan, groups
-from service.xpath.caches import Caches
-from service.xpath.parse import parse
-from service.xpath.run import Queries
-from service.xpath.tree import type_of
+from service.xpath.engine import group_scan
+from service.xpath.language.parse import parse
+from service.xpath.language.tree import type_of
+from service.xpath.library import groups
+from service.xpath.library.caches import Caches
+from service.xpath.queries import Queries
 from tests.builders import bvh
 from tests.edits import change_element, delete_element
 from tests.xpath.grammar import Grammar

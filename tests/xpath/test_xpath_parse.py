@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from lxml import etree
 
 from service.errors import LimitError, QueryError
-from service.xpath.parse import parse
-from service.xpath.rules import normal
-from service.xpath.scan_plan import plan_scan
-from service.xpath.signatures import FUNCTIONS
-from service.xpath.starts import start_of
-from service.xpath.tree import Operation, Path, Step, Written, type_of, walk
+from service.xpath.engine.scan_plan import plan_scan
+from service.xpath.engine.starts import start_of
+from service.xpath.language.functions import FUNCTIONS
+from service.xpath.language.parse import parse
+from service.xpath.language.rules import normal
+from service.xpath.language.tree import Operation, Path, Step, Written, type_of, walk
 
 
 def test_abbreviations_are_written_out() -> None:

@@ -9,9 +9,9 @@ from random import Random
 import pytest
 
 from service.errors import LimitError, StoreError
-from service.xpath.evaluate import Evaluator, Nodes, Scalar
-from service.xpath.parse import parse
-from service.xpath.projection import Projection, may_select_document, projection
+from service.xpath.language.parse import parse
+from service.xpath.language.reach import Projection, may_select_document, projection
+from service.xpath.xml.evaluate import Evaluator, Nodes, Scalar
 from tests.xpath.grammar import Grammar
 from tests.xpath.small import DOCUMENT, answer, projected, tree
 

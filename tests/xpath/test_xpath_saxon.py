@@ -13,11 +13,11 @@ from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueIt
 from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.database import Database
-from service.xpath import saxon
 from service.xpath.limits import Limits
-from service.xpath.run import Queries
-from service.xpath.saxon import Saxon
-from service.xpath.turns import Turns
+from service.xpath.queries import Queries
+from service.xpath.xml import saxon
+from service.xpath.xml.saxon import Saxon
+from service.xpath.xml.turns import Turns
 from tests.builders import MCML, bvh, store
 
 DOCUMENT = b"<mcml><motion><frame id='1'/><frame id='2'/></motion></mcml>"

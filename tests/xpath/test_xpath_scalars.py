@@ -10,7 +10,7 @@ from schemas.queries import QueryRequest
 from service.errors import QueryError
 from service.settings import Settings
 from service.storage.database import Database
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 from tests.builders import bvh, store
 
 

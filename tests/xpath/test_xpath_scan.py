@@ -16,14 +16,17 @@ from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
-from service.xpath import forest, group_scan, groups, run, streams
-from service.xpath.caches import Caches
-from service.xpath.nodes import Node
-from service.xpath.parse import parse
-from service.xpath.rules import normal
-from service.xpath.run import Queries
-from service.xpath.scan_plan import plan_scan
-from service.xpath.sources import described
+from service.xpath import queries as run
+from service.xpath.answer import streams
+from service.xpath.answer.sources import described
+from service.xpath.engine import group_scan
+from service.xpath.engine.scan_plan import plan_scan
+from service.xpath.language.parse import parse
+from service.xpath.language.rules import normal
+from service.xpath.library import forest, groups
+from service.xpath.library.caches import Caches
+from service.xpath.nodes.node import Node
+from service.xpath.queries import Queries
 from tests.builders import HTR, MCML, bvh, store
 from tests.edits import change_element, delete_element
 

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from service.errors import LimitError, QueryError
-from service.xpath.complete import complete
-from service.xpath.hints import unknown_names
-from service.xpath.parse import parse
+from service.xpath.language.complete import complete
+from service.xpath.language.hints import unknown_names
+from service.xpath.language.parse import parse
 
 
 def items(text: str, at: int | None = None) -> tuple[int, list[str]]:

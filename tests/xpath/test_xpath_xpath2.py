@@ -12,10 +12,10 @@ from saxonche import PySaxonApiError, PySaxonProcessor
 from schemas.queries import NodeItem, QueryRequest
 from service.errors import QueryError
 from service.storage.database import Database
-from service.xpath.parse import parse
-from service.xpath.saxon_worker import evaluate
-from service.xpath.signatures import AGGREGATES
-from service.xpath.tree import Call, Written, is_constant
+from service.xpath.language.functions import AGGREGATES
+from service.xpath.language.parse import parse
+from service.xpath.language.tree import Call, Written, is_constant
+from service.xpath.xml.saxon_worker import evaluate
 from tests import postgres
 from tests.conftest import shared_folder
 from tests.xpath.library import Library, library

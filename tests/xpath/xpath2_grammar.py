@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from elementpath import XPath2Parser
 from elementpath.tdop import Parser
 
-from service.xpath.xpath2 import spell_for_elementpath
+from service.xpath.language.written import spell_for_elementpath
 from tests.xpath.grammar import CHANNELS, Grammar
 from tests.xpath.witness import Witness, element
 

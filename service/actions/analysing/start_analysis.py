@@ -16,7 +16,7 @@ from service.analysis.interface import Analysis, AnalysisError
 from service.errors import NotFoundError, SizeError
 from service.settings import Settings
 from service.storage.database import Database
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 
 EXTENDS, LEFT_OUT, SKELETON = "extends", "left_out", "skeleton_of"
 """What stands beside the parameters of a job: the result that its documents are added to, how many selected clips were

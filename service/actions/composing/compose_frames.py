@@ -27,7 +27,7 @@ from service.motion.units import reading_of, up_of
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 
 MOST_FRAMES = 1_000_000
 """Of a composed document: it is made in memory."""

@@ -13,7 +13,7 @@ from service.actions.exporting.export_motion import ExportOptions, export_docume
 from service.errors import McmlError, UnsupportedError
 from service.formats import FORMATS
 from service.storage.database import Database
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 
 REFUSED = "refused.txt"
 """The file of a zip that says which documents are not in it, and why."""

@@ -33,7 +33,7 @@ from service.motion.skeleton import Skeleton
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.documents import StoredDocument
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 
 
 def retarget_motion(

@@ -10,7 +10,7 @@ from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import AnalysisError
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter, parse_condition
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 
 MOST = 1_000_000
 

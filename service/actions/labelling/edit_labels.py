@@ -16,7 +16,7 @@ from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
 from service.storage.spans import StoredSpan
-from service.xpath.run import Queries
+from service.xpath.queries import Queries
 
 HEADINGS = ("document", "label", "first", "last")
 

@@ -1,0 +1,56 @@
+"""How a query runs, in words."""
+
+from __future__ import annotations
+
+from service.mcml.addresses import address_attribute
+from service.motion.skeleton import CHANNELS
+from service.xpath.engine.column_source import ColumnSource
+from service.xpath.engine.scan import Scan
+from service.xpath.engine.vectors import Sample
+from service.xpath.language.unparse import unparse
+
+
+def steps_of(source: Scan | ColumnSource) -> list[str]:
+    """What a source does, step by step."""
+    return _scan(source) if isinstance(source, Scan) else _columns(source)
+
+
+def _scan(source: Scan) -> list[str]:
+    plan = source.plan
+    steps = [f"spans named {_names(group)}, by the index on names" for group in plan.names]
+    bones = f"the bone {plan.lead!r}" if plan.lead is not None else "all bones"
+    zones = [f"{_sample(sample)} {operator} {bound:g}" for sample, operator, bound in plan.condition.bounds]
+    steps.append(f"tracks of {bones} whose zone maps allow {' and '.join(zones) or 'the condition'}")
+    samples = ", ".join(sorted(_sample(sample) for sample in plan.condition.samples))
+    steps.append(f"where they do not decide it, the condition on {samples}, a track of 256 frames at a time")
+    if plan.target != "frame":
+        steps.append("their frame_bones" + (f" named {plan.bone!r}" if plan.bone is not None else ""))
+    if plan.attribute is not None:
+        steps.append(f"their attribute {plan.attribute}")
+    return steps
+
+
+def _columns(source: ColumnSource) -> list[str]:
+    start = source.start
+    if start is None:
+        return [f"on columns: {unparse(source.tree)}"]
+    steps = [f"spans named {_names(group)}, by the index on names" for group in start.groups]
+    if start.position is not None:
+        steps.append(f"the frame at position {start.position}")
+    if start.id is not None:
+        steps.append(f"frames of id {start.id!r}, by arithmetic on runs of ids")
+    if not start.indexed:
+        steps.append("all frames, by the timeline")
+    steps += [f"of these, those where {unparse(predicate)}" for predicate in start.predicates]
+    if start.steps:
+        steps.append("from these, on columns: " + "/".join(unparse(step) for step in start.steps))
+    return steps
+
+
+def _names(group: tuple[str, ...]) -> str:
+    return " or ".join(repr(name) for name in group)
+
+
+def _sample(sample: Sample) -> str:
+    bone, channel = sample
+    return address_attribute(bone, CHANNELS[channel]) if bone is not None else f"@{CHANNELS[channel]}"

@@ -1,0 +1,155 @@
+"""What of XPath 2.0 has no tree of ours: it is checked here, and evaluated by Saxon as it is written.
+
+Such an expression must not reach out of the document, so the functions it may call are listed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from elementpath import XPath2Parser
+from elementpath.exceptions import ElementPathError
+from elementpath.tdop import Parser
+
+from service.errors import Place, QueryError
+from service.xpath.language.functions import AGGREGATES, SAFE_FUNCTIONS
+from service.xpath.language.grammar import check_arity
+from service.xpath.language.tree import Written
+
+TYPES = frozenset({"string", "double", "decimal", "integer", "boolean", "float"})
+"""Types of `xs:` that may be named."""
+_BINDERS = ("for", "some", "every")
+_NODE_OPERATORS = ("union", "intersect", "except", "|")
+_STEPS = ("@", "*", ".", "..")
+_KIND_TEST_BEFORE_SIGN = re.compile(
+    r"""'[^']*'|"[^"]*"|\b((?:node|text|comment|processing-instruction)\(\s*\))(?=\s*[+*?])"""
+)
+_ATTRIBUTE_KIND_TEST = re.compile(r"""'[^']*'|"[^"]*"|(@)(?=\s*(?:node|text|comment|processing-instruction)\s*\()""")
+_NEXT_BINDING = re.compile(r",\s*\$[^\s,]+\s+in\s")
+"""A comma of `for $a in …, $b in …`, which no argument can begin with."""
+_COMMENT = re.compile(r"""'[^']*'|"[^"]*"|(\(:)""")
+
+
+def read_xpath2(text: str, variables: Mapping[str, str | float | bool]) -> Written:
+    """The expression as a tree of one node.
+
+    elementpath parses it. Its ordinary entry evaluates constants while parsing, which a hostile text makes last for
+    minutes; `tdop.Parser.parse` only parses. Raises QueryError for what is no XPath 2.0, or may not be asked.
+    """
+    text = spell_for_elementpath(text)
+    try:
+        root = Parser.parse(XPath2Parser(), text)
+    except ElementPathError as error:
+        raise _query_error(text, str(error)) from None
+    for comment in _COMMENT.finditer(text):
+        if comment.group(1):
+            raise QueryError("an expression cannot hold comments", at=Place(column=comment.start() + 1))
+    for token in root.iter():
+        _check(token)
+    needed = _variables(root)
+    for name, column in needed.items():
+        if name not in variables:
+            raise QueryError(
+                f"the variable ${name} has no value",
+                at=Place(column=column),
+                remedy="Give it one with the request, or bind it with for, some or every.",
+            )
+    bound = tuple((name, variables[name]) for name in needed)
+    inner = split_arguments(text) if root.label == "function" and root.symbol in AGGREGATES else []
+    function = root.symbol if inner else ""
+    return Written(text, bound, function, tuple(inner), _gives_nodes(root))
+
+
+def spell_for_elementpath(text: str) -> str:
+    """The expression as elementpath reads it rightly."""
+    # It takes the + of `node() + 1` for an occurrence indicator of XPath 2.0; a predicate keeps them apart.
+    text = _KIND_TEST_BEFORE_SIGN.sub(lambda match: match.group() + "[true()]" * bool(match.group(1)), text)
+    # It knows `attribute::node()`, but not its abbreviation.
+    return _ATTRIBUTE_KIND_TEST.sub(lambda match: "attribute::" if match.group(1) else match.group(), text)
+
+
+def _query_error(text: str, message: str) -> QueryError:
+    found = re.search(r"at line (\d+), column (\d+): (?:\[err:(\w+)\] )?(.*)", message, re.DOTALL)
+    column = 1
+    what = message
+    if found:
+        lines = text.split("\n")[: int(found.group(1)) - 1]
+        column = sum(len(line) + 1 for line in lines) + int(found.group(2))
+        what = found.group(4)
+    return QueryError(what.rstrip("."), at=Place(column=column))
+
+
+def _check(token: Any) -> None:
+    column = token.span[0] + 1
+    if token.symbol == ":":
+        prefix, local = (getattr(part, "value", None) or part.symbol for part in (token[0], token[1]))
+        local = token[1].symbol if token[1].label != "name" else local
+        if (prefix == "fn" and token[1].label == "function") or (prefix == "xs" and local in TYPES):
+            return
+        raise QueryError(
+            f"{prefix}: cannot be used here", at=Place(column=column), remedy="MCML has no namespaces: leave it out."
+        )
+    if token.label == "function" and token.symbol not in SAFE_FUNCTIONS:
+        raise QueryError(
+            f"the function {token.symbol}() is not offered",
+            at=Place(column=column),
+            remedy="Use the functions that docs/xpath.md lists.",
+        )
+    if token.label == "function":
+        check_arity(token.symbol, len(token), column)
+    if token.label == "constructor function" and token.symbol not in TYPES | set(SAFE_FUNCTIONS):
+        raise QueryError(f"the type {token.symbol} is not offered", at=Place(column=column))
+
+
+def _gives_nodes(token: Any) -> bool:
+    """Whether the value can only be nodes, as far as the syntax tells; asked where the value is empty."""
+    symbol, operands = token.symbol, list(token)
+    if symbol in _NODE_OPERATORS or token.label in ("axis", "kind test", "name") or symbol in _STEPS:
+        return True
+    if symbol in ("/", "//"):
+        return not operands or _gives_nodes(operands[-1])
+    if symbol == "[":
+        return _gives_nodes(operands[0])
+    if symbol == "if":
+        return all(map(_gives_nodes, operands[1:]))
+    if symbol == "for":
+        return _gives_nodes(operands[-1])
+    return symbol in ("(", ",") and bool(operands) and all(map(_gives_nodes, operands))
+
+
+def _variables(root: Any) -> dict[str, int]:
+    """Names of variables that the expression does not bind itself, each with the column of its first use."""
+    bound: set[str] = set()
+    for token in root.iter():
+        if token.symbol in _BINDERS:
+            bound.update(str(part[0].value) for part in list(token)[:-1:2] if part.symbol == "$")
+    used: dict[str, int] = {}
+    for token in root.iter():
+        if token.symbol == "$" and token[0].value not in bound:
+            used.setdefault(str(token[0].value), token.span[0] + 1)
+    return used
+
+
+def split_arguments(text: str) -> list[str]:
+    """The arguments of the call that a text is; none if it is more than one call."""
+    inner = text[text.index("(") + 1 :].rstrip()
+    result = [""]
+    depth, quote = 1, ""
+    for place, letter in enumerate(inner):
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in "'\"":
+            quote = letter
+        elif letter in "([":
+            depth += 1
+        elif letter in ")]":
+            depth -= 1
+            if depth == 0:
+                return [part.strip() for part in result] if place == len(inner) - 1 else []
+        elif letter == "," and depth == 1 and not _NEXT_BINDING.match(inner, place):
+            result.append("")
+            continue
+        result[-1] += letter
+    return []

@@ -1,0 +1,56 @@
+"""The tracks of the bones of a name in a group of documents, and what questions about their samples make of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from service.xpath.library.intervals import Interval
+from service.xpath.library.zones import Table
+from service.xpath.nodes.numbering import Floats
+
+
+class BoneColumns:
+    """table: the tracks with their zone maps. least, greatest: of all samples of each channel, NaN where there are
+    none. A bone whose name is not there has no tracks."""
+
+    def __init__(self, table: Table, *, shared: bool = False) -> None:
+        """shared: the table is kept elsewhere, too."""
+        self.table = table
+        self.least: Floats = np.fmin.reduce(table.least, axis=1, initial=np.nan)
+        self.greatest: Floats = np.fmax.reduce(table.greatest, axis=1, initial=np.nan)
+        self._own = 0 if shared else table.nbytes
+        self._facing: WeakKeyDictionary[BoneColumns, Table] = WeakKeyDictionary()
+        self._sums: dict[int, Floats] = {}
+        self.totals: dict[int, tuple[float, int]] = {}
+        """Of each channel the sum of all samples of frames that are there, and how many; what was asked for."""
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    @property
+    def nbytes(self) -> int:
+        """About how much memory it takes, with what questions work out."""
+        return 500 + 2 * self._own + 8 * len(self.table)
+
+    def facing(self, lead: BoneColumns) -> Table:
+        """For each track of another bone the one of the same frames."""
+        found = self._facing.get(lead)
+        if found is None:
+            found = self._facing[lead] = self.table.facing(lead.table)
+        return found
+
+    def sums(self, channel: int, make: Callable[[Table], Floats]) -> Floats:
+        """The sum of the samples of each track. make: works it out."""
+        if channel not in self._sums:
+            self._sums[channel] = make(self.table)
+        return self._sums[channel]
+
+
+def summary(columns: list[BoneColumns], channel: int) -> Interval:
+    """What the samples of a channel lie between, in each of several groups; whether each frame has one is not said."""
+    low = np.array([each.least[channel] for each in columns])
+    high = np.array([each.greatest[channel] for each in columns])
+    return Interval(low, high, ~np.isnan(low), np.zeros(len(columns), bool))

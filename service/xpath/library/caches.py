@@ -1,0 +1,78 @@
+"""What the queries of a process keep between them: parts of the store that never change, not answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Generic, Protocol, TypeVar
+
+from service.storage.blocks import Block
+from service.storage.columns import Listed
+from service.storage.database import Transaction
+from service.xpath.library.cache import OVERHEAD, Cache, ColumnCache
+from service.xpath.library.head_parts import Heads
+from service.xpath.library.listing import Listing
+from service.xpath.library.tracks import BlockKey, Tracks
+from service.xpath.library.zones import Zones, read_zones
+from service.xpath.nodes.frame_runs import Ids, Labels, read_ids, read_labels
+from service.xpath.nodes.layouts import Layout, read_layouts
+
+
+class _Sized(Protocol):
+    @property
+    def nbytes(self) -> int: ...
+
+
+Entry = TypeVar("Entry", bound=_Sized)
+
+
+class DocumentCache(Generic[Entry]):
+    """A cache of what belongs to one document. At one revision a document never changes.
+
+    read: the entry of each document by its key. limit: bytes kept.
+    """
+
+    def __init__(
+        self, read: Callable[[Transaction, Sequence[Listed]], Mapping[int, Entry]], limit: int = 8 << 20
+    ) -> None:
+        self._read = read
+        self._kept = Cache[tuple[int, int], Entry](limit, lambda entry: entry.nbytes)
+
+    def holds(self, documents: Sequence[Listed]) -> bool:
+        """Whether the entries of all of them are kept now."""
+        return self._kept.holds([(listed.key, listed.revision) for listed in documents])
+
+    def read(self, tx: Transaction, documents: Sequence[Listed]) -> list[Entry]:
+        """The entry of each document. tx: one that only reads, for a revision that may yet be taken back is none."""
+        wanted = {(listed.key, listed.revision): listed for listed in documents}
+
+        def missing(keys: list[tuple[int, int]]) -> dict[tuple[int, int], Entry]:
+            entries = self._read(tx, [wanted[key] for key in keys])
+            return {key: entries[key[0]] for key in keys}
+
+        return self._kept.get([(listed.key, listed.revision) for listed in documents], missing)
+
+
+COLUMNS = 512 << 20
+"""Bytes, if nothing else is said."""
+
+
+class Caches:
+    """What a process keeps. limit: bytes of columns: half for what documents are made of and their zone maps, half for
+    samples; the rest takes a little beside them.
+
+    listing: which documents there are. heads, layouts, labels, ids, zones: of documents. columns: of groups of
+    documents. samples: of bones of groups. tracks: decoded. blocks: all tracks over a chunk.
+    """
+
+    def __init__(self, limit: int = COLUMNS) -> None:
+        small = min(8 << 20, limit // 16)
+        self.listing = Listing()
+        self.heads = Heads(small)
+        self.layouts = DocumentCache[Layout](read_layouts, 2 * small)
+        self.labels = DocumentCache[Labels](read_labels, small)
+        self.ids = DocumentCache[Ids](read_ids, small)
+        self.zones = DocumentCache[Zones](read_zones, 3 * small)
+        self.columns = ColumnCache(limit // 2)
+        self.samples = ColumnCache(limit // 2)
+        self.tracks = Tracks(4 * small, 5 * small)
+        self.blocks = Cache[BlockKey, Block](3 * small, lambda block: block.values.nbytes + OVERHEAD)

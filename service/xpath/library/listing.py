@@ -1,0 +1,173 @@
+"""Which documents there are, and which of them a question asks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from service.storage.columns import Listed
+from service.storage.database import Transaction
+from service.xpath.language.hints import Kind, compared_names, not_found
+from service.xpath.language.tree import Expression
+from service.xpath.library.cache import Cache
+from service.xpath.library.groups import FEW_DOCUMENTS, Group, Groups
+
+STATES = 4
+"""States of the store whose documents are kept: the present one, and some that pages or streams still read."""
+
+KNOWN_NAMES = 10_000
+"""Texts for which it is kept whether names equal them."""
+
+
+@dataclass
+class State:
+    """What was read of the store as one commit left it.
+
+    commit: that one. whole: all documents, once somebody asked for them; whole_since: since when the history was whole
+    then. documents: single ones by key. groups: of a project (None: of all) by its key. keys: by id. unused: what was
+    said of names that were compared, by scope.
+    """
+
+    commit: int
+    whole: list[Listed] | None = None
+    whole_since: int = 0
+    groups: dict[int | None, list[Group]] = field(default_factory=dict)
+    documents: dict[int, Listed] = field(default_factory=dict)
+    keys: dict[str, int] = field(default_factory=dict)
+    unused: dict[tuple[Kind, str, tuple[int, ...] | None, int | None], str | None] = field(default_factory=dict)
+
+
+class Listing:
+    """The documents of the store; after a commit those that it changed are read anew. Threads may share it."""
+
+    def __init__(self) -> None:
+        # By the newest commit as well as the one that is read: a deleted document that comes back was never away.
+        self._states = Cache[tuple[int, int], State](STATES, lambda _: 1)
+        self._groups = Groups()
+        self._last: State | None = None
+
+    def state(self, tx: Transaction) -> State:
+        """What a transaction sees."""
+        newest = tx.newest_commit()
+        return self._states.get([(newest, tx.at)], lambda keys: {keys[0]: State(min(newest, tx.at))})[0]
+
+    def whole(self, tx: Transaction, state: State) -> list[Listed]:
+        """All documents by name, then key, the order of answers."""
+        if state.whole is None:
+            last = self._last
+            # Only of the newest state it is known what changed since another; what was purged leaves no trace.
+            is_newest, state.whole_since = tx.at >= tx.newest_commit(), tx.pruning.whole_since()
+            is_known = last is not None and last.commit <= state.commit and last.whole_since == state.whole_since
+            if is_newest and is_known and last is not None and last.whole is not None:
+                state.whole = _changed(tx, last.whole, last.commit)
+            else:
+                state.whole = tx.columns.documents()
+            state.documents.update({listed.key: listed for listed in state.whole})
+            if is_newest and (last is None or last.commit <= state.commit):
+                self._last = state
+        return state.whole
+
+    def groups(self, tx: Transaction, state: State, project: int | None) -> list[Group]:
+        """The same, of a project or all, in groups."""
+        if project not in state.groups:
+            whole = self.whole(tx, state)
+            wanted = whole if project is None else [listed for listed in whole if listed.project == project]
+            state.groups[project] = self._groups.cut(wanted)
+        return state.groups[project]
+
+    def cut(self, documents: list[Listed]) -> list[Group]:
+        """Some documents in groups."""
+        return self._groups.cut(documents)
+
+    def group(self, documents: list[Listed]) -> Group:
+        """Some documents as one group."""
+        return self._groups.group(documents)
+
+
+def _changed(tx: Transaction, whole: list[Listed], commit: int) -> list[Listed]:
+    """All documents, given those of an earlier commit: every change, a deletion too, is a revision."""
+    changed = tx.columns.changed_since(commit)
+    if not changed:
+        return whole
+    gone = set(changed)
+    kept = [listed for listed in whole if listed.key not in gone]
+    new = tx.columns.documents(changed)
+    return sorted([*kept, *new], key=_in_order) if new else kept
+
+
+def _in_order(listed: Listed) -> tuple[str, int]:
+    return listed.name, listed.key
+
+
+class Scope:
+    """What a query is asked of. keys: of the documents, None for all. project: only documents of this one."""
+
+    def __init__(self, tx: Transaction, listing: Listing, documents: Sequence[str] = (), project: str | None = None):
+        """documents: by their ids, or collections of them; all if none is given. NotFoundError for documents or
+        projects that do not exist."""
+        self._tx = tx
+        self._listing = listing
+        named = tx.saved.expand(documents)
+        self.keys = [self._key(uuid) for uuid in dict.fromkeys(named)] if documents else None
+        self.project = tx.projects.get(project) if project else None
+
+    @cached_property
+    def state(self) -> State:
+        return self._listing.state(self._tx)
+
+    def documents(self, keys: Sequence[int] | None = None) -> list[Listed]:
+        """The documents by name, then key, the order of answers. keys: of those that are asked, only these."""
+        found = self._listed(self.keys if keys is None else keys)
+        return found if self.project is None else [listed for listed in found if listed.project == self.project]
+
+    def _listed(self, keys: Sequence[int] | None) -> list[Listed]:
+        state = self.state
+        if keys is None:
+            return self._listing.whole(self._tx, state)
+        missing = [key for key in keys if key not in state.documents]
+        if missing and state.whole is None:
+            state.documents.update({listed.key: listed for listed in self._tx.columns.documents(missing)})
+        chosen = [state.documents[key] for key in dict.fromkeys(keys) if key in state.documents]
+        return sorted(chosen, key=_in_order)
+
+    def groups(self, documents: list[Listed] | None = None) -> list[Group]:
+        """The documents in groups. documents: only these of them, in order; all, if none are given."""
+        if self.keys is None and documents is None:
+            return self._listing.groups(self._tx, self.state, self.project)
+        few = self.documents() if documents is None else documents
+        return [self._listing.group(few[at : at + FEW_DOCUMENTS]) for at in range(0, len(few), FEW_DOCUMENTS)]
+
+    def used_names(self, kind: Kind) -> list[str]:
+        """The different names of bones, or the motion names, that occur."""
+        return self._tx.columns.used_names(kind, self._narrowed())
+
+    def used_counts(self, kind: Kind) -> dict[str, int]:
+        """The same, by code point, with how many documents have each."""
+        return self._tx.columns.used_counts(kind, self._narrowed())
+
+    def unused_names(self, tree: Expression) -> list[str]:
+        """For each text that names are compared with and that none here equals, the nearest one that occurs."""
+        asked = None if self.keys is None else tuple(self.keys)
+        found = []
+        for kind, said in compared_names(tree):
+            warnings = self.state.unused
+            if len(warnings) > KNOWN_NAMES:
+                warnings.clear()
+            if (kind, said, asked, self.project) not in warnings:
+                used = self._tx.columns.is_used(kind, said, self._narrowed())
+                warnings[kind, said, asked, self.project] = (
+                    None if used else not_found(kind, said, self.used_names(kind))
+                )
+            found.append(warnings[kind, said, asked, self.project])
+        return [warning for warning in found if warning is not None]
+
+    def _narrowed(self) -> list[int] | None:
+        """Keys of the documents, None for all."""
+        return self.keys if self.project is None else [listed.key for listed in self.documents()]
+
+    def _key(self, uuid: str) -> int:
+        keys = self.state.keys
+        if uuid not in keys:
+            keys[uuid] = self._tx.documents.get(uuid).key
+        return keys[uuid]

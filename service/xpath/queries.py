@@ -1,0 +1,378 @@
+"""Questions to answers: parse, choose a source for the nodes, and run in one read transaction, a page at a time."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Literal
+
+import numpy as np
+
+from schemas.queries import Explain, QueryAnswer, QueryRequest, RunTotals, ScalarItem, ValueItem
+from service.errors import LimitError, QueryError
+from service.settings import Settings
+from service.storage.database import LATEST, Database, Transaction
+from service.xpath.answer import sources
+from service.xpath.answer.cursors import Cursor, question, read_cursor
+from service.xpath.answer.describe import describe_nodes
+from service.xpath.answer.explain import steps_of
+from service.xpath.answer.items import Kind, kind_of_value, node_item, plain, run_items, scalars
+from service.xpath.answer.sources import Nth, Source
+from service.xpath.answer.streams import Answer, Shown, collect
+from service.xpath.answer.totals import MAX_RUNS, add_ranges, counted
+from service.xpath.engine import aggregates
+from service.xpath.engine.column_source import ColumnSource
+from service.xpath.engine.columns import Columns, Context
+from service.xpath.engine.functions import NotOnColumnsError
+from service.xpath.engine.scan import Scan
+from service.xpath.engine.scan_plan import plan_scan
+from service.xpath.engine.values import TooLongError
+from service.xpath.language.complete import Completion, complete
+from service.xpath.language.hints import unknown_names
+from service.xpath.language.labels import without_index
+from service.xpath.language.parse import Query, parse
+from service.xpath.language.reach import HeadPart
+from service.xpath.language.rules import normal
+from service.xpath.language.tree import Expression, distinct_of, is_constant, type_of
+from service.xpath.library.caches import Caches
+from service.xpath.library.forest import Forest
+from service.xpath.library.groups import Group
+from service.xpath.library.listing import Scope
+from service.xpath.limits import Limits
+from service.xpath.nodes.node import Node, Run
+from service.xpath.nodes.numbering import MAX_DOCUMENTS
+from service.xpath.nodes.pairs import TooWideError
+from service.xpath.xml.evaluate import Evaluator
+from service.xpath.xml.projected import Projected
+from service.xpath.xml.saxon import Saxon
+from service.xpath.xml.sequences import Answer as Sequenced
+from service.xpath.xml.sequences import Sequences
+
+DEFAULT_LIMIT = 100
+MAX_ON_XML = 100_000
+
+
+class Queries:
+    """The query engine of one process: the store, the limits, and the pool of evaluating processes."""
+
+    def __init__(self, database: Database, settings: Settings) -> None:
+        self.database = database
+        self.settings = settings
+        self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
+        self.saxon = Saxon(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
+        self.caches = Caches(settings.query_cache_mib << 20)
+
+    def close(self) -> None:
+        self.evaluator.close()
+        self.saxon.close()
+
+    def answer(self, request: QueryRequest, limits: Limits | None = None) -> QueryAnswer:
+        """A page of the answer. limits: by the settings, if not given; another thread may cancel through them.
+
+        Raises QueryError (with column and hint) for what is no XPath or a cursor of another question, NotFoundError
+        for a document or project that does not exist, LimitError for what exceeds the limits.
+        """
+        start = time.perf_counter()
+        limits = limits or self.limits()
+        query = parse(request.q, request.variables)
+        cursor = read_cursor(request)
+        kind = type_of(query.tree)
+        if request.as_ != "json" and kind not in ("nodes", "sequence"):
+            raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
+        with self.database.read(self._commit(request) if cursor is None else cursor.commit) as tx:
+            if cursor is not None:
+                tx.pruning.require_whole_since(cursor.whole_since)
+            scope = Scope(tx, self.caches.listing, request.document, request.project)
+            asking = _Asking(self, tx, query, scope, limits, wants_explain=request.explain)
+            page = _Page(self.caches, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
+            try:
+                answer = asking.answer(page)
+            except LimitError as error:
+                if request.explain:
+                    error.details["explain"] = asking.explained((time.perf_counter() - start) * 1000).model_dump()
+                raise
+            if request.explain:
+                answer.explain = asking.explained((time.perf_counter() - start) * 1000)
+            answer.warnings += [*query.warnings, *unknown_names(query.tree), *scope.unused_names(query.tree)]
+        return answer
+
+    def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
+        """All nodes of an answer (or the first `limit`), to be shown bit by bit. Raises as `answer` does."""
+        limits = limits or self.limits()
+        query = parse(request.q, request.variables)
+        kind = type_of(query.tree)
+        if kind not in ("nodes", "sequence"):
+            raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
+        with self.database.read(self._commit(request)) as tx:
+            scope = Scope(tx, self.caches.listing, request.document, request.project)
+            asking = _Asking(self, tx, query, scope, limits, wants_explain=False)
+            commit = scope.state.commit
+            try:
+                parts = collect(asking.nodes(), request.limit)
+            except (TooWideError, TooLongError, NotOnColumnsError):
+                return Shown(asking.on_xml(request.limit))
+            since = tx.pruning.whole_since()
+        return Answer(self.database, self.caches, commit, since, parts)
+
+    def documents_with(self, expression: str, project: str | None, limits: Limits) -> set[str] | None:
+        """The ids of documents in which an expression is true or finds something; None for all there are."""
+        hits: set[str] = set()
+        request = QueryRequest(q=f"boolean({expression})", project=project, limit=MAX_DOCUMENTS)
+        while True:
+            answer = self.answer(request, limits)
+            if answer.value is not None:
+                return None if answer.value else set()
+            hits |= {item.document for item in answer.items or () if isinstance(item, ScalarItem) and item.value}
+            if answer.next_cursor is None:
+                return hits
+            request = request.model_copy(update={"cursor": answer.next_cursor})
+
+    def addresses(self, request: QueryRequest) -> list[str]:
+        """The canonical addresses of all nodes of an answer (or the first `limit`). Raises as `answer` does, and
+        QueryError for an expression that gives values."""
+        if type_of(parse(request.q, request.variables).tree) not in ("nodes", "sequence"):
+            raise QueryError("The expression gives a value, not an element.", remedy="Write a path to one element.")
+        found = self.stream(request)
+        if isinstance(found, Shown):
+            return [node.address for nodes in found.nodes() for node in nodes]
+        shown = found.shown(lambda forest, nodes: list(describe_nodes(forest, nodes)))
+        return [address for some in shown for _, address in some]
+
+    def _commit(self, request: QueryRequest) -> int:
+        """The state of the store that is asked: the newest, or that which a revision of the document left."""
+        if request.revision is None:
+            return LATEST
+        if len(request.document) != 1:
+            raise QueryError("A revision is one of a document.", remedy="Name exactly one document.")
+        with self.database.read() as tx:
+            return tx.documents.commit_of(tx.documents.get(request.document[0]).key, request.revision)
+
+    def completions(
+        self, text: str, at: int, documents: Sequence[str], project: str | None
+    ) -> tuple[int, list[Completion]]:
+        """(first character that is replaced, completions) at a place in an expression, over a scope."""
+        with self.database.read() as tx:
+            scope = Scope(tx, self.caches.listing, documents, project)
+            return complete(text, at, lambda: scope.used_counts("span"), lambda: scope.used_counts("bone"))
+
+    def limits(self, client: str = "") -> Limits:
+        """The limits of one query that begins now. client: who asks."""
+        return Limits(self.settings.query_seconds, self.settings.query_elements, client)
+
+
+class _Asking:
+    """One question in one transaction."""
+
+    def __init__(
+        self, engine: Queries, tx: Transaction, query: Query, scope: Scope, limits: Limits, *, wants_explain: bool
+    ) -> None:
+        self.wants_explain = wants_explain
+        self.engine = engine
+        self.tx = tx
+        self.query = query
+        self.scope = scope
+        self.limits = limits
+        self.explain = Explain(way="columns", plan=[], documents=0, milliseconds=0)
+        self._scan: Scan | None = None
+
+    def answer(self, page: _Page) -> QueryAnswer:
+        try:
+            return self._on_columns(normal(self.query.tree), page)
+        except (TooWideError, TooLongError, NotOnColumnsError):
+            self.explain.way = "projection"
+            by = "Saxon" if self.query.needs_xpath2 else "libxml2"
+            self.explain.plan = ["the documents as XML, without what the expression cannot touch", f"by {by}"]
+            return self._by_saxon(page) if self.query.needs_xpath2 else self._on_xml(page)
+
+    def _on_columns(self, tree: Expression, page: _Page) -> QueryAnswer:
+        if is_constant(tree):
+            self.explain.plan = ["a value that no document can change"]
+            return QueryAnswer(type=_kind(tree), value=self._constant(tree))
+        call = aggregates.aggregated(tree)
+        if call is not None:
+            different = distinct_of(call)
+            source = self.source(different or call.arguments[0])
+            self.explain.plan.append(f"{call.function} of {'the different ones' if different else 'them'}")
+            if call.function == "string-join":
+                return QueryAnswer(type="string", value=aggregates.joined(call, source))
+            if different is not None:
+                return QueryAnswer(type="number", value=plain(float(len(aggregates.distinct(source)))))
+            return self._aggregate(call.function, source, page)
+        if type_of(tree) == "nodes":
+            return page.of(self.tx, self.nodes(), self.limits.max_elements)
+        found = self._column_source(tree)
+        return scalars(_kind(tree), found.documents, found.values())
+
+    def explained(self, milliseconds: float) -> Explain:
+        """How the answer came about."""
+        self.explain.milliseconds = milliseconds
+        if self._scan is not None:
+            self.explain.tracks_read = self._scan.tracks_read
+            self.explain.tracks_skipped = self._scan.all_tracks() - self._scan.tracks_read
+        return self.explain
+
+    def nodes(self) -> Source:
+        """The nodes of the whole expression."""
+        tree, nth = without_index(normal(self.query.tree))
+        source = self.source(tree)
+        return source if nth is None else Nth(source, nth)
+
+    def source(self, tree: Expression) -> Scan | ColumnSource:
+        """Where the nodes of an expression come from."""
+        plan = plan_scan(tree)
+        if plan is None:
+            return self._column_source(tree)
+        scan = Scan(self.tx, plan, self.scope, self.engine.caches, self.limits.check)
+        self._explained("index", scan)
+        return scan
+
+    def _column_source(self, tree: Expression) -> ColumnSource:
+        if self.query.only_saxon:
+            raise NotOnColumnsError
+        found = ColumnSource(self.tx, tree, self.scope, self.engine.caches, self.limits.check)
+        indexed = found.start is not None and found.start.indexed
+        self._explained("index" if indexed else "columns", found)
+        return found
+
+    def _explained(self, way: Literal["index", "columns"], source: Scan | ColumnSource) -> None:
+        if self.wants_explain:
+            self._scan = source if isinstance(source, Scan) else None
+            self.explain = Explain(way=way, plan=steps_of(source), documents=len(source.documents), milliseconds=0)
+
+    def _aggregate(self, function: str, source: Scan | ColumnSource, page: _Page) -> QueryAnswer:
+        if function in aggregates.TRUTH_AGGREGATES:
+            return QueryAnswer(type="boolean", value=aggregates.exists(source) == (function == "exists"))
+        if function == "distinct-values":
+            return page.of_values(self.tx, aggregates.distinct(source))
+        found = aggregates.number(function, source)
+        if function in ("min", "max", "avg") and found is not None and math.isnan(found):
+            raise NotOnColumnsError
+        return QueryAnswer(type="number", value=None if found is None else plain(found))
+
+    def _constant(self, tree: Expression) -> float | str | bool:
+        nowhere = Forest(self.tx, Group([]), self.engine.caches, head_part=HeadPart.MOTION)
+        columns = Columns(nowhere, self.limits.check)
+        context = Context(np.zeros(1, np.int64))
+        if type_of(tree) == "string":
+            return columns.strings(tree, context).list()[0]
+        if type_of(tree) == "boolean":
+            return bool(columns.truth(tree, context)[0])
+        return plain(float(columns.numbers(tree, context)[0]))
+
+    def on_xml(self, limit: int | None) -> list[Node]:
+        """The nodes of the whole expression, evaluated on documents as XML. LimitError for too many."""
+        most = MAX_ON_XML + 1 if limit is None else min(limit, MAX_ON_XML)
+        if self.query.needs_xpath2:
+            answer = self._sequences().page(0, most)
+            if not answer.nodes:
+                raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
+            found = [item for item in answer.items if isinstance(item, Node)]
+        else:
+            found = self._projected().nodes(0, most)
+        if len(found) > MAX_ON_XML:
+            raise LimitError(f"The answer has more than {MAX_ON_XML:,} nodes.", remedy="Narrow the question.")
+        return found
+
+    def _projected(self) -> Projected:
+        return Projected(self.engine.evaluator, self.tx, self.query, self.scope.documents(), self.limits)
+
+    def _sequences(self) -> Sequences:
+        return Sequences(self.engine.saxon, self.tx, self.query, self.scope.documents(), self.limits)
+
+    def _by_saxon(self, page: _Page) -> QueryAnswer:
+        source = self._sequences()
+        if page.request.as_ == "runs":
+            return page.of_runs(self.tx, source.runs())
+        if page.request.as_ == "json" and source.documents:
+            whole = source.aggregate()
+            if whole is not None:
+                return page.of_aggregate(self.tx, *whole)
+        return page.of_sequence(self.tx, source.page(page.offset, page.limit + 1))
+
+    def _on_xml(self, page: _Page) -> QueryAnswer:
+        source = self._projected()
+        if source.type == "nodes":
+            return page.of_projected(self.tx, source)
+        kind, value, each = source.scalars()
+        if value is not None:
+            return QueryAnswer(type=kind, value=plain(value))
+        return scalars(kind, [listed for listed, _ in each], [item for _, item in each])
+
+
+@dataclass(frozen=True)
+class _Page:
+    """One page of nodes, runs or values."""
+
+    caches: Caches
+    request: QueryRequest
+    limit: int
+    cursor: Cursor | None
+
+    @property
+    def offset(self) -> int:
+        return 0 if self.cursor is None else self.cursor.offset
+
+    def of(self, tx: Transaction, source: Source, max_elements: int) -> QueryAnswer:
+        if self.request.as_ == "runs":
+            return self.of_runs(tx, sources.runs(source))
+        return self._nodes(tx, *sources.page(source, self.offset, self.limit, max_elements))
+
+    def of_projected(self, tx: Transaction, source: Projected) -> QueryAnswer:
+        if self.request.as_ == "runs":
+            return self.of_runs(tx, source.runs())
+        nodes = source.nodes(self.offset, self.limit + 1)
+        return self._nodes(tx, nodes[: self.limit], more=len(nodes) > self.limit)
+
+    def of_aggregate(self, tx: Transaction, function: str, value: object) -> QueryAnswer:
+        if isinstance(value, list):
+            return self.of_values(tx, value)
+        single: float | str | bool | None = value  # type: ignore[assignment]
+        kind: Kind = "number" if single is None else kind_of_value(single)
+        return QueryAnswer(type=kind, value=None if single is None else plain(single))
+
+    def of_sequence(self, tx: Transaction, found: Sequenced) -> QueryAnswer:
+        if found.single is not None:
+            kind = kind_of_value(found.single[0][1])
+            return scalars(kind, [stored for stored, _ in found.single], [value for _, value in found.single])
+        items = [node_item(item) if isinstance(item, Node) else ValueItem(value=plain(item)) for item in found.items]
+        more = len(items) > self.limit
+        kind = "nodes" if found.nodes else "values"
+        return QueryAnswer(type=kind, items=items[: self.limit], next_cursor=self._next(tx, more))
+
+    def of_values(self, tx: Transaction, values: Sequence[float | str | bool]) -> QueryAnswer:
+        some = values[self.offset : self.offset + self.limit]
+        more = len(values) > self.offset + self.limit
+        items = [ValueItem(value=plain(value)) for value in some]
+        return QueryAnswer(type="strings", items=list(items), next_cursor=self._next(tx, more), total=len(values))
+
+    def of_runs(self, tx: Transaction, found: Iterable[Run]) -> QueryAnswer:
+        if self.offset + self.limit > MAX_RUNS:
+            raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
+        totals: RunTotals | None = None
+        if "totals" in (self.request.with_ or ""):
+            found, totals = counted(found)
+        runs = list(islice(found, self.offset, self.offset + self.limit + 1))
+        items = run_items(tx, self.caches, runs[: self.limit])
+        ranged = "range" in (self.request.with_ or "")
+        of = add_ranges(tx, self.request, runs[: self.limit], items) if ranged else None
+        following = self._next(tx, len(runs) > self.limit)
+        return QueryAnswer(type="runs", items=list(items), next_cursor=following, totals=totals, range_of=of)
+
+    def _nodes(self, tx: Transaction, nodes: list[Node], more: bool) -> QueryAnswer:
+        items = [node_item(node) for node in nodes]
+        return QueryAnswer(type="nodes", items=list(items), next_cursor=self._next(tx, more, len(items)))
+
+    def _next(self, tx: Transaction, more: bool, shown: int | None = None) -> str | None:
+        """The cursor of what follows. shown: how many are on this page, if not as many as were asked for."""
+        if not more:
+            return None
+        commit = min(tx.newest_commit(), tx.at)
+        following = self.offset + (self.limit if shown is None else shown)
+        return str(Cursor(commit, tx.pruning.whole_since(), following, question(self.request)))
+
+
+def _kind(tree: Expression) -> Kind:
+    return type_of(tree)  # type: ignore[return-value]

@@ -1,0 +1,152 @@
+"""Answers that are sequences: an expression of XPath 2.0 over a scope, document by document, by Saxon."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from service.storage.columns import Listed
+from service.storage.database import Transaction
+from service.xpath.language.functions import AGGREGATES
+from service.xpath.language.labels import without_index
+from service.xpath.language.parse import Query
+from service.xpath.language.tree import Call, Literal, Written, type_of
+from service.xpath.language.unparse import unparse
+from service.xpath.limits import Limits
+from service.xpath.nodes.node import Node, Run
+from service.xpath.xml.evaluate import Node as Found
+from service.xpath.xml.projected import Xml, runs_of_nodes
+from service.xpath.xml.saxon import Items, Saxon
+
+Atomic = float | str | bool
+
+
+@dataclass(frozen=True)
+class Answer:
+    """single: one value of each document. total: of all items, where it is known. nodes: whether all items are."""
+
+    items: list[Node | Atomic]
+    nodes: bool
+    single: list[tuple[Listed, Atomic]] | None = None
+    total: int | None = None
+
+
+class Sequences:
+    """The answer of an expression over a scope."""
+
+    def __init__(
+        self, saxon: Saxon, tx: Transaction, query: Query, documents: Sequence[Listed], limits: Limits
+    ) -> None:
+        self.saxon = saxon
+        self.limits = limits
+        self.documents = documents
+        inner, self.nth = without_index(query.tree)
+        query = replace(query, tree=inner)
+        self.tree = query.tree
+        self.xml = Xml(tx, limits, query.tree)
+        self.text = query.text
+        self.variables = dict(self.tree.variables) if isinstance(self.tree, Written) else {}
+
+    def aggregate(self) -> tuple[str, Atomic | list[Atomic] | None] | None:
+        """(function, value) where the outermost function makes one value of all documents; None where it is another.
+
+        The value is a list for distinct-values, and None for the least, greatest or mean of nothing.
+        """
+        function, arguments = self._call()
+        if not function:
+            return None
+        if function in ("count", "sum", "exists", "empty"):
+            each = [self._one(stored, self.text) for stored in self.documents]
+            if function in ("count", "sum"):
+                return function, float(sum(float(value) for value in each))
+            return function, any(each) if function == "exists" else all(each)
+        if function == "avg":
+            pairs = [self._all(stored, f"(sum({arguments[0]}), count({arguments[0]}))") for stored in self.documents]
+            count = sum(float(pair[1]) for pair in pairs)
+            return function, sum(float(pair[0]) for pair in pairs) / count if count else None
+        if function in ("min", "max"):
+            values = [value for stored in self.documents for value in self._all(stored, self.text)]
+            return function, _extreme(function, values)
+        if function == "distinct-values":
+            return function, list(dict.fromkeys(v for stored in self.documents for v in self._all(stored, self.text)))
+        between = str(self._one(self.documents[0], f"string({arguments[1]})")) if len(arguments) > 1 else ""
+        texts = [self._all(stored, f"for $i in ({arguments[0]}) return string($i)") for stored in self.documents]
+        return function, between.join(str(text) for some in texts for text in some)
+
+    def page(self, offset: int, limit: int) -> Answer:
+        """Items offset … offset + limit - 1 of all documents' sequences, one after the other."""
+        if self.nth is not None:
+            offset, limit = (self.nth - 1, 1) if offset == 0 else (0, 0)
+        items: list[Node | Atomic] = []
+        single: list[tuple[Listed, Atomic]] | None = [] if offset == 0 else None
+        for stored in self.documents:
+            found = self._evaluate(stored, self.text, offset, max(1, limit - len(items)))
+            only = found.items[0] if found.total == 1 and found.items else None
+            if single is not None and only is not None and not isinstance(only, Found):
+                single.append((stored, only))
+            else:
+                single = None
+            items += [_shown(stored, item) for item in found.items][: limit - len(items)]
+            offset = max(0, offset - found.total)
+            if len(items) >= limit and single is None:
+                break
+        nodes = all(isinstance(item, Node) for item in items) if items else self._gives_nodes()
+        return Answer(items, nodes, single or None)
+
+    def runs(self) -> Iterator[Run]:
+        """Maximal ranges of frames that nodes are or lie in."""
+        return runs_of_nodes(self._nodes_by_document())
+
+    def _nodes_by_document(self) -> Iterator[tuple[Listed, Sequence[Node | Found]]]:
+        if self.nth is not None:
+            yield from ((node.stored, [node]) for node in self.page(0, 1).items if isinstance(node, Node))
+            return
+        for stored in self.documents:
+            found = self._evaluate(stored, self.text, 0, self.limits.max_elements)
+            yield stored, [item for item in found.items if isinstance(item, Found)]
+
+    def _gives_nodes(self) -> bool:
+        return self.tree.nodes if isinstance(self.tree, Written) else type_of(self.tree) == "nodes"
+
+    def _call(self) -> tuple[str, Sequence[str]]:
+        """The outermost function, if it is an aggregate, and the texts of its arguments."""
+        tree = self.tree
+        if isinstance(tree, Written):
+            return tree.function, tree.arguments
+        if isinstance(tree, Call) and tree.function in AGGREGATES and self.nth is None:
+            separator = tree.arguments[1:]
+            if all(isinstance(each, Literal) for each in separator):
+                return tree.function, [unparse(argument) for argument in tree.arguments]
+        return "", ()
+
+    def _one(self, stored: Listed, text: str) -> Atomic:
+        return self._all(stored, text)[0]
+
+    def _all(self, stored: Listed, text: str) -> list[Atomic]:
+        found = self._evaluate(stored, text, 0, self.limits.max_elements)
+        return [item for item in found.items if not isinstance(item, Found)]
+
+    def _evaluate(self, stored: Listed, text: str, offset: int, limit: int) -> Items:
+        self.limits.check()
+        return self.saxon.items(
+            text,
+            self.xml.of(stored),
+            variables=self.variables,
+            offset=offset,
+            limit=limit,
+            limits=self.limits,
+        )
+
+
+def _shown(stored: Listed, item: Found | Atomic) -> Node | Atomic:
+    return Node(item.kind, stored, item.address, item.value) if isinstance(item, Found) else item
+
+
+def _extreme(function: str, values: Sequence[Atomic]) -> Atomic | None:
+    if not values:
+        return None
+    if any(isinstance(value, float) and math.isnan(value) for value in values):
+        return math.nan
+    chosen: Atomic = min(values) if function == "min" else max(values)
+    return chosen
