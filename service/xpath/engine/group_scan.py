@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 
 import numpy as np
 
@@ -81,7 +81,7 @@ class GroupScan:
         if self._labelled is None and len(lead) <= MOST_TRACKS and 2 * np.count_nonzero(~units.must) > len(lead):
             # Most tracks have to be compared: all are, as they lie, rather than chosen and put in order first.
             self.tracks_read += len(lead)
-            block = {(name, channel): self._kept(name, channel) for name, channel in self.plan.condition.samples}
+            block = {sample: found for name in self._names for sample, found in self._side_by_side(name).items()}
             return int(np.count_nonzero(self._fulfil(block) & self.forest.here(self.plan.lead)))
         return sum(hits.count for hits in self._hits(units))
 
@@ -205,23 +205,34 @@ class GroupScan:
         """The samples that the condition reads, (units, CHUNK), NaN where a frame has none."""
         self.tracks_read += len(units)
         block: Block = {}
+        lead = self._bones[self.plan.lead]
+        beside = len(lead) <= MOST_TRACKS and len(units) * FEW >= len(lead)
         for name in self._names:
-            wanted = sorted({channel for bone, channel in self.plan.condition.samples if bone == name})
-            lead = self._bones[self.plan.lead]
-            if len(lead) <= MOST_TRACKS and len(units) * FEW >= len(lead):
-                for channel in wanted:
-                    block[name, channel] = self._kept(name, channel)[units.numbers]
+            if beside:
+                block |= {sample: found[units.numbers] for sample, found in self._side_by_side(name).items()}
             else:
-                table = units.lead if name == self.plan.lead else units.others[name]
-                values = self._values(table, tuple(wanted))
+                wanted = self._channels(name)
+                values = self._values(units.lead if name == self.plan.lead else units.others[name], wanted)
                 block |= {(name, channel): found for channel, found in zip(wanted, values, strict=True)}
         return block
 
-    def _kept(self, name: str | None, channel: int) -> Floats:
-        """The samples of a channel in all tracks of the leading bone, or of another one over the same frames."""
-        lead = self._bones[self.plan.lead]
+    def _channels(self, name: str | None) -> tuple[int, ...]:
+        """Those of a bone that the condition reads."""
+        return tuple(sorted(channel for bone, channel in self.plan.condition.samples if bone == name))
+
+    def _side_by_side(self, name: str | None) -> Block:
+        """The samples of a bone in all tracks of the leading bone, or over the same frames: channels that are not kept
+        are read together."""
+        lead, wanted = self._bones[self.plan.lead], self._channels(name)
         table = lead.table if name == self.plan.lead else self._bones[name].facing(lead)
-        return self.forest.samples(self.plan.lead, name, channel, lambda: self._values(table, (channel,))[0])
+        missing = tuple(each for each in wanted if not self.forest.has_samples(self.plan.lead, name, each))
+        found: Sequence[Floats] = list(self._values(table, missing)) if missing else []
+        read = dict(zip(missing, found, strict=True))
+
+        def values(channel: int) -> Floats:
+            return read[channel] if channel in read else self._values(table, (channel,))[0]
+
+        return {(name, each): self.forest.samples(self.plan.lead, name, each, partial(values, each)) for each in wanted}
 
     def _values(self, table: Table, wanted: tuple[int, ...]) -> Floats:
         """(channels, tracks, CHUNK): samples of tracks, NaN where a frame has none."""
@@ -245,7 +256,7 @@ class GroupScan:
     def _fulfil(self, block: Block) -> Bools:
         """Which frames fulfil the condition, by their samples."""
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            return self.plan.condition.holds(block)
+            return np.asarray(self.plan.condition.holds(block), bool)
 
     def _holds(self, units: _Units, block: Block) -> Bools:
         """Which frames of some units fulfil the condition and are asked for."""

@@ -116,6 +116,10 @@ class Forest:
         """(tracks, CHUNK): the samples of a channel over the tracks of the leading bone. read: reads them."""
         return self._sampled((lead, name, channel), read)
 
+    def has_samples(self, lead: str | None, name: str | None, channel: int) -> bool:
+        """Whether they are at hand."""
+        return self.caches.samples.holds((self.documents.number, (lead, name, channel)))
+
     def has_bone(self, name: str | None) -> bool:
         """Whether they are at hand."""
         return self.caches.columns.holds((self.documents.number, ("bone", name)))
