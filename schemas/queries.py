@@ -131,6 +131,9 @@ class QueryRequest(BaseModel):
     as_: Literal["json", "xml", "ndjson", "csv", "runs", "arrow", "parquet"] = Field("json", alias="as")
     limit: int | None = Field(None, ge=1, description="Most items; pages have 100, streams (xml, ndjson, csv) all")
     cursor: str | None = None
+    per: Literal["document"] | None = Field(
+        None, description="document: every function counts in one document, and each document has a value of its own"
+    )
     explain: bool = False
     with_: str | None = Field(None, alias="with", pattern=WITH, description="Of runs: totals, range, or both")
     variables: dict[str, str | float | bool] = Field(

@@ -23,7 +23,7 @@ from service.cli.shared import (
 )
 from service.xpath.answer.writing import STREAMS
 from service.xpath.language.parse import parse
-from service.xpath.language.tree import type_of
+from service.xpath.language.types import type_of
 
 FORMS = ("runs", "json", "xml", "ndjson", "csv", "count")
 
@@ -42,6 +42,7 @@ def xpath(
     ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Write xml, ndjson or csv to this file")] = None,
     force: ForceOption = False,
+    per: Annotated[str | None, typer.Option(help="document: each document has an answer of its own")] = None,
     explain: Annotated[bool, typer.Option(help="Say how the query ran")] = False,
     with_: Annotated[str | None, typer.Option("--with", help="Of runs: totals, range, or totals,range")] = None,
     database: DatabaseOption = None,
@@ -62,6 +63,7 @@ def xpath(
         "document": [id_of(client, text) for text in document or ()],
         "project": project,
         "revision": revision,
+        "per": per,
         "explain": explain,
         "variables": variables,
         "with": with_,

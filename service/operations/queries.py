@@ -59,6 +59,10 @@ def get_query(
     cursor: Annotated[
         str | None, Field(max_length=4096, description="`next_cursor` of the page before", examples=[CURSOR])
     ] = None,
+    per: Annotated[
+        Literal["document"] | None,
+        Field(description="document: functions count in each document alone, and each has a value of its own"),
+    ] = None,
     explain: Annotated[bool, Field(description="Say how the query ran")] = False,
     with_: Annotated[
         str | None,
@@ -81,6 +85,7 @@ def get_query(
         revision=revision,
         limit=limit,
         cursor=cursor,
+        per=per,
         explain=explain,
         **{"as": as_, "with": with_},
     )

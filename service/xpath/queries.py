@@ -5,50 +5,44 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from itertools import islice
 from typing import Literal
 
-import numpy as np
-
-from schemas.queries import Explain, QueryAnswer, QueryRequest, RunTotals, ScalarItem, ValueItem
+from schemas.queries import Explain, QueryAnswer, QueryRequest, ScalarItem, ValueItem
 from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.database import LATEST, Database, Transaction
-from service.xpath.answer import sources
-from service.xpath.answer.cursors import Cursor, question, read_cursor
+from service.xpath.answer.cursors import read_cursor
 from service.xpath.answer.describe import describe_nodes
 from service.xpath.answer.explain import steps_of
-from service.xpath.answer.items import Kind, kind_of_value, node_item, plain, run_items, scalars
-from service.xpath.answer.sources import Nth, Source
+from service.xpath.answer.items import Kind, kind_of_value, node_item, plain, scalars
+from service.xpath.answer.pages import Page
 from service.xpath.answer.streams import Answer, Shown, collect
-from service.xpath.answer.totals import MAX_RUNS, add_ranges, counted
 from service.xpath.engine import aggregates
 from service.xpath.engine.column_source import ColumnSource
-from service.xpath.engine.columns import Columns, Context
 from service.xpath.engine.functions import NotOnColumnsError
+from service.xpath.engine.parts import Part, Parts
 from service.xpath.engine.scan import Scan
 from service.xpath.engine.scan_plan import plan_scan
+from service.xpath.engine.source import Source
 from service.xpath.engine.values import TooLongError
+from service.xpath.engine.whole import Whole
 from service.xpath.language.complete import Completion, complete
 from service.xpath.language.hints import unknown_names
 from service.xpath.language.labels import without_index
 from service.xpath.language.parse import Query, parse
-from service.xpath.language.reach import HeadPart
 from service.xpath.language.rules import normal
-from service.xpath.language.tree import Expression, distinct_of, is_constant, type_of
+from service.xpath.language.scopes import asks_each, asks_scope, spans_documents
+from service.xpath.language.tree import Call, Expression, Path
+from service.xpath.language.types import distinct_of, item_type, type_of
 from service.xpath.library.caches import Caches
-from service.xpath.library.forest import Forest
-from service.xpath.library.groups import Group
 from service.xpath.library.listing import Scope
 from service.xpath.limits import Limits
-from service.xpath.nodes.node import Node, Run
+from service.xpath.nodes.node import Node
 from service.xpath.nodes.numbering import MAX_DOCUMENTS
 from service.xpath.nodes.pairs import TooWideError
 from service.xpath.xml.evaluate import Evaluator
 from service.xpath.xml.projected import Projected
 from service.xpath.xml.saxon import Saxon
-from service.xpath.xml.sequences import Answer as Sequenced
 from service.xpath.xml.sequences import Sequences
 
 DEFAULT_LIMIT = 100
@@ -86,8 +80,8 @@ class Queries:
             if cursor is not None:
                 tx.pruning.require_whole_since(cursor.whole_since)
             scope = Scope(tx, self.caches.listing, request.document, request.project)
-            asking = _Asking(self, tx, query, scope, limits, wants_explain=request.explain)
-            page = _Page(self.caches, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
+            asking = _Asking(self, tx, query, scope, limits, per=request.per, wants_explain=request.explain)
+            page = Page(self.caches, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
             try:
                 answer = asking.answer(page)
             except LimitError as error:
@@ -108,7 +102,7 @@ class Queries:
             raise QueryError(f"The answer is a {kind}, not a node set.", remedy="Ask for it with as=json.")
         with self.database.read(self._commit(request)) as tx:
             scope = Scope(tx, self.caches.listing, request.document, request.project)
-            asking = _Asking(self, tx, query, scope, limits, wants_explain=False)
+            asking = _Asking(self, tx, query, scope, limits, per=request.per, wants_explain=False)
             commit = scope.state.commit
             try:
                 parts = collect(asking.nodes(), request.limit)
@@ -120,7 +114,7 @@ class Queries:
     def documents_with(self, expression: str, project: str | None, limits: Limits) -> set[str] | None:
         """The ids of documents in which an expression is true or finds something; None for all there are."""
         hits: set[str] = set()
-        request = QueryRequest(q=f"boolean({expression})", project=project, limit=MAX_DOCUMENTS)
+        request = QueryRequest(q=f"boolean({expression})", project=project, limit=MAX_DOCUMENTS, per="document")
         while True:
             answer = self.answer(request, limits)
             if answer.value is not None:
@@ -167,8 +161,17 @@ class _Asking:
     """One question in one transaction."""
 
     def __init__(
-        self, engine: Queries, tx: Transaction, query: Query, scope: Scope, limits: Limits, *, wants_explain: bool
+        self,
+        engine: Queries,
+        tx: Transaction,
+        query: Query,
+        scope: Scope,
+        limits: Limits,
+        *,
+        per: str | None,
+        wants_explain: bool,
     ) -> None:
+        self.per = per
         self.wants_explain = wants_explain
         self.engine = engine
         self.tx = tx
@@ -177,8 +180,9 @@ class _Asking:
         self.limits = limits
         self.explain = Explain(way="columns", plan=[], documents=0, milliseconds=0)
         self._scan: Scan | None = None
+        self.whole = Whole(tx, engine.caches, self.source, limits.check, is_later=query.needs_xpath2)
 
-    def answer(self, page: _Page) -> QueryAnswer:
+    def answer(self, page: Page) -> QueryAnswer:
         try:
             return self._on_columns(normal(self.query.tree), page)
         except (TooWideError, TooLongError, NotOnColumnsError):
@@ -187,24 +191,44 @@ class _Asking:
             self.explain.plan = ["the documents as XML, without what the expression cannot touch", f"by {by}"]
             return self._by_saxon(page) if self.query.needs_xpath2 else self._on_xml(page)
 
-    def _on_columns(self, tree: Expression, page: _Page) -> QueryAnswer:
-        if is_constant(tree):
-            self.explain.plan = ["a value that no document can change"]
-            return QueryAnswer(type=_kind(tree), value=self._constant(tree))
+    def _on_columns(self, tree: Expression, page: Page) -> QueryAnswer:
+        if self.query.only_saxon:
+            raise NotOnColumnsError
+        if self.per == "document":
+            return self._of_each(tree, page)
         call = aggregates.aggregated(tree)
-        if call is not None:
-            different = distinct_of(call)
-            source = self.source(different or call.arguments[0])
-            self.explain.plan.append(f"{call.function} of {'the different ones' if different else 'them'}")
-            if call.function == "string-join":
-                return QueryAnswer(type="string", value=aggregates.joined(call, source))
-            if different is not None:
-                return QueryAnswer(type="number", value=plain(float(len(aggregates.distinct(source)))))
-            return self._aggregate(call.function, source, page)
+        if call is not None and without_index(distinct_of(call) or call.arguments[0])[1] is None:
+            return self._aggregate(call, page)
+        tree = self.whole.reduced(tree)
         if type_of(tree) == "nodes":
-            return page.of(self.tx, self.nodes(), self.limits.max_elements)
+            return page.of(self.tx, self._nodes(tree), self.limits.max_elements)
+        if asks_each(tree):
+            return self._of_each(tree, page)
+        if not asks_scope(tree):
+            self.explain.plan.append("a value that no document can change")
+        parts = self.whole.parts(tree)
+        if type_of(tree) in ("number", "string", "boolean"):
+            values = [value for part in parts for value in part.values()]
+            return QueryAnswer(type=_kind(tree), value=plain(values[0]) if values else None)
+        if isinstance(tree, Call) and tree.function == "distinct-values":
+            return page.of_values(self.tx, [value for part in parts for value in part.values()])
+        return self._sequence(tree, parts, page)
+
+    def _sequence(self, tree: Expression, parts: Iterable[Part], page: Page) -> QueryAnswer:
+        if item_type(tree) == "nodes" or page.request.as_ != "json":
+            return page.of(self.tx, Parts(parts), self.limits.max_elements)
+        return page.of_parts(self.tx, parts, self.limits.max_elements)
+
+    def _of_each(self, tree: Expression, page: Page) -> QueryAnswer:
+        """One value a document, or its sequence."""
         found = self._column_source(tree)
-        return scalars(_kind(tree), found.documents, found.values())
+        if type_of(tree) == "nodes":
+            return page.of(self.tx, found, self.limits.max_elements)
+        values = found.values()
+        if values is not None:
+            kind = kind_of_value(values[0]) if values else _kind(tree)
+            return scalars(kind, found.documents, values)
+        return self._sequence(tree, (Part(forest, items.column) for forest, items in found.items()), page)
 
     def explained(self, milliseconds: float) -> Explain:
         """How the answer came about."""
@@ -216,9 +240,17 @@ class _Asking:
 
     def nodes(self) -> Source:
         """The nodes of the whole expression."""
-        tree, nth = without_index(normal(self.query.tree))
-        source = self.source(tree)
-        return source if nth is None else Nth(source, nth)
+        tree = normal(self.query.tree)
+        if self.per == "document":
+            return self._column_source(tree)
+        tree = self.whole.reduced(tree)
+        return self._nodes(tree)
+
+    def _nodes(self, tree: Expression) -> Source:
+        from_sequence = isinstance(tree, Path) and tree.start is not None and type_of(tree.start) != "nodes"
+        return (
+            self.whole.nodes(tree) if type_of(tree) == "nodes" and not from_sequence else Parts(self.whole.parts(tree))
+        )
 
     def source(self, tree: Expression) -> Scan | ColumnSource:
         """Where the nodes of an expression come from."""
@@ -232,7 +264,8 @@ class _Asking:
     def _column_source(self, tree: Expression) -> ColumnSource:
         if self.query.only_saxon:
             raise NotOnColumnsError
-        found = ColumnSource(self.tx, tree, self.scope, self.engine.caches, self.limits.check)
+        later = self.query.needs_xpath2
+        found = ColumnSource(self.tx, tree, self.scope, self.engine.caches, self.limits.check, is_later=later)
         indexed = found.start is not None and found.start.indexed
         self._explained("index" if indexed else "columns", found)
         return found
@@ -242,30 +275,29 @@ class _Asking:
             self._scan = source if isinstance(source, Scan) else None
             self.explain = Explain(way=way, plan=steps_of(source), documents=len(source.documents), milliseconds=0)
 
-    def _aggregate(self, function: str, source: Scan | ColumnSource, page: _Page) -> QueryAnswer:
-        if function in aggregates.TRUTH_AGGREGATES:
-            return QueryAnswer(type="boolean", value=aggregates.exists(source) == (function == "exists"))
-        if function == "distinct-values":
+    def _aggregate(self, call: Call, page: Page) -> QueryAnswer:
+        """A function around the whole, of all documents together."""
+        different = distinct_of(call)
+        source = self.source(different or call.arguments[0])
+        self.explain.plan.append(f"{call.function} of {'the different ones' if different else 'them'}")
+        if call.function == "distinct-values":
             return page.of_values(self.tx, aggregates.distinct(source))
-        found = aggregates.number(function, source)
-        if function in ("min", "max", "avg") and found is not None and math.isnan(found):
+        if call.function == "string-join":
+            return QueryAnswer(type="string", value=aggregates.joined(call, source))
+        if call.function in aggregates.TRUTH_AGGREGATES:
+            return QueryAnswer(type="boolean", value=aggregates.exists(source) == (call.function == "exists"))
+        if different is not None:
+            return QueryAnswer(type="number", value=plain(float(len(aggregates.distinct(source)))))
+        found = aggregates.number(call.function, source)
+        if call.function in ("min", "max", "avg") and found is not None and math.isnan(found):
             raise NotOnColumnsError
         return QueryAnswer(type="number", value=None if found is None else plain(found))
-
-    def _constant(self, tree: Expression) -> float | str | bool:
-        nowhere = Forest(self.tx, Group([]), self.engine.caches, head_part=HeadPart.MOTION)
-        columns = Columns(nowhere, self.limits.check)
-        context = Context(np.zeros(1, np.int64))
-        if type_of(tree) == "string":
-            return columns.strings(tree, context).list()[0]
-        if type_of(tree) == "boolean":
-            return bool(columns.truth(tree, context)[0])
-        return plain(float(columns.numbers(tree, context)[0]))
 
     def on_xml(self, limit: int | None) -> list[Node]:
         """The nodes of the whole expression, evaluated on documents as XML. LimitError for too many."""
         most = MAX_ON_XML + 1 if limit is None else min(limit, MAX_ON_XML)
         if self.query.needs_xpath2:
+            self._require_documents_alone()
             answer = self._sequences().page(0, most)
             if not answer.nodes:
                 raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
@@ -282,96 +314,53 @@ class _Asking:
     def _sequences(self) -> Sequences:
         return Sequences(self.engine.saxon, self.tx, self.query, self.scope.documents(), self.limits)
 
-    def _by_saxon(self, page: _Page) -> QueryAnswer:
+    def _by_saxon(self, page: Page) -> QueryAnswer:
+        self._require_documents_alone()
         source = self._sequences()
         if page.request.as_ == "runs":
             return page.of_runs(self.tx, source.runs())
-        if page.request.as_ == "json" and source.documents:
+        if page.request.as_ == "json" and source.documents and page.request.per is None:
             whole = source.aggregate()
             if whole is not None:
-                return page.of_aggregate(self.tx, *whole)
-        return page.of_sequence(self.tx, source.page(page.offset, page.limit + 1))
+                return self._of_aggregate(*whole, page)
+        found = source.page(page.offset, page.limit + 1)
+        if found.single is not None:
+            kind = kind_of_value(found.single[0][1])
+            return scalars(kind, [stored for stored, _ in found.single], [value for _, value in found.single])
+        some = found.items[: page.limit]
+        items = [node_item(item) if isinstance(item, Node) else ValueItem(value=plain(item)) for item in some]
+        answer = page.of_items(self.tx, items, more=len(found.items) > page.limit)
+        return answer if items else answer.model_copy(update={"type": "nodes" if found.nodes else "values"})
 
-    def _on_xml(self, page: _Page) -> QueryAnswer:
-        source = self._projected()
-        if source.type == "nodes":
-            return page.of_projected(self.tx, source)
-        kind, value, each = source.scalars()
-        if value is not None:
-            return QueryAnswer(type=kind, value=plain(value))
-        return scalars(kind, [listed for listed, _ in each], [item for _, item in each])
+    def _require_documents_alone(self) -> None:
+        """Refuses what must be evaluated on all documents together, which XML is not."""
+        if self.per == "document" or len(self.scope.documents()) < 2 or not spans_documents(self.query.tree):
+            return
+        raise QueryError(
+            "This is asked of all documents together, and holds what only Saxon evaluates, one document at a time.",
+            remedy="Ask with per=document, or one document; or write it without casts, comparisons of nodes, and loops "
+            "in loops over nodes.",
+            code="needs-one-document",
+        )
 
-
-@dataclass(frozen=True)
-class _Page:
-    """One page of nodes, runs or values."""
-
-    caches: Caches
-    request: QueryRequest
-    limit: int
-    cursor: Cursor | None
-
-    @property
-    def offset(self) -> int:
-        return 0 if self.cursor is None else self.cursor.offset
-
-    def of(self, tx: Transaction, source: Source, max_elements: int) -> QueryAnswer:
-        if self.request.as_ == "runs":
-            return self.of_runs(tx, sources.runs(source))
-        return self._nodes(tx, *sources.page(source, self.offset, self.limit, max_elements))
-
-    def of_projected(self, tx: Transaction, source: Projected) -> QueryAnswer:
-        if self.request.as_ == "runs":
-            return self.of_runs(tx, source.runs())
-        nodes = source.nodes(self.offset, self.limit + 1)
-        return self._nodes(tx, nodes[: self.limit], more=len(nodes) > self.limit)
-
-    def of_aggregate(self, tx: Transaction, function: str, value: object) -> QueryAnswer:
+    def _of_aggregate(self, function: str, value: object, page: Page) -> QueryAnswer:
         if isinstance(value, list):
-            return self.of_values(tx, value)
+            return page.of_values(self.tx, value)
         single: float | str | bool | None = value  # type: ignore[assignment]
         kind: Kind = "number" if single is None else kind_of_value(single)
         return QueryAnswer(type=kind, value=None if single is None else plain(single))
 
-    def of_sequence(self, tx: Transaction, found: Sequenced) -> QueryAnswer:
-        if found.single is not None:
-            kind = kind_of_value(found.single[0][1])
-            return scalars(kind, [stored for stored, _ in found.single], [value for _, value in found.single])
-        items = [node_item(item) if isinstance(item, Node) else ValueItem(value=plain(item)) for item in found.items]
-        more = len(items) > self.limit
-        kind = "nodes" if found.nodes else "values"
-        return QueryAnswer(type=kind, items=items[: self.limit], next_cursor=self._next(tx, more))
-
-    def of_values(self, tx: Transaction, values: Sequence[float | str | bool]) -> QueryAnswer:
-        some = values[self.offset : self.offset + self.limit]
-        more = len(values) > self.offset + self.limit
-        items = [ValueItem(value=plain(value)) for value in some]
-        return QueryAnswer(type="strings", items=list(items), next_cursor=self._next(tx, more), total=len(values))
-
-    def of_runs(self, tx: Transaction, found: Iterable[Run]) -> QueryAnswer:
-        if self.offset + self.limit > MAX_RUNS:
-            raise LimitError(f"The answer has more than {MAX_RUNS} runs.", remedy="Narrow the question.")
-        totals: RunTotals | None = None
-        if "totals" in (self.request.with_ or ""):
-            found, totals = counted(found)
-        runs = list(islice(found, self.offset, self.offset + self.limit + 1))
-        items = run_items(tx, self.caches, runs[: self.limit])
-        ranged = "range" in (self.request.with_ or "")
-        of = add_ranges(tx, self.request, runs[: self.limit], items) if ranged else None
-        following = self._next(tx, len(runs) > self.limit)
-        return QueryAnswer(type="runs", items=list(items), next_cursor=following, totals=totals, range_of=of)
-
-    def _nodes(self, tx: Transaction, nodes: list[Node], more: bool) -> QueryAnswer:
-        items = [node_item(node) for node in nodes]
-        return QueryAnswer(type="nodes", items=list(items), next_cursor=self._next(tx, more, len(items)))
-
-    def _next(self, tx: Transaction, more: bool, shown: int | None = None) -> str | None:
-        """The cursor of what follows. shown: how many are on this page, if not as many as were asked for."""
-        if not more:
-            return None
-        commit = min(tx.newest_commit(), tx.at)
-        following = self.offset + (self.limit if shown is None else shown)
-        return str(Cursor(commit, tx.pruning.whole_since(), following, question(self.request)))
+    def _on_xml(self, page: Page) -> QueryAnswer:
+        source = self._projected()
+        if source.type == "nodes":
+            if page.request.as_ == "runs":
+                return page.of_runs(self.tx, source.runs())
+            nodes = source.nodes(page.offset, page.limit + 1)
+            return page.of_nodes(self.tx, nodes[: page.limit], more=len(nodes) > page.limit)
+        kind, value, each = source.scalars()
+        if value is not None:
+            return QueryAnswer(type=kind, value=plain(value))
+        return scalars(kind, [listed for listed, _ in each], [item for _, item in each])
 
 
 def _kind(tree: Expression) -> Kind:

@@ -22,14 +22,17 @@ from service.xpath.language.parse import Query, parse
 from service.xpath.language.tree import (
     Call,
     Expression,
+    Filter,
+    Later,
     Literal,
     Operation,
     Path,
+    Written,
     children,
-    is_constant,
-    type_of,
+    walk,
     with_children,
 )
+from service.xpath.language.types import type_of
 from service.xpath.language.unparse import unparse
 from service.xpath.nodes.texts import to_number
 from service.xpath.queries import Queries
@@ -81,6 +84,10 @@ def check(
     query = parse(text)
     asked = query.text if relative or query.warnings else text
     try:
+        together = _together(query.tree, trees) if len(trees) > 1 else query.tree
+        if together != query.tree:
+            query = Query(together, query.warnings)
+            asked = query.text
         wanted = _answer(query, trees, asked)
     except etree.XPathError:
         return None
@@ -114,6 +121,21 @@ def _answer(query: Query, trees: Trees, text: str, extensions: Any = None) -> li
         # The position counts over all documents together.
         return _nth(inner, nth, trees)
     return result
+
+
+def _together(tree: Expression, trees: Trees, *, inside: bool = False) -> Expression:
+    """With the counts and sums of all documents in the place of those that stand in it, predicates aside.
+
+    Raises XPathError for a sum of fractions, whose last places depend on the order of its summands.
+    """
+    if isinstance(tree, Path | Filter):
+        return tree
+    if inside and isinstance(tree, Call) and tree.function in ("count", "sum") and not is_constant(tree):
+        found = [float(each.xpath(unparse(tree))) for each in trees.values()]
+        if not all(value.is_integer() and abs(value) < 2**50 for value in found):
+            raise etree.XPathEvalError("a sum of fractions")
+        return Literal(sum(found))
+    return with_children(tree, lambda part: _together(part, trees, inside=True))
 
 
 def _nth(inner: Expression, nth: int, trees: Trees) -> list[tuple[str, Any]]:
@@ -243,12 +265,16 @@ def _compare_runs(engine: Queries, text: str, uuids: list[str], inside: list[tup
     same([r for r in runs if isinstance(r, RunItem) and (r.document, r.last + 1) in hit], [], text)
 
 
-def pages(engine: Queries, text: str, uuids: list[str], limit: int, form: str = "json") -> list[QueryAnswer]:
+def pages(
+    engine: Queries, text: str, uuids: list[str], limit: int, form: str = "json", per: str | None = None
+) -> list[QueryAnswer]:
     """The answers of all pages."""
     result: list[QueryAnswer] = []
     cursor = None
     while not result or cursor is not None:
-        answer = engine.answer(QueryRequest(q=text, document=uuids, limit=limit, cursor=cursor, **{"as": form}))
+        answer = engine.answer(
+            QueryRequest(q=text, document=uuids, limit=limit, cursor=cursor, per=per, **{"as": form})
+        )
         same(len(answer.items or []) <= limit or answer.type not in ("nodes", "runs"), True, text)
         result.append(answer)
         cursor = answer.next_cursor
@@ -285,3 +311,16 @@ def same_value(got: Any, wanted: Any, text: str) -> None:
     if isinstance(got, bool) != isinstance(wanted, bool) or isinstance(got, str) != isinstance(wanted, str):
         raise DifferenceError(f"{text}: {got!r} and {wanted!r} are of two types")
     same(got, wanted, text)
+
+
+def is_constant(expression: Expression) -> bool:
+    """Whether the value is the same in every document: no path, and no function that looks at the context node."""
+    return not any(
+        isinstance(part, Path | Filter | Written | Later)
+        or (isinstance(part, Call) and (part.function in {"id", "lang", "position", "last"} or not _given(part)))
+        for part in walk(expression)
+    )
+
+
+def _given(call: Call) -> bool:
+    return bool(call.arguments) or call.function in ("true", "false")

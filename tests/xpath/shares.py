@@ -6,7 +6,14 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from service.xpath.language.tree import AXES, Call, Expression, Operation, Path, walk
+from service.xpath.language.tree import (
+    AXES,
+    Call,
+    Expression,
+    Operation,
+    Path,
+    walk,
+)
 
 NODE_TESTS = ("name", "*", "node()", "text()", "comment()", "processing-instruction()", "processing-instruction('…')")
 FUNCTIONS = (

@@ -26,7 +26,7 @@ from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
 from service.xpath.engine import group_scan
 from service.xpath.language.parse import parse
-from service.xpath.language.tree import type_of
+from service.xpath.language.types import type_of
 from service.xpath.library import groups
 from service.xpath.library.caches import Caches
 from service.xpath.queries import Queries

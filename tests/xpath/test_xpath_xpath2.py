@@ -12,12 +12,10 @@ from saxonche import PySaxonApiError, PySaxonProcessor
 from schemas.queries import NodeItem, QueryRequest
 from service.errors import QueryError
 from service.storage.database import Database
-from service.xpath.language.functions import AGGREGATES
-from service.xpath.language.parse import parse
-from service.xpath.language.tree import Call, Written, is_constant
 from service.xpath.xml.saxon_worker import evaluate
 from tests import postgres
 from tests.conftest import shared_folder
+from tests.xpath import whole
 from tests.xpath.library import Library, library
 from tests.xpath.oracle import DifferenceError, pages, plain, same, same_value
 from tests.xpath.shares import Tally
@@ -25,7 +23,6 @@ from tests.xpath.test_xpath_campaign import seed_of
 from tests.xpath.xpath2_grammar import XPATH2_FEATURES, Xpath2Grammar, xpath2_features
 
 MOST_ELEMENTS = 1000
-COMBINED = {"count": sum, "sum": sum, "exists": any, "empty": all, "min": min, "max": max}
 
 
 @pytest.fixture(scope="module")
@@ -56,20 +53,7 @@ def wanted(processor: Any, text: str, trees: Mapping[str, Any]) -> list[list[Any
     for uuid, tree in trees.items():
         found = evaluate(processor, tree.getroot(), text, {}, 10**9, 0)["items"]
         result.append([(uuid, *item[1:3], plain(*item[1::2])) if item[0] == "node" else item[1] for item in found])
-    function = outermost(text)
-    if len(trees) > 1 and function in COMBINED:
-        values = [value for items in result for value in items]
-        return [[COMBINED[function](values)]] if values else [[]]
-    if len(trees) > 1 and function == "distinct-values":
-        return [list(dict.fromkeys(value for items in result for value in items))]
     return result
-
-
-def outermost(text: str) -> str:
-    tree = parse(text).tree
-    if isinstance(tree, Call | Written) and tree.function in AGGREGATES:
-        return tree.function
-    return ""
 
 
 def check(
@@ -77,13 +61,23 @@ def check(
 ) -> tuple[str, bool] | None:
     """(way, whether the answer is not empty); None where Saxon refuses the expression."""
     uuids = list(trees)
+    per = "document" if len(trees) > 1 and random.random() < 0.5 else None
     try:
-        expected = [item for items in wanted(processor, text, trees) for item in items]
+        if per is None and len(trees) > 1:
+            expected = whole.answer(processor, text, trees)
+        else:
+            expected = [item for items in wanted(processor, text, trees) for item in items]
     except PySaxonApiError:
         return None
-    explained = made.engine.answer(QueryRequest(q=text, document=uuids, limit=1, explain=True)).explain
+    try:
+        explained = made.engine.answer(QueryRequest(q=text, document=uuids, limit=1, explain=True, per=per)).explain
+    except QueryError as error:
+        if error.details.get("code") == "needs-one-document":
+            return None
+        raise
     got: list[Any] = []
-    for answer in pages(made.engine, text, uuids, random.choice([3, 100, 1000]) if len(expected) < 40 else 1000):
+    limit = random.choice([3, 100, 1000]) if len(expected) < 40 else 1000
+    for answer in pages(made.engine, text, uuids, limit, per=per):
         if answer.items is None:
             got += [] if answer.value is None else [answer.value]
         for item in answer.items or []:
@@ -104,10 +98,9 @@ def campaign(processor: Any, made: Library, seed: int, count: int) -> Tally:
     for uuid, text in grammar.expressions():
         if tally.asked + tally.refused >= count:
             break
-        chosen = {uuid, *random.sample(list(small), 2)} if random.random() < 0.2 else {uuid}
-        if outermost(text) in ("avg", "string-join") or is_constant(parse(text).tree):
-            # The values of single documents do not tell that of all; other tests do. A constant has one value.
-            chosen = {uuid}
+        chosen = {uuid, *random.sample(list(small), 2)} if random.random() < 0.5 else {uuid}
+        # Of 32 bits Saxon makes a negative number of this one.
+        text = text.replace("1000000000000", "1000000")
         trees = {other: tree for other, tree in small.items() if other in chosen}
         try:
             outcome = check(processor, made, trees, text, random)

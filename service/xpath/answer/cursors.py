@@ -34,7 +34,8 @@ class Cursor:
 
 def question(request: QueryRequest) -> int:
     """A number that tells one question from another."""
-    return zlib.crc32(orjson.dumps([request.q, request.document, request.project, request.as_, request.variables]))
+    asked = [request.q, request.document, request.project, request.as_, request.per, request.variables]
+    return zlib.crc32(orjson.dumps(asked))
 
 
 def read_cursor(request: QueryRequest) -> Cursor | None:

@@ -37,8 +37,9 @@ def _columns(source: ColumnSource) -> list[str]:
     steps = [f"spans named {_names(group)}, by the index on names" for group in start.groups]
     if start.position is not None:
         steps.append(f"the frame at position {start.position}")
-    if start.id is not None:
-        steps.append(f"frames of id {start.id!r}, by arithmetic on runs of ids")
+    if start.ids is not None:
+        ids = " or ".join(map(repr, start.ids))
+        steps.append(f"frames of id {ids}, by arithmetic on runs of ids")
     if not start.indexed:
         steps.append("all frames, by the timeline")
     steps += [f"of these, those where {unparse(predicate)}" for predicate in start.predicates]

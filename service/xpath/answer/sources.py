@@ -1,9 +1,8 @@
-"""Where the nodes of an answer come from, and its pages and runs."""
+"""Pages and runs of the nodes of an answer."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Protocol
 
 import numpy as np
 
@@ -11,19 +10,13 @@ from service.errors import LimitError
 from service.storage.columns import Listed
 from service.xpath.answer.describe import describe_nodes
 from service.xpath.answer.render import holds_frames, node_values, runs_of, whole_elements
+from service.xpath.engine.source import Source
 from service.xpath.library.forest import Forest
 from service.xpath.nodes.node import Node, Run, in_no_frame, join_runs
 from service.xpath.nodes.numbering import Ints, documents_of, frames_of
 
 PAGE_ELEMENTS = 200_000
 """Of whole documents on one page: some 15 MB of text, which is held several times on its way."""
-
-
-class Source(Protocol):
-    """Something that finds nodes: a plan, or an expression on columns."""
-
-    def chunks(self) -> Iterator[tuple[Forest, Ints]]:
-        """The nodes of the answer in order, some at a time; each chunk ascending, of one batch of documents."""
 
 
 def page(source: Source, offset: int, limit: int, max_elements: int) -> tuple[list[Node], bool]:
@@ -92,19 +85,3 @@ def _runs_of_chunks(source: Source) -> Iterator[Run]:
             raise in_no_frame(address)
         for document, first, last in runs_of(nodes):
             yield Run(forest.documents[document], first, last)
-
-
-class Nth:
-    """Of all nodes of another source, only the nth: `(…)[n]` around a whole expression."""
-
-    def __init__(self, source: Source, nth: int) -> None:
-        self.source = source
-        self.nth = nth
-
-    def chunks(self) -> Iterator[tuple[Forest, Ints]]:
-        left = self.nth - 1
-        for forest, nodes in self.source.chunks():
-            if left < len(nodes):
-                yield forest, nodes[left : left + 1]
-                return
-            left -= len(nodes)

@@ -18,7 +18,7 @@ import numpy as np
 from service.errors import LimitError
 from service.storage.database import Database, Transaction
 from service.xpath.answer.render import holds_frames
-from service.xpath.answer.sources import Source
+from service.xpath.engine.source import Source
 from service.xpath.language.reach import HeadPart
 from service.xpath.library.caches import Caches
 from service.xpath.library.forest import Forest

@@ -11,7 +11,8 @@ from service.errors import LimitError
 from service.xpath.engine.column_source import ColumnSource
 from service.xpath.engine.scan import Scan
 from service.xpath.engine.values import MAX_TEXT, numbers, strings
-from service.xpath.language.tree import Call, Expression, Literal, distinct_of, type_of
+from service.xpath.language.tree import Call, Expression, Literal
+from service.xpath.language.types import distinct_of, type_of
 from service.xpath.library.forest import Forest
 from service.xpath.nodes.numbering import Floats, Ints
 from service.xpath.nodes.texts import Strings

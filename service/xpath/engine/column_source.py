@@ -12,14 +12,16 @@ from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.engine.axes import SIBLINGS
 from service.xpath.engine.columns import Columns
-from service.xpath.engine.functions import as_booleans, kind_of
+from service.xpath.engine.sequences import items_of
 from service.xpath.engine.starts import Frames, Start, start_of
+from service.xpath.language.labels import bone_name
 from service.xpath.language.reach import DOCUMENT, HeadPart, head_of, is_of_skeleton
 from service.xpath.language.rules import after
 from service.xpath.language.tree import Expression, Path, Step
 from service.xpath.library.caches import Caches
 from service.xpath.library.forest import Forest
 from service.xpath.library.listing import Scope
+from service.xpath.nodes.items import Items
 from service.xpath.nodes.nodesets import NodeSets, ordered
 from service.xpath.nodes.numbering import Ints, documents_of, first_of_documents
 from service.xpath.nodes.pairs import TooWideError
@@ -39,7 +41,14 @@ class ColumnSource:
     """
 
     def __init__(
-        self, tx: Transaction, tree: Expression, scope: Scope, caches: Caches, check: Callable[[], None]
+        self,
+        tx: Transaction,
+        tree: Expression,
+        scope: Scope,
+        caches: Caches,
+        check: Callable[[], None],
+        *,
+        is_later: bool = False,
     ) -> None:
         self.tx = tx
         self.tree = tree
@@ -47,6 +56,7 @@ class ColumnSource:
         self.frames = Frames(tx, self.start, scope)
         self._caches = caches
         self._check = check
+        self._is_later = is_later
         self._one_a_skeleton = is_of_skeleton(tree)
 
     @property
@@ -99,7 +109,7 @@ class ColumnSource:
         """Those of a group; where they are too many to be looked at together, of each half alone."""
         begun = False
         try:
-            for nodes in self._walk(Columns(forest, self._check)):
+            for nodes in self._walk(self._columns(forest)):
                 begun = True
                 if len(nodes):
                     yield forest, nodes
@@ -115,35 +125,46 @@ class ColumnSource:
         """How many nodes the documents have together."""
         if self.start is not None and self.start.only_frames and not self._narrowed():
             return self.frames.count()
-        if self.start is not None and not self.start.indexed and not self.start.predicates and _all_bones(self.start):
-            return sum(forest.shapes.total for forest in self.forests())
+        if self.start is not None and not self.start.indexed and not self.start.predicates:
+            bones = _bones_asked(self.start)
+            if bones is not None:
+                return sum(forest.shapes.counted(bones) for forest in self.forests())
         if self._one_a_skeleton:
             return sum(int(self._times(forest)[documents_of(nodes)].sum()) for forest, nodes in self.examples())
         return sum(len(nodes) for _, nodes in self.chunks())
 
-    def values(self) -> list[float | str | bool]:
-        """The value of each document."""
-        if self._one_a_skeleton:
-            found = [value for forest in self._examples() for value in self._values(forest)]
-            return [found[number] for number in self._skeletons[2].tolist()]
-        return [value for forest in self.forests() for value in self._values(forest)]
+    def items(self) -> Iterator[tuple[Forest, Items]]:
+        """The sequence of each document, some documents at a time."""
+        for forest in self.forests():
+            yield from self._items(forest)
 
-    def _values(self, forest: Forest) -> list[float | str | bool]:
-        columns = Columns(forest, self._check)
+    def values(self) -> list[float | str | bool] | None:
+        """The value of each document; None where one has none, several, or a node."""
+        found: list[float | str | bool] = []
+        forests = self._examples() if self._one_a_skeleton else self.forests()
+        for _, items in (each for forest in forests for each in self._items(forest)):
+            if items.kind == "nodes" or len(items) != items.count or (np.diff(items.groups) != 1).any():
+                return None
+            found += items.column.list() if isinstance(items.column, Strings) else items.column.tolist()
+        return [found[number] for number in self._skeletons[2].tolist()] if self._one_a_skeleton else found
+
+    def _items(self, forest: Forest) -> Iterator[tuple[Forest, Items]]:
+        columns = self._columns(forest)
         try:
-            found = columns.value(self.tree, columns.documents())
+            found = items_of(columns.value(self.tree, columns.documents()))
         except TooWideError:
             if len(forest) < 2:
                 raise
-            return [value for half in halves(forest) for value in self._values(half)]
-        if isinstance(found, Strings):
-            return list(found.list())
-        if kind_of(found) == "boolean":
-            return list(as_booleans(found).tolist())
-        return list(np.asarray(found, np.float64).tolist())
+            for half in halves(forest):
+                yield from self._items(half)
+            return
+        yield forest, found
+
+    def _columns(self, forest: Forest) -> Columns:
+        return Columns(forest, self._check, is_later=self._is_later)
 
     def _narrowed(self) -> bool:
-        return self.start is not None and (self.start.position is not None or self.start.id is not None)
+        return self.start is not None and (self.start.position is not None or self.start.ids is not None)
 
     def _walk(self, columns: Columns) -> Iterator[Ints]:
         tree = self.tree
@@ -193,9 +214,12 @@ def halves(forest: Forest) -> tuple[Forest, Forest]:
     return forest.part(forest.documents[:middle]), forest.part(forest.documents[middle:])
 
 
-def _all_bones(start: Start) -> bool:
-    """Whether the path goes on to all frame_bones, and ends there."""
-    return [(step.axis, step.name, step.predicates) for step in start.steps] == [("child", FRAME_BONE, ())]
+def _bones_asked(start: Start) -> str | None:
+    """The name of the frame_bones that the path goes on to and ends with, "" for all of them; None for other paths."""
+    step = start.steps[0] if len(start.steps) == 1 else None
+    if step is None or (step.axis, step.name) != ("child", FRAME_BONE) or len(step.predicates) > 1:
+        return None
+    return bone_name(step) if step.predicates else ""
 
 
 def frames_at(steps: Sequence[Step]) -> int:

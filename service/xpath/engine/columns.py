@@ -8,71 +8,62 @@ or parent. Candidates are taken in slices, so that memory is bounded by the slic
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TypeAlias
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 
-from service.mcml.vocabulary import FRAME_BONE
-from service.numerics.runs import find_equal
-from service.xpath.engine import functions
+from service.xpath.engine import functions, loops, sequences
 from service.xpath.engine.axes import REVERSE, are_frames, named_bones, parents, sibling_frames, step
-from service.xpath.engine.comparisons import compare
+from service.xpath.engine.comparisons import compare, compare_items
+from service.xpath.engine.context import Bound, Context, Value
 from service.xpath.engine.existence import Beyond
+from service.xpath.engine.sequences import items_of, texts, value_of
 from service.xpath.engine.windows import Windows
-from service.xpath.language.labels import named
+from service.xpath.language.functions import OF_CONTEXT, SAFE_FUNCTIONS
+from service.xpath.language.labels import bone_name
 from service.xpath.language.positions import frame_distance, is_beyond, is_window, window_of
 from service.xpath.language.tree import (
+    VALUE_COMPARISONS,
     Call,
     Expression,
     Filter,
+    Function,
+    Later,
     Literal,
     Operation,
     Path,
+    Quantified,
     Step,
+    Variable,
     Written,
-    depends_on_position,
-    type_of,
+    free_variables,
+    predicates_of,
 )
+from service.xpath.language.types import depends_on_position, is_integer, is_of_document, item_type, type_of
 from service.xpath.library.forest import Forest
-from service.xpath.nodes.nodesets import NodeSets, ordered
+from service.xpath.nodes.items import Items
+from service.xpath.nodes.nodesets import NodeSets, ordered, positions_of, shared_nodes, union
 from service.xpath.nodes.numbering import Bools, Floats, Ints, documents_of, first_of_documents
-from service.xpath.nodes.pairs import TooWideError, expand
-from service.xpath.nodes.texts import Strings, constant
+from service.xpath.nodes.pairs import TooWideError
+from service.xpath.nodes.texts import Strings, constant, of_numbers, to_later_text
 
 SLICE = 10_000
 """Candidates of a predicate that are looked at together."""
 
-Value: TypeAlias = NodeSets | Floats | Bools | Strings
-
-
-@dataclass(frozen=True, slots=True)
-class Context:
-    """Context nodes, and for each its position and the size of its list, where anything asks for them."""
-
-    nodes: Ints
-    positions: Floats | None = None
-    sizes: Floats | None = None
-
-    def __len__(self) -> int:
-        return len(self.nodes)
-
-    def part(self, start: int, stop: int) -> Context:
-        some = slice(start, stop)
-        return Context(
-            self.nodes[some],
-            None if self.positions is None else self.positions[some],
-            None if self.sizes is None else self.sizes[some],
-        )
-
 
 class Columns:
-    """Evaluates expressions over the documents of a forest. check: called often; raises when time is up."""
+    """Evaluates expressions over the documents of a forest.
 
-    def __init__(self, forest: Forest, check: Callable[[], None] = lambda: None) -> None:
+    check: called often; raises when time is up. is_later: numbers become texts as XPath 2.0 writes them.
+    """
+
+    def __init__(self, forest: Forest, check: Callable[[], None] = lambda: None, *, is_later: bool = False) -> None:
         self.forest = forest
         self.check = check
+        self._is_later = is_later
         self._asked: dict[Path, Beyond] = {}
         self._near: dict[Path, Windows] = {}
 
@@ -88,8 +79,6 @@ class Columns:
             if isinstance(expression.value, str):
                 return constant(expression.value, len(context))
             return np.broadcast_to(np.float64(expression.value), len(context))
-        if isinstance(expression, Written):
-            raise functions.NotOnColumnsError
         if isinstance(expression, Path):
             return self._path(expression, context)
         if isinstance(expression, Filter):
@@ -99,25 +88,49 @@ class Columns:
             return shared
         if isinstance(expression, Operation):
             return self._operation(expression, context)
-        return self._call(expression, context)
+        if isinstance(expression, Call):
+            return self._call(expression, context)
+        if isinstance(expression, Written):
+            raise functions.NotOnColumnsError
+        return loops.later(self, expression, context, self.value)
 
     def nodes(self, expression: Expression, context: Context) -> NodeSets:
         found = self.value(expression, context)
         if not isinstance(found, NodeSets):
-            raise TypeError("no node set")
+            # What may be nodes or values is found out here: the empty sequence is no node, too.
+            items = items_of(found)
+            if len(items):
+                raise functions.NotOnColumnsError
+            return NodeSets(items.groups, items.groups, items.count)
         return found
 
     def numbers(self, expression: Expression, context: Context) -> Floats:
         return functions.as_numbers(self.forest, self.value(expression, context))
 
     def strings(self, expression: Expression, context: Context) -> Strings:
-        return functions.as_strings(self.forest, self.value(expression, context))
+        return functions.as_strings(self.forest, self._written(expression, self.value(expression, context)))
+
+    def texts(self, expression: Expression, context: Context) -> Value:
+        """The items of a sequence as texts, nodes and values side by side."""
+        if isinstance(expression, Later) and not isinstance(expression, Variable | Quantified):
+            return loops.later(self, expression, context, self.texts)
+        items = items_of(self._written(expression, self.value(expression, context)))
+        return Items(items.groups, texts(self.forest, items), items.count)
+
+    def _written(self, expression: Expression, value: Value) -> Value:
+        """Numbers as texts, where XPath 2.0 writes them otherwise."""
+        numbers = value.column if isinstance(value, Items) else value
+        if not self._is_later or not isinstance(numbers, np.ndarray) or numbers.dtype.kind != "f":
+            return value
+        found = of_numbers(numbers.astype(np.float64), partial(to_later_text, is_integer=is_integer(expression)))
+        return Items(value.groups, found, value.count) if isinstance(value, Items) else found
 
     def truth(self, expression: Expression, context: Context) -> Bools:
         """The value as a boolean; a number is not a position here."""
-        if isinstance(expression, Path) and is_beyond(expression):
+        shared = not context.variables or not free_variables(expression)
+        if shared and isinstance(expression, Path) and is_beyond(expression):
             return self._beyond(expression, context)
-        if isinstance(expression, Path) and is_window(expression) and are_frames(context.nodes):
+        if shared and isinstance(expression, Path) and is_window(expression) and are_frames(context.nodes):
             return np.asarray(self._window(expression, context) > 0)
         return functions.as_booleans(self.value(expression, context))
 
@@ -126,6 +139,9 @@ class Columns:
     def _path(self, path: Path, context: Context) -> NodeSets:
         steps = path.steps
         count = len(context)
+        if path.absolute and context.variables and free_variables(path):
+            own = first_of_documents(documents_of(context.nodes))
+            return self.steps(NodeSets(np.arange(count), own, count), steps, context)
         if path.absolute:
             documents, index = np.unique(documents_of(context.nodes), return_inverse=True)
             start = first_of_documents(documents)
@@ -135,11 +151,18 @@ class Columns:
             return NodeSets(found.groups, found.nodes, found.count, index.reshape(-1).astype(np.int64))
         if path.start is not None:
             sets = self.nodes(path.start, context)
+            if not isinstance(path.start, Path):  # Nodes of a sequence have an order of their own.
+                sets = replace(ordered(sets.groups, sets.nodes, sets.count), index=sets.index)
+            if context.variables and any(map(free_variables, predicates_of(steps))):
+                return self.steps(sets.flat()[0], steps, context)
             found = self.steps(NodeSets(sets.groups, sets.nodes, sets.count), steps)
             return NodeSets(found.groups, found.nodes, found.count, sets.index)
+        alone = NodeSets(np.arange(count), context.nodes, count)
+        if context.variables and free_variables(path):
+            return self.steps(alone, steps, context)
         if count > 1 and steps and steps[0].axis == "parent" and not steps[0].predicates:
             return self._by_parent(steps, context)
-        return self.steps(NodeSets(np.arange(count), context.nodes, count), steps)
+        return self.steps(alone, steps)
 
     def _by_parent(self, steps: tuple[Step, ...], context: Context) -> NodeSets:
         """The rest of a path is the same for all children of one parent."""
@@ -151,8 +174,11 @@ class Columns:
         found = self.steps(NodeSets(groups, above[kept], len(above)), (at_parent, *steps[1:]))
         return NodeSets(found.groups, found.nodes, found.count, index.reshape(-1).astype(np.int64))
 
-    def steps(self, sets: NodeSets, steps: tuple[Step, ...]) -> NodeSets:
-        """Steps from node sets that have a group for each context node."""
+    def steps(
+        self, sets: NodeSets, steps: tuple[Step, ...], context: Context = Context(np.empty(0, np.int64))
+    ) -> NodeSets:
+        """Steps from node sets that have a group for each context node. context: what these groups are the contexts of,
+        where predicates ask for variables."""
         for one in steps:
             self.check()
             predicates = one.predicates
@@ -167,16 +193,22 @@ class Columns:
             else:
                 source, reached = step(self.forest, sets.nodes, one.axis, one.name)
             for predicate in predicates:
-                keep = self._kept(predicate, source, reached, reverse=one.axis in REVERSE)
+                variables = {} if context is None else context.variables_at(sets.groups[source])
+                keep = self._kept(predicate, source, reached, reverse=one.axis in REVERSE, variables=variables)
                 source, reached = source[keep], reached[keep]
             sets = ordered(sets.groups[source], reached, sets.count)
         return sets
 
-    def _filter(self, expression: Filter, context: Context) -> NodeSets:
+    def _filter(self, expression: Filter, context: Context) -> Value:
+        if type_of(expression.operand) != "nodes":
+            return loops.filtered(self, expression, context)
         sets = self.nodes(expression.operand, context)
+        if context.variables and any(map(free_variables, expression.predicates)):
+            sets = sets.flat()[0]
         groups, nodes = sets.groups, sets.nodes
         for predicate in expression.predicates:
-            keep = self._kept(predicate, groups, nodes, reverse=False)
+            variables = context.variables_at(groups) if free_variables(predicate) else {}
+            keep = self._kept(predicate, groups, nodes, reverse=False, variables=variables)
             groups, nodes = groups[keep], nodes[keep]
         return NodeSets(groups, nodes, sets.count, sets.index)
 
@@ -187,17 +219,34 @@ class Columns:
             groups, nodes = groups[keep], nodes[keep]
         return nodes
 
-    def _kept(self, predicate: Expression, groups: Ints, nodes: Ints, *, reverse: bool) -> Bools:
-        """Which candidates a predicate keeps. groups: whose list each candidate is in, ascending."""
+    def _kept(
+        self,
+        predicate: Expression,
+        groups: Ints,
+        nodes: Ints,
+        *,
+        reverse: bool,
+        variables: Mapping[str, Bound] = MappingProxyType({}),
+    ) -> Bools:
+        """Which candidates a predicate keeps. groups: whose list each candidate is in, ascending. variables: those that
+        it asks for, of each candidate."""
         if not len(nodes):
             return np.zeros(0, bool)
         if type_of(predicate) == "number" or depends_on_position(predicate):
-            positions, sizes = _positions(groups, reverse=reverse)
-            return self._sliced(predicate, Context(nodes, positions, sizes))
+            positions, sizes = positions_of(groups, reverse=reverse)
+            return self.kept(predicate, Context(nodes, positions, sizes, variables))
+        if variables:
+            return self.kept(predicate, Context(nodes, variables=variables))
         if (np.diff(nodes) > 0).all():
-            return self._sliced(predicate, Context(nodes))
+            return self.kept(predicate, Context(nodes))
         distinct, inverse = np.unique(nodes, return_inverse=True)
-        return self._sliced(predicate, Context(distinct))[inverse.reshape(-1)]
+        return self.kept(predicate, Context(distinct))[inverse.reshape(-1)]
+
+    def kept(self, predicate: Expression, context: Context) -> Bools:
+        """Which items of a sequence a predicate keeps, by their positions or by what it says of them."""
+        if type_of(predicate) == "sequence" and item_type(predicate) in ("number", "any"):
+            raise functions.NotOnColumnsError  # A number asks for a position, other values for their truth.
+        return self._sliced(predicate, context)
 
     def _sliced(self, predicate: Expression, context: Context) -> Bools:
         parts = [self._holds(predicate, context.part(at, at + SLICE)) for at in range(0, len(context), SLICE)]
@@ -221,7 +270,7 @@ class Columns:
 
     def _once_a_document(self, expression: Expression, context: Context) -> Value | None:
         """The value of what does not depend on the context node but by its document, where that saves anything."""
-        if len(context) < 2 or not _by_document(expression):
+        if len(context) < 2 or isinstance(expression, Literal | Variable) or not is_of_document(expression):
             return None
         documents, index = np.unique(documents_of(context.nodes), return_inverse=True)
         if len(documents) == len(context):
@@ -229,11 +278,7 @@ class Columns:
         index = index.reshape(-1)
         nodes = first_of_documents(documents)
         found = self.value(expression, Context(nodes, np.ones(len(nodes)), np.ones(len(nodes))))
-        if isinstance(found, NodeSets):
-            return NodeSets(
-                found.groups, found.nodes, found.count, index if found.index is None else found.index[index]
-            )
-        return found[index]
+        return Bound(found, index).now()
 
     def _beyond(self, path: Path, context: Context) -> Bools:
         """Whether a path that begins on a sibling, following or preceding axis reaches anything."""
@@ -278,17 +323,21 @@ class Columns:
             whole = self.nodes(operands[0], context)
             for operand in operands[1:]:
                 self.check()
-                whole = _union(whole, self.nodes(operand, context))
+                whole = union(whole, self.nodes(operand, context))
             return whole
         if operator == "negate":
             return np.asarray(-self.numbers(operands[0], context))
+        if operator in ("intersect", "except"):
+            return shared_nodes(*(self.nodes(operand, context) for operand in operands), wanted=operator == "intersect")
+        if operator == "to":
+            return sequences.ranges(*(self.numbers(operand, context) for operand in operands))
+        if operator in VALUE_COMPARISONS:
+            sides = [self.value(operand, context) for operand in operands]
+            return compare_items(self.forest, VALUE_COMPARISONS[operator], *sides)
         if operator in functions.COMPARISONS:
             left: Value = self.value(operands[0], context)
             for operand in operands[1:]:
-                right = self.value(operand, context)
-                if operator == "!=":
-                    _check_something(operands, [left, right])
-                left = compare(self.forest, operator, left, right)
+                left = compare(self.forest, operator, left, self.value(operand, context))
             return left
         result = self.numbers(operands[0], context)
         for operand in operands[1:]:
@@ -302,7 +351,7 @@ class Columns:
         for operand in operands:
             if not len(open_):
                 break
-            some = context if len(open_) == len(context) else _chosen(context, open_)
+            some = context if len(open_) == len(context) else context.at(open_)
             found = self.truth(operand, some)
             decided = found if operator == "or" else ~found
             result[open_[decided]] = operator == "or"
@@ -312,79 +361,40 @@ class Columns:
     def _call(self, call: Call, context: Context) -> Value:
         name, arguments = call.function, call.arguments
         if name in ("position", "last"):
-            asked = context.positions if name == "position" else context.sizes
-            if asked is None:
+            if context.positions is None or context.sizes is None:
                 raise TypeError("position() without positions")
-            return asked
+            return context.positions if name == "position" else context.sizes
         if name in ("boolean", "not", "exists", "empty") and isinstance(arguments[0], Path):
             found = self.truth(arguments[0], context)
             return ~found if name in ("not", "empty") else found
-        near = arguments[0] if name == "count" and is_window(arguments[0]) else None
+        near = arguments[0] if name == "count" and is_window(arguments[0]) and not free_variables(call) else None
         if isinstance(near, Path) and len(near.steps) == 1 and are_frames(context.nodes):
             return self._window(near, context).astype(np.float64)
-        if not arguments and name in functions.OF_CONTEXT:
-            own: Value = NodeSets(np.arange(len(context)), context.nodes, len(context))
+        if not arguments and name in OF_CONTEXT:
+            own = NodeSets(np.arange(len(context)), context.nodes, len(context))
             return functions.call(self.forest, name, [own], len(context))
+        if name == "sort":
+            return self._sorted(arguments, context)
+        if name == "string-join":
+            joins = [self.texts(arguments[0], context), *(self.strings(each, context) for each in arguments[1:])]
+            return sequences.call(self.forest, name, joins)
         values = [self.value(each, context) for each in arguments]
-        if name not in _OF_NUMBERS:
-            _check_something(arguments, values)
+        if sequences.takes(name):
+            return sequences.call(self.forest, name, values)
+        if name == "tokenize" or SAFE_FUNCTIONS[name].of_texts is not None or name in ("string", "substring"):
+            values = [self._written(each, value) for each, value in zip(arguments, values, strict=True)]
+        if name == "tokenize":
+            return sequences.tokens(self.forest, values)
         return functions.call(self.forest, name, values, len(context))
 
-
-def _union(one: NodeSets, other: NodeSets) -> NodeSets:
-    if one.index is not None or other.index is not None:
-        one, other = one.flat()[0], other.flat()[0]
-    return ordered(np.concatenate([one.groups, other.groups]), np.concatenate([one.nodes, other.nodes]), one.count)
-
-
-def bone_name(step: Step) -> str | None:
-    """B of `child::frame_bone[@name='B'][…]…`: such frame_bones are found without looking at the others."""
-    is_bone = step.axis == "child" and step.name == FRAME_BONE and step.predicates
-    return named(step.predicates[0]) if is_bone else None
-
-
-def _chosen(context: Context, which: Ints) -> Context:
-    return Context(
-        context.nodes[which],
-        None if context.positions is None else context.positions[which],
-        None if context.sizes is None else context.sizes[which],
-    )
-
-
-def _positions(groups: Ints, *, reverse: bool) -> tuple[Floats, Floats]:
-    """Position and size of the list for each candidate; lists are neighbours, in document order."""
-    sizes = np.diff(find_equal(groups)).reshape(-1)
-    _, within = expand(sizes)
-    size = np.repeat(sizes, sizes).astype(np.float64)
-    return np.asarray(size - within if reverse else within + 1.0, np.float64), size
-
-
-_OF_NUMBERS = frozenset({"number", "floor", "ceiling", "round", "abs", "boolean", "not"})
-"""Functions to which nothing is what NaN is."""
-
-
-def _check_something(operands: Sequence[Expression], values: Sequence[Value]) -> None:
-    """The least, greatest or mean of nothing is NaN on columns, but nothing in XPath 2.0: no string, different from no
-    value. Only Saxon tells them apart."""
-    for operand, value in zip(operands, values, strict=False):
-        extreme = isinstance(operand, Call) and operand.function in ("min", "max", "avg")
-        if extreme and isinstance(value, np.ndarray) and np.isnan(value).any():
-            raise functions.NotOnColumnsError
-
-
-def _by_document(expression: Expression) -> bool:
-    """Whether the value depends on nothing but the document of the context node."""
-    if isinstance(expression, Literal):
-        return True
-    if isinstance(expression, Path):
-        return expression.absolute or (expression.start is not None and _by_document(expression.start))
-    if isinstance(expression, Filter):
-        return _by_document(expression.operand)
-    if isinstance(expression, Written):
-        return False
-    if isinstance(expression, Call):
-        own = expression.function in ("position", "last", "lang") or (
-            not expression.arguments and expression.function in functions.OF_CONTEXT
-        )
-        return not own and all(_by_document(argument) for argument in expression.arguments)
-    return all(_by_document(operand) for operand in expression.operands)
+    def _sorted(self, arguments: tuple[Expression, ...], context: Context) -> Value:
+        """`sort`: by the letters of texts, numbers by their size, each item by itself or by a key."""
+        items = items_of(self.value(arguments[0], context))
+        key: Value = value_of(loops.each_alone(items))
+        if len(arguments) == 3:
+            function = arguments[2]
+            if not isinstance(function, Function):
+                raise functions.NotOnColumnsError
+            inside = context.at(items.groups).binding(function.variable, key)
+            key = self.value(function.body, inside)
+        return sequences.sorted_by(self.forest, items, key)

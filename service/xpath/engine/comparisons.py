@@ -1,25 +1,36 @@
-"""`=`, `!=`, `<`, `<=`, `>`, `>=` as XPath 1.0 §3.4 has them: with a node set, some node must do."""
+"""`=`, `!=`, `<`, `<=`, `>`, `>=` as XPath 1.0 §3.4 has them: with a node set or sequence, some item must do; and `eq`
+and its kin of XPath 2.0 §3.5.1, of one item with one."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import eq, ge, gt, le, lt, ne
+from typing import Any
 
 import numpy as np
 
 from service.xpath.engine import functions, values
+from service.xpath.engine.context import Value
+from service.xpath.engine.sequences import items_of, numbers, texts, value_of
 from service.xpath.library.forest import Forest
+from service.xpath.nodes.items import Items
 from service.xpath.nodes.nodesets import NodeSets
 from service.xpath.nodes.numbering import Bools, Floats, Ints
-from service.xpath.nodes.texts import Strings, joined, unified
+from service.xpath.nodes.texts import Strings, combine, joined, unified
 
 RELATIONS: dict[str, Callable[..., Bools]] = {
     "<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal,
 }  # fmt: skip
+_ALL: dict[str, Callable[..., Any]] = {
+    "=": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge,
+}  # fmt: skip
 _TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=": "=", "!=": "!="}
 
 
-def compare(forest: Forest, operator: str, left: functions.Value, right: functions.Value) -> Bools:
+def compare(forest: Forest, operator: str, left: Value, right: Value) -> Bools:
     """The comparison for each context node."""
+    if isinstance(left, Items) or isinstance(right, Items):
+        return _sequences(forest, operator, items_of(left), items_of(right))
     if isinstance(left, NodeSets) and isinstance(right, NodeSets):
         return _two_sets(forest, operator, left, right)
     if isinstance(left, NodeSets):
@@ -27,6 +38,62 @@ def compare(forest: Forest, operator: str, left: functions.Value, right: functio
     if isinstance(right, NodeSets):
         return _set_and_value(forest, _TURNED[operator], right, left)
     return _two_values(forest, operator, left, right)
+
+
+def compare_items(forest: Forest, operator: str, left: Value, right: Value) -> Value:
+    """`eq`, `ne`, `lt`, `le`, `gt`, `ge`: nothing where one side is nothing. operator: the sign of the same meaning.
+
+    NotOnColumnsError for what is an error there: several items, or a number and a text.
+    """
+    one, other = items_of(left), items_of(right)
+    for side in (one, other):
+        if (np.diff(side.groups) == 0).any():
+            raise functions.NotOnColumnsError
+    both = np.intersect1d(one.groups, other.groups)
+    one, other = one.at(both), other.at(both)
+    kinds = {"string" if side.kind == "nodes" else side.kind for side in (one, other)}
+    if len(both) and len(kinds) > 1:
+        raise functions.NotOnColumnsError
+    if kinds == {"string"}:
+        found = _letters(operator, texts(forest, one), texts(forest, other))
+    else:
+        found = np.asarray(_ALL[operator](one.column, other.column), bool)
+    return found if len(both) == _count(left) else Items(both, found, _count(left))
+
+
+def _count(value: Value) -> int:
+    """How many contexts a value has."""
+    if isinstance(value, NodeSets):
+        return value.size
+    return value.count if isinstance(value, Items) else len(value)
+
+
+def _letters(operator: str, one: Strings, other: Strings) -> Bools:
+    """Texts compared letter by letter."""
+    return np.array(combine([one, other], _ALL[operator]), bool)
+
+
+def _sequences(forest: Forest, operator: str, left: Items, right: Items) -> Bools:
+    """Some item of each sequence against some item of another. XPath 2.0 §3.5.2, in 1.0-compatibility mode."""
+    kinds = {items.kind for items in (left, right) if len(items)}
+    if "boolean" in kinds:
+        truths = [functions.as_booleans(value_of(items)) for items in (left, right)]
+        return np.asarray(_ALL[operator](*truths), bool)
+    if operator in RELATIONS:
+        return _by_extremes(operator, left.sets, numbers(forest, left), right.sets, numbers(forest, right))
+    if "number" in kinds:
+        one, other = numbers(forest, left), numbers(forest, right)
+        left, right = left.chosen(~np.isnan(one)), right.chosen(~np.isnan(other))
+        if operator == "!=" and (np.isnan(one).any() or np.isnan(other).any()):
+            # NaN is unequal to everything.
+            raise functions.NotOnColumnsError
+        one, other = one[~np.isnan(one)], other[~np.isnan(other)]
+        codes = np.unique(np.concatenate([one, other]), return_inverse=True)[1].reshape(-1).astype(np.float64)
+        first, second = codes[: len(one)], codes[len(one) :]
+    else:
+        some, others = unified(texts(forest, left), texts(forest, right))
+        first, second = some.astype(np.float64), others.astype(np.float64)
+    return _by_codes(operator, left.sets, first, right.sets, second)
 
 
 def _two_values(
@@ -47,7 +114,7 @@ def _two_values(
     return np.asarray(equal if operator == "=" else ~equal, bool)
 
 
-def _set_and_value(forest: Forest, operator: str, sets: NodeSets, value: functions.Value) -> Bools:
+def _set_and_value(forest: Forest, operator: str, sets: NodeSets, value: Value) -> Bools:
     """Some node of each set against the value of its context node."""
     kind = functions.kind_of(value)
     if kind == "boolean":
@@ -71,10 +138,20 @@ def _set_and_value(forest: Forest, operator: str, sets: NodeSets, value: functio
 def _two_sets(forest: Forest, operator: str, left: NodeSets, right: NodeSets) -> Bools:
     if operator in RELATIONS:
         one, other = values.numbers(forest, left.nodes), values.numbers(forest, right.nodes)
-        if operator in ("<", "<="):
-            return np.asarray(RELATIONS[operator](left.least(one), right.greatest(other)), bool)
-        return np.asarray(RELATIONS[operator](left.greatest(one), right.least(other)), bool)
+        return _by_extremes(operator, left, one, right, other)
     first, second = _codes(forest, left.nodes, right.nodes)
+    return _by_codes(operator, left, first, right, second)
+
+
+def _by_extremes(operator: str, left: NodeSets, one: Floats, right: NodeSets, other: Floats) -> Bools:
+    """Some number is less than some other exactly if the least is less than the greatest."""
+    if operator in ("<", "<="):
+        return np.asarray(RELATIONS[operator](left.least(one), right.greatest(other)), bool)
+    return np.asarray(RELATIONS[operator](left.greatest(one), right.least(other)), bool)
+
+
+def _by_codes(operator: str, left: NodeSets, first: Floats, right: NodeSets, second: Floats) -> Bools:
+    """`=` or `!=` of items whose codes are equal exactly where they are."""
     if operator == "!=":
         low, high = left.least(first), left.greatest(first)
         least, greatest = right.least(second), right.greatest(second)

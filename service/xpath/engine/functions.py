@@ -1,21 +1,21 @@
-"""The functions of XPath 1.0 §4 on columns, and the conversions between types."""
+"""Functions of one item on columns, and the conversions between types. Those of sequences: `sequences.py`."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TypeAlias
 
 import numpy as np
 
 from service.xpath.engine import values
+from service.xpath.engine.context import Value
 from service.xpath.engine.node_tests import kinds_and_names
+from service.xpath.language.functions import SAFE_FUNCTIONS, Signature, round_half_up
 from service.xpath.library.forest import Forest
+from service.xpath.nodes.items import Column, Items
 from service.xpath.nodes.nodesets import NodeSets
-from service.xpath.nodes.numbering import Bools, Floats, code_names
-from service.xpath.nodes.texts import Strings, combine, constant, of_numbers, of_texts
-
-Value: TypeAlias = NodeSets | Floats | Bools | Strings
+from service.xpath.nodes.numbering import Bools, Floats, Ints, code_names
+from service.xpath.nodes.texts import Strings, combine, compact, constant, of_numbers, of_texts
 
 
 class NotOnColumnsError(Exception):
@@ -23,20 +23,23 @@ class NotOnColumnsError(Exception):
 
 
 COMPARISONS = ("=", "!=", "<", "<=", ">", ">=")
-OF_CONTEXT = frozenset({"string", "number", "string-length", "normalize-space", "name", "local-name", "namespace-uri"})
-"""Functions that without an argument take the context node."""
 
 
 def kind_of(value: Value) -> str:
-    """ "nodes", "string", "boolean" or "number"."""
+    """ "nodes", "string", "boolean" or "number"; "sequence" of items that are no nodes."""
     if isinstance(value, NodeSets):
         return "nodes"
+    if isinstance(value, Items):
+        return "sequence"
     if isinstance(value, Strings):
         return "string"
     return "boolean" if value.dtype == np.bool_ else "number"
 
 
 def as_strings(forest: Forest, value: Value) -> Strings:
+    if isinstance(value, Items):
+        groups, column = value.first()
+        return _scattered(value.count, groups, as_strings(forest, _single(column)))
     if isinstance(value, NodeSets):
         return _of_first(forest, value)
     if isinstance(value, Strings):
@@ -46,7 +49,24 @@ def as_strings(forest: Forest, value: Value) -> Strings:
     return of_numbers(value.astype(np.float64))
 
 
+def _scattered(count: int, groups: Ints, texts: Strings) -> Strings:
+    """A text for each of some contexts, and the empty text for the others."""
+    codes = np.full(count, len(texts.values), np.int64)
+    codes[groups] = texts.codes
+    return Strings(codes, [*texts.values, ""])
+
+
+def _single(column: Column) -> Floats | Bools | Strings:
+    """The column of values that are no nodes."""
+    return column  # type: ignore[return-value]
+
+
 def as_numbers(forest: Forest, value: Value) -> Floats:
+    if isinstance(value, Items):
+        groups, column = value.first()
+        result = np.full(value.count, np.nan)
+        result[groups] = as_numbers(forest, _single(column))
+        return result
     if isinstance(value, NodeSets):
         first = value.first()
         result = np.full(len(first), np.nan)
@@ -59,6 +79,13 @@ def as_numbers(forest: Forest, value: Value) -> Floats:
 
 
 def as_booleans(value: Value) -> Bools:
+    """The effective boolean value. NotOnColumnsError for several values, which have none."""
+    if isinstance(value, Items):
+        if len(value) and (np.diff(value.groups) == 0).any():
+            raise NotOnColumnsError
+        result = np.zeros(value.count, bool)
+        result[value.groups] = as_booleans(_single(value.column))
+        return result
     if isinstance(value, NodeSets):
         return value.exist()
     if isinstance(value, Strings):
@@ -74,82 +101,67 @@ def arithmetic(operator: str, left: Floats, right: Floats) -> Floats:
 
 _ARITHMETIC: dict[str, Callable[[Floats, Floats], Floats]] = {
     "+": np.add, "-": np.subtract, "*": np.multiply, "div": np.divide, "mod": np.fmod,
+    "idiv": lambda left, right: _whole(np.trunc(left / right)),
 }  # fmt: skip
+
+
+def _whole(numbers: Floats) -> Floats:
+    if not np.isfinite(numbers).all():
+        # An error of XPath 2.0.
+        raise NotOnColumnsError
+    return numbers
 
 
 def call(forest: Forest, name: str, arguments: Sequence[Value], count: int) -> Value:
     """A function other than position() and last(). count: of context nodes."""
     if name in ("true", "false"):
         return np.broadcast_to(np.bool_(name == "true"), count)
+    if name == "math:pi":
+        return np.broadcast_to(np.float64(math.pi), count)
     if name == "lang":
         # No element of MCML has xml:lang.
         return np.zeros(count, bool)
     if name == "id":
         # No attribute of MCML has the type ID.
         return NodeSets(np.empty(0, np.int64), np.empty(0, np.int64), count)
-    if name == "string-join":
-        return _string_join(forest, arguments)
-    if name in _OF_NODES:
-        sets = arguments[0]
-        if not isinstance(sets, NodeSets):
-            raise TypeError(f"{name}() of no node set")
-        return _OF_NODES[name](forest, sets)
+    if name == "string":
+        return as_strings(forest, arguments[0])
     if name == "boolean":
         return as_booleans(arguments[0])
     if name == "not":
         return ~as_booleans(arguments[0])
     if name == "number":
         return as_numbers(forest, arguments[0])
-    if name in _OF_NUMBERS:
-        with np.errstate(all="ignore"):
-            return np.asarray(_OF_NUMBERS[name](as_numbers(forest, arguments[0])), np.float64)
-    return _of_strings(forest, name, arguments)
-
-
-def _of_strings(forest: Forest, name: str, arguments: Sequence[Value]) -> Value:
     if name == "substring":
         return _substring(forest, arguments)
-    columns = [as_strings(forest, argument) for argument in arguments]
-    if name == "string":
-        return columns[0]
+    if name in _NAMES:
+        if not isinstance(arguments[0], NodeSets):
+            raise NotOnColumnsError
+        return _NAMES[name](forest, arguments[0])
+    signature = SAFE_FUNCTIONS[name]
+    if signature.of_numbers is not None:
+        numbers = [as_numbers(forest, argument) for argument in arguments]
+        with np.errstate(all="ignore"):
+            return np.asarray(signature.of_numbers(*numbers), np.float64)
+    if signature.of_texts is None:
+        raise NotOnColumnsError
+    return _of_texts(signature, [as_strings(forest, argument) for argument in arguments])
+
+
+def _of_texts(signature: Signature, columns: Sequence[Strings]) -> Value:
+    """A function of texts, called once for each combination of them that occurs."""
+    function = signature.of_texts
+    if function is None:
+        raise TypeError("no function of texts")
     if len(columns) == 1:
-        column = columns[0]
-        if name == "string-length":
-            return column.numbers(lambda text: float(len(text)))
-        if name == "normalize-space":
-            return column.map(_normalized)
-        if name in ("lower-case", "upper-case"):
-            return column.map(str.lower if name == "lower-case" else str.upper)
-        raise TypeError(f"{name}() with one argument")
-    made = combine(columns, _TEXT_FUNCTIONS[name])
-    if name in ("contains", "starts-with", "ends-with"):
+        column = compact(columns[0])
+        if signature.result == "number":
+            return column.numbers(function)  # type: ignore[arg-type]
+        return column.test(function) if signature.result == "boolean" else column.map(function)  # type: ignore[arg-type]
+    made = combine(columns, function)
+    if signature.result == "boolean":
         return np.array(made, bool)
     return of_texts([str(text) for text in made])
-
-
-def _normalized(text: str) -> str:
-    return " ".join(part for part in text.translate(_SPACES).split(" ") if part)
-
-
-_SPACES = str.maketrans("\t\r\n", "   ")
-
-
-def _translate(text: str, old: str, new: str) -> str:
-    table: dict[int, str | None] = {}
-    for place, letter in enumerate(old):
-        table.setdefault(ord(letter), new[place] if place < len(new) else None)
-    return text.translate(table)
-
-
-_TEXT_FUNCTIONS: dict[str, Callable[..., str | float | bool]] = {
-    "concat": lambda *texts: "".join(texts),
-    "contains": lambda text, part: part in text,
-    "starts-with": lambda text, part: text.startswith(part),
-    "ends-with": lambda text, part: text.endswith(part),
-    "substring-before": lambda text, part: text[: text.find(part)] if part in text else "",
-    "substring-after": lambda text, part: text[text.find(part) + len(part) :] if part in text else "",
-    "translate": _translate,
-}
 
 
 def _substring(forest: Forest, arguments: Sequence[Value]) -> Strings:
@@ -172,19 +184,6 @@ def _cut(text: str, begin: float, stop: float) -> str:
     return text[int(low) - 1 : int(high) - 1] if low < high else ""
 
 
-def round_half_up(numbers: Floats) -> Floats:
-    """`round()` of XPath 1.0: the closest integer, of two the greater; -0.5 up to 0 is negative zero."""
-    with np.errstate(all="ignore"):
-        floor = np.floor(numbers)
-        rounded = np.where(numbers - floor >= 0.5, floor + 1, floor)
-        return np.asarray(np.where((numbers < 0) & (numbers >= -0.5), -0.0, rounded), np.float64)
-
-
-_OF_NUMBERS: dict[str, Callable[[Floats], Floats]] = {
-    "abs": np.abs, "floor": np.floor, "ceiling": np.ceil, "round": round_half_up,
-}  # fmt: skip
-
-
 def _names(forest: Forest, sets: NodeSets) -> Strings:
     first = sets.first()
     some = first >= 0
@@ -196,50 +195,10 @@ def _names(forest: Forest, sets: NodeSets) -> Strings:
 def _of_first(forest: Forest, sets: NodeSets) -> Strings:
     first = sets.first()
     some = np.flatnonzero(first >= 0)
-    found = values.strings(forest, first[some])
-    codes = np.full(len(first), len(found.values), np.int64)
-    codes[some] = found.codes
-    return Strings(codes, [*found.values, ""])
+    return _scattered(len(first), some, values.strings(forest, first[some]))
 
 
-def _sum(forest: Forest, sets: NodeSets) -> Floats:
-    return sets.sums(values.numbers(forest, sets.nodes))
-
-
-def _extreme(function: str) -> Callable[[Forest, NodeSets], Value]:
-    """`min`, `max` and `avg` of XPath 2.0, NaN for nothing; a text that is no number is an error there."""
-
-    def found(forest: Forest, sets: NodeSets) -> Floats:
-        all_numbers = values.numbers(forest, sets.nodes)
-        if np.isnan(all_numbers).any():
-            raise NotOnColumnsError
-        if function == "avg":
-            return arithmetic("div", sets.sums(all_numbers), sets.counts())
-        return sets.least(all_numbers) if function == "min" else sets.greatest(all_numbers)
-
-    return found
-
-
-def _string_join(forest: Forest, arguments: Sequence[Value]) -> Strings:
-    sets = arguments[0]
-    if not isinstance(sets, NodeSets):
-        raise TypeError("string-join() of no node set")
-    between = as_strings(forest, arguments[1]).list() if len(arguments) > 1 else [""] * sets.size
-    flat, place = sets.flat()
-    parts: list[list[str]] = [[] for _ in range(flat.count)]
-    for group, text in zip(flat.groups.tolist(), values.strings(forest, sets.nodes)[place].list(), strict=True):
-        parts[group].append(text)
-    return of_texts([between[group].join(part) for group, part in enumerate(parts)])
-
-
-_OF_NODES: dict[str, Callable[[Forest, NodeSets], Value]] = {
-    "count": lambda forest, sets: sets.counts(),
-    "sum": _sum,
-    "min": _extreme("min"),
-    "max": _extreme("max"),
-    "avg": _extreme("avg"),
-    "exists": lambda forest, sets: sets.exist(),
-    "empty": lambda forest, sets: ~sets.exist(),
+_NAMES: dict[str, Callable[[Forest, NodeSets], Value]] = {
     "name": _names,
     "local-name": _names,
     "namespace-uri": lambda forest, sets: constant("", sets.size),

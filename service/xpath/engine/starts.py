@@ -24,21 +24,21 @@ from service.xpath.nodes.pairs import expand
 class Start:
     """Where `/mcml/motion/frame[…]…` begins.
 
-    groups: motion names that frames must carry. position: only the frame there. id: only frames of this id (a text) or
-    of an id that is this number. predicates: those of the frames that are left to be looked at. steps: the rest of the
-    path.
+    groups: motion names that frames must carry. position: only the frame there. ids: only frames of one of these ids
+    (texts), or of an id that is one of these numbers. predicates: those of the frames that are left to be looked at.
+    steps: the rest of the path.
     """
 
     groups: Groups
     position: int | None
-    id: str | float | None
+    ids: tuple[str | float, ...] | None
     predicates: tuple[Expression, ...]
     steps: tuple[Step, ...]
 
     @property
     def indexed(self) -> bool:
         """Whether fewer frames than all are looked at."""
-        return bool(self.groups) or self.position is not None or self.id is not None
+        return bool(self.groups) or self.position is not None or self.ids is not None
 
     @property
     def named_only(self) -> bool:
@@ -63,20 +63,28 @@ def start_of(tree: Expression) -> Start | None:
         return Start((), position, None, predicates[1:], steps)
     groups: list[tuple[str, ...]] = []
     rest: list[Expression] = []
-    wanted: str | float | None = None
+    wanted: tuple[str | float, ...] | None = None
     for number, predicate in enumerate(predicates):
         if counts(tree.steps[2].where((predicate,))):
             # Positions count what the predicates before leave over: from here on, order matters.
             rest += predicates[number:]
             break
-        found, frame_id = motion_name_groups(predicate), _frame_id(predicate)
+        found, ids = motion_name_groups(predicate), _frame_ids(predicate)
         if found is not None:
             groups += found
-        elif frame_id is not None and wanted is None:
-            wanted = frame_id
+        elif ids is not None and wanted is None:
+            wanted = ids
         else:
             rest.append(predicate)
     return Start(tuple(groups), None, wanted, tuple(rest), steps)
+
+
+def _frame_ids(predicate: Expression) -> tuple[str | float, ...] | None:
+    """Those of one `@id=…`, or of several with `or` between them."""
+    is_any = isinstance(predicate, Operation) and predicate.operator == "or"
+    operands = predicate.operands if is_any and isinstance(predicate, Operation) else (predicate,)
+    found = [_frame_id(operand) for operand in operands]
+    return None if None in found else tuple(each for each in found if each is not None)
 
 
 def _frame_id(predicate: Expression) -> str | float | None:
@@ -135,7 +143,7 @@ class Frames:
             return np.asarray((places << DOCUMENT_SHIFT) | (start.position << FRAME_SHIFT), np.int64)
         if start is not None and not start.indexed and start.named_only:
             return forest.labels.named_frames(forest.frames)
-        found = None if start is None or start.id is None else forest.ids.find(start.id)
+        found = None if start is None or start.ids is None else self._of_ids(forest, start.ids)
         if self._ranges is None:
             return forest.all_frames(np.arange(len(forest)))[1] if found is None else found
         table = [(place, *ends) for place, key in enumerate(forest.keys) for ends in self._ranges[key]]
@@ -143,3 +151,7 @@ class Frames:
         source, within = expand(last - first + 1)
         named = (places[source] << DOCUMENT_SHIFT) | ((first[source] + within) << FRAME_SHIFT)
         return named if found is None else np.intersect1d(named, found)
+
+    def _of_ids(self, forest: Forest, ids: tuple[str | float, ...]) -> Ints:
+        found = [forest.ids.find(each) for each in ids]
+        return found[0] if len(found) == 1 else np.unique(np.concatenate(found))

@@ -18,9 +18,17 @@ import numpy as np
 
 from service.mcml.vocabulary import FRAME_BONE
 from service.motion.skeleton import CHANNEL_INDEX
-from service.xpath.engine.functions import arithmetic, round_half_up
+from service.xpath.engine.functions import arithmetic
+from service.xpath.language.functions import round_half_up
 from service.xpath.language.labels import named, without_self
-from service.xpath.language.tree import Call, Expression, Literal, Operation, Path, Step
+from service.xpath.language.tree import (
+    Call,
+    Expression,
+    Literal,
+    Operation,
+    Path,
+    Step,
+)
 from service.xpath.library import intervals
 from service.xpath.library.intervals import Interval, Verdict
 from service.xpath.nodes.numbering import Bools, Floats

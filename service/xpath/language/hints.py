@@ -10,7 +10,14 @@ from service.mcml.content import declarations
 from service.mcml.vocabulary import FRAME_BONE, MOTION_NAME, NAME, ROOT
 from service.xpath.language.reach import DOCUMENT, Types, types_of
 from service.xpath.language.rules import after
-from service.xpath.language.tree import Expression, Filter, Operation, Path, Step, children
+from service.xpath.language.tree import (
+    Expression,
+    Filter,
+    Operation,
+    Path,
+    Step,
+    children,
+)
 from service.xpath.language.tree import Literal as Text
 
 Kind = Literal["bone", "span"]

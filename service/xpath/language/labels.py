@@ -5,11 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from service.mcml.lexical import unescape
-from service.mcml.vocabulary import MOTION_NAME, NAME
+from service.mcml.vocabulary import FRAME_BONE, MOTION_NAME, NAME
 from service.storage.database import Transaction
 from service.storage.runs import intersection
 from service.xpath.language.positions import position_of
-from service.xpath.language.tree import Expression, Filter, Literal, Operation, Path, Step
+from service.xpath.language.tree import (
+    Expression,
+    Filter,
+    Literal,
+    Operation,
+    Path,
+    Step,
+)
 
 Groups = tuple[tuple[str, ...], ...]
 """((a, b), (c,)) stands for frames named (a or b) and c."""
@@ -65,6 +72,12 @@ def named(predicate: Expression) -> str | None:
     steps = without_self(compared[0].steps)
     is_name = len(steps) == 1 and (steps[0].axis, steps[0].name, steps[0].predicates) == ("attribute", NAME, ())
     return compared[1] if is_name else None
+
+
+def bone_name(step: Step) -> str | None:
+    """B of `child::frame_bone[@name='B'][…]…`: such frame_bones are found without looking at the others."""
+    is_bone = step.axis == "child" and step.name == FRAME_BONE and step.predicates
+    return named(step.predicates[0]) if is_bone else None
 
 
 def without_index(tree: Expression) -> tuple[Expression, int | None]:

@@ -8,29 +8,118 @@ from dataclasses import replace
 from service.errors import Place, QueryError, VocabularyError
 from service.mcml.motion_names import canonical
 from service.mcml.vocabulary import MOTION_NAME
-from service.xpath.language.tree import Call, Expression, Filter, Literal, Operation, Path, with_children
+from service.xpath.language.functions import OF_CONTEXT
+from service.xpath.language.tree import (
+    Call,
+    Each,
+    Expression,
+    Filter,
+    For,
+    Function,
+    Let,
+    Literal,
+    Operation,
+    Path,
+    Quantified,
+    Sequence,
+    Step,
+    Variable,
+    with_children,
+)
+from service.xpath.language.types import is_integer, item_type, type_of
 
-CONTEXT_FUNCTIONS = (
-    "string", "number", "string-length", "normalize-space", "name", "local-name", "namespace-uri",
-)  # fmt: skip
-"""Functions that without an argument take the context node."""
+CONTEXT = Path((Step("self", "node()"),))
+ITEM = "."
+"""The name of the variable that a context item is which is no node."""
 
 
-def bind(expression: Expression, variables: Mapping[str, str | float | bool]) -> Expression:
-    """The expression with the values of its variables in it."""
-    if not isinstance(expression, Call) or not expression.function.startswith("$"):
-        return with_children(expression, lambda child: bind(child, variables))
-    name = expression.function[1:]
-    if name not in variables:
+def bind(
+    expression: Expression, variables: Mapping[str, str | float | bool], types: Mapping[str, Variable] | None = None
+) -> Expression:
+    """The expression with the values of its variables in it, and the types of those that it binds itself.
+
+    types: of variables that are bound around it. Context items that are no nodes become variables too.
+    """
+    types = {} if types is None else types
+    if isinstance(expression, Variable):
+        return _bound(expression, variables, types)
+    if isinstance(expression, For | Let | Quantified):
+        source = bind(expression.source, variables, types)
+        own = _item(expression.variable, source)
+        if isinstance(expression, Let):
+            own = replace(own, type=type_of(source))
+        body = bind(expression.body, variables, {**types, expression.variable: own})
+        return replace(expression, source=source, body=body)
+    if isinstance(expression, Function):
+        # Its type is known where the function is called.
+        return expression
+    if isinstance(expression, Each):
+        source = bind(expression.source, variables, types)
+        return replace(expression, source=source, body=_with_items(expression.body, source, variables, types))
+    if isinstance(expression, Filter):
+        operand = bind(expression.operand, variables, types)
+        predicates = tuple(_with_items(each, operand, variables, types) for each in expression.predicates)
+        return Filter(operand, predicates, expression.span)
+    if isinstance(expression, Call) and expression.function == "sort" and len(expression.arguments) == 3:
+        return _sort(expression, variables, types)
+    return with_children(expression, lambda child: bind(child, variables, types))
+
+
+def _bound(
+    variable: Variable, variables: Mapping[str, str | float | bool], types: Mapping[str, Variable]
+) -> Expression:
+    if variable.name in types:
+        return replace(types[variable.name], span=variable.span)
+    if variable.name not in variables:
         raise QueryError(
-            f"the variable ${name} has no value",
-            at=Place(column=expression.span[0] + 1),
-            remedy="Give it one with the request, or write the value instead.",
+            f"the variable ${variable.name} has no value",
+            at=Place(column=variable.span[0] + 1),
+            remedy="Give it one with the request, or bind it with for, let, some or every.",
         )
-    value = variables[name]
+    value = variables[variable.name]
     if isinstance(value, bool):
-        return Call("true" if value else "false", (), expression.span)
-    return Literal(value if isinstance(value, str) else float(value), expression.span)
+        return Call("true" if value else "false", (), variable.span)
+    return Literal(value if isinstance(value, str) else float(value), variable.span)
+
+
+def _item(name: str, source: Expression) -> Variable:
+    """A variable that stands for each item."""
+    found = item_type(source)
+    return Variable(name, "sequence" if found == "any" else found, is_integer(source))
+
+
+def _with_items(
+    body: Expression, source: Expression, variables: Mapping[str, str | float | bool], types: Mapping[str, Variable]
+) -> Expression:
+    """What is evaluated with each item of a source as context."""
+    found = _item(ITEM, source)
+    if found.type == "nodes":
+        return bind(body, variables, types)
+    return bind(_of_context_item(body), variables, {**types, ITEM: found})
+
+
+def _sort(call: Call, variables: Mapping[str, str | float | bool], types: Mapping[str, Variable]) -> Expression:
+    source, collation, key = call.arguments
+    source = bind(source, variables, types)
+    if isinstance(key, Function):
+        key = replace(key, body=bind(key.body, variables, {**types, key.variable: _item(key.variable, source)}))
+    return Call("sort", (source, collation, key), call.span)
+
+
+def _of_context_item(expression: Expression) -> Expression:
+    """With a variable where the context item is asked for, which is no node here."""
+    item = Variable(ITEM, span=expression.span)
+    if expression == CONTEXT:
+        return item
+    if isinstance(expression, Path):
+        return expression if expression.start is None else replace(expression, start=_of_context_item(expression.start))
+    if isinstance(expression, Filter):
+        return replace(expression, operand=_of_context_item(expression.operand))
+    if isinstance(expression, Each):
+        return replace(expression, source=_of_context_item(expression.source))
+    if isinstance(expression, Call) and not expression.arguments and expression.function in OF_CONTEXT:
+        return replace(expression, arguments=(item,))
+    return with_children(expression, _of_context_item)
 
 
 def from_document(expression: Expression) -> Expression:
@@ -41,7 +130,11 @@ def from_document(expression: Expression) -> Expression:
         return Path(expression.steps, True, None, expression.span)
     if isinstance(expression, Filter):
         return replace(expression, operand=from_document(expression.operand))
-    if isinstance(expression, Call) and not expression.arguments and expression.function in CONTEXT_FUNCTIONS:
+    if isinstance(expression, Each):
+        return replace(expression, source=from_document(expression.source))
+    if isinstance(expression, Function):
+        return expression
+    if isinstance(expression, Call) and not expression.arguments and expression.function in OF_CONTEXT:
         return replace(expression, arguments=(Path((), absolute=True),))
     return with_children(expression, from_document)
 
@@ -68,6 +161,8 @@ def with_stored_names(expression: Expression, warnings: list[str], *, in_name: b
 
 
 def _stored_name(expression: Expression, warnings: list[str]) -> Expression:
+    if isinstance(expression, Sequence):
+        return with_children(expression, lambda item: _stored_name(item, warnings))
     if not isinstance(expression, Literal) or not isinstance(expression.value, str) or not expression.value.strip():
         return expression
     said = expression.value

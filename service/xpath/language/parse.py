@@ -8,38 +8,31 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from service.errors import LimitError, Place, QueryError
-from service.xpath.language.functions import FUNCTIONS, SAFE_FUNCTIONS
+from service.xpath.language.functions import SAFE_FUNCTIONS
 from service.xpath.language.grammar import ArityError, read
 from service.xpath.language.meaning import bind, from_document, with_stored_names
 from service.xpath.language.tree import (
-    STRING_FUNCTIONS,
+    OF_NODES,
+    VALUE_COMPARISONS,
     Call,
     Expression,
     Filter,
+    Later,
     Operation,
     Path,
     Written,
     children,
-    distinct_of,
-    type_of,
     walk,
 )
+from service.xpath.language.types import item_type, type_of
 from service.xpath.language.unparse import unparse
 from service.xpath.language.written import read_xpath2
 
+_LATER_OPERATORS = frozenset({*VALUE_COMPARISONS, "||", "to", "idiv", "intersect", "except"})
 MAX_LENGTH = 10_000
 MAX_NESTING = 100
 MAX_DEPTH = 150
 """Of expressions in expressions; what evaluates them calls itself for each."""
-_OF_STRINGS = frozenset({"string-length", "contains", "starts-with", "ends-with"})
-_WHOLE = frozenset({"count", "position", "last", "string-length"})
-_OF_XPATH_3 = (
-    (r"\blet\s+\$", "`let` is XPath 3. Write `for $x in … return …`, or the expression in place of the variable."),
-    (r"\|\|", "`||` is XPath 3. Write concat(…) to join texts, `or` between conditions."),
-    (r"=>", "`=>` is XPath 3. Write the function around its first argument."),
-    (r"!(?!=)", "`!` is XPath 3. Write a slash, or `for $x in … return …`; not(…) negates."),
-)
-"""What a text may hold that only XPath 3 has, and what to write instead."""
 _LONG_NUMBER = re.compile(r"""'[^']*'|"[^"]*"|([0-9]{301})""")
 
 
@@ -63,7 +56,7 @@ class Query:
     @property
     def needs_xpath2(self) -> bool:
         """Whether it needs XPath 2.0."""
-        return isinstance(self.tree, Written) or _uses_xpath2(self.tree)
+        return isinstance(self.tree, Written) or uses_later(self.tree)
 
     @property
     def only_saxon(self) -> bool:
@@ -93,19 +86,13 @@ def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) 
 
 
 def _tree(text: str, variables: Mapping[str, str | float | bool]) -> Expression:
-    """What is XPath 1.0, with functions of 2.0 on columns, has a tree of ours. The rest may be XPath 2.0."""
+    """What has a tree of ours; the rest may be XPath 2.0 that only Saxon evaluates."""
     try:
-        tree = read(text)
-        tree = bind(tree, variables) if "$" in text else tree
+        tree = bind(read(text), variables)
     except QueryError as error:
         return _read_xpath2(text, error, variables)
-    try:
-        _check_types(tree)
-    except QueryError as error:
-        if not _uses_xpath2(tree):
-            raise
-        return _read_xpath2(text, error, variables)
-    return read_xpath2(unparse(read(text)), variables) if _writes_numbers(tree) else tree
+    _check_types(tree)
+    return tree
 
 
 def _read_xpath2(text: str, error: QueryError, variables: Mapping[str, str | float | bool]) -> Expression:
@@ -124,36 +111,33 @@ def _column(error: QueryError) -> int:
     return error.at.column or 0 if error.at is not None else 0
 
 
-def _writes_numbers(tree: Expression) -> bool:
-    """Whether fractions become strings in an expression of XPath 2.0, which has other digits for them than 1.0."""
-    return _uses_xpath2(tree) and any(
-        type_of(argument) == "number" and not (isinstance(argument, Call) and argument.function in _WHOLE)
+def uses_later(tree: Expression) -> bool:
+    """Whether anything came after XPath 1.0."""
+    return any(
+        isinstance(part, Later)
+        or (isinstance(part, Call) and SAFE_FUNCTIONS[part.function].is_later)
+        or (isinstance(part, Operation) and part.operator in _LATER_OPERATORS)
         for part in walk(tree)
-        if isinstance(part, Call) and part.function in STRING_FUNCTIONS | _OF_STRINGS
-        for argument in part.arguments[: 1 if part.function == "substring" else None]
     )
 
 
-def _uses_xpath2(tree: Expression) -> bool:
-    return any(isinstance(part, Call) and FUNCTIONS[part.function].is_xpath2 for part in walk(tree))
-
-
 def _check_types(tree: Expression) -> None:
-    """Refuses what XPath 1.0 gives no meaning: a predicate, path, union or count of something that is no node set."""
+    """Refuses what has no meaning: a path or union of something that are no nodes; in XPath 1.0 a predicate or count of
+    a value too."""
+    is_later = uses_later(tree)
     for part in walk(tree):
         needed: tuple[Expression, ...] = ()
-        if isinstance(part, Filter):
-            needed = (part.operand,)
-        elif isinstance(part, Path) and part.start is not None:
+        if isinstance(part, Path) and part.start is not None:
             needed = (part.start,)
-        elif isinstance(part, Operation) and part.operator == "|":
+        elif isinstance(part, Operation) and part.operator in OF_NODES:
             needed = part.operands
-        elif isinstance(part, Call) and FUNCTIONS[part.function].of_nodes:
-            # Around the whole, the different strings of the nodes are counted by columns too.
-            different = distinct_of(part) if part is tree else None
-            needed = part.arguments[:1] if different is None else (different,)
+        elif not is_later and isinstance(part, Filter):
+            needed = (part.operand,)
+        elif isinstance(part, Call):
+            signature = SAFE_FUNCTIONS[part.function]
+            needed = part.arguments[: signature.of_node or (signature.takes_items and not is_later)]
         for operand in needed:
-            if type_of(operand) != "nodes":
+            if item_type(operand) not in ("nodes", "any"):
                 raise QueryError(
                     f"this is a {type_of(operand)} where nodes are needed",
                     at=Place(column=operand.span[0] + 1),
@@ -203,13 +187,10 @@ def _hint(text: str, what: str) -> str:
     for opening, closing in ("[]", "()"):
         if text.count(opening) != text.count(closing):
             return f"The brackets {opening} {closing} do not match."
-    for sign, instead in _OF_XPATH_3:
-        if re.search(sign, text):
-            return instead
     unknown = re.search(r"unknown function '(?:fn:)?([\w.-]+)'", what)
     near = get_close_matches(unknown[1], sorted(SAFE_FUNCTIONS), 1, 0.5) if unknown else []
-    if near:
-        return f"Did you mean {near[0]}()?"
+    if unknown:
+        return f"Did you mean {near[0]}()?" if near else "Use the functions that docs/xpath.md lists."
     if "prefix" in what:
         return "MCML has no namespaces: leave the prefix out."
     if "==" in text:

@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 
 from service.mcml.vocabulary import FRAME
-from service.xpath.language.tree import Call, Expression, Literal, Operation, Path, Step, depends_on_position, type_of
+from service.xpath.language.tree import (
+    Call,
+    Expression,
+    Literal,
+    Operation,
+    Path,
+    Step,
+)
+from service.xpath.language.types import depends_on_position, type_of
 
 FAR = 2**38
 """A position beyond the end of every list, as all greater ones are. It can be part of the number of a node."""

@@ -13,7 +13,26 @@ from functools import cache, lru_cache
 
 from service.mcml.content import declarations
 from service.mcml.vocabulary import FRAME, FRAME_BONE, HEADER, MCML, MOTION, MOTION_NAME, ROOT, SKELETON
-from service.xpath.language.tree import Call, Expression, Filter, Literal, Operation, Path, Step, Written, type_of
+from service.xpath.language.functions import SAFE_FUNCTIONS
+from service.xpath.language.tree import (
+    OF_NODES,
+    Call,
+    Each,
+    Expression,
+    Filter,
+    Function,
+    If,
+    Later,
+    Literal,
+    Operation,
+    Path,
+    Quantified,
+    Sequence,
+    Step,
+    Variable,
+    Written,
+)
+from service.xpath.language.types import type_of
 
 DOCUMENT = "/"
 Types = frozenset[str]
@@ -48,10 +67,9 @@ def projection(tree: Expression) -> Projection:
     """The least projection on which the expression has its value, nodes serialised."""
     analysis = _Analysis()
     result = analysis.types(tree, frozenset({DOCUMENT}))
-    if type_of(tree) == "nodes":
-        analysis.use(result)
-        if result & _WITH_FRAMES:
-            return Projection.WHOLE
+    analysis.use(result)
+    if result & _WITH_FRAMES:
+        return Projection.WHOLE
     return analysis.least()
 
 
@@ -59,11 +77,10 @@ def head_of(tree: Expression) -> HeadPart:
     """What of the head the value depends on, or is made of."""
     analysis = _Analysis()
     result = analysis.types(tree, frozenset({DOCUMENT}))
-    if type_of(tree) == "nodes":
-        analysis.use(result)
-        # Who takes the nodes, such as sum(), may take their text, and that of these is the header's too.
-        if result & {DOCUMENT, MCML}:
-            return HeadPart.ALL
+    analysis.use(result)
+    # Who takes the nodes, such as sum(), may take their text, and that of these is the header's too.
+    if result & {DOCUMENT, MCML}:
+        return HeadPart.ALL
     if analysis.sees_only(_STRUCTURE):
         return HeadPart.MOTION
     header = _inside(HEADER)
@@ -74,10 +91,9 @@ def is_of_skeleton(tree: Expression) -> bool:
     """Whether the value depends on skeletons alone, and is no node but of them."""
     analysis = _Analysis()
     result = analysis.types(tree, frozenset({DOCUMENT}))
-    if type_of(tree) == "nodes":
-        analysis.use(result)
-        if result & {DOCUMENT, MCML}:
-            return False
+    analysis.use(result)
+    if result & {DOCUMENT, MCML}:
+        return False
     return analysis.sees_only(_inside(SKELETON) | _inside(ROOT) | {DOCUMENT, MCML})
 
 
@@ -126,12 +142,34 @@ class _Analysis:
             return found
         if isinstance(expression, Operation):
             operands = [self.types(operand, context) for operand in expression.operands]
-            if expression.operator == "|":
+            if expression.operator in OF_NODES:
+                self.use(frozenset().union(*operands[1:]))
                 return frozenset().union(*operands)
             for operand in operands:
                 self._value(operand)
             return frozenset()
-        return self._call(expression, context)
+        if isinstance(expression, Call):
+            return self._call(expression, context)
+        return self._later(expression, context)
+
+    def _later(self, expression: Later, context: Types) -> Types:
+        if isinstance(expression, Variable):
+            return expression.reached
+        if isinstance(expression, Sequence):
+            return frozenset[str]().union(*(self.types(item, context) for item in expression.items))
+        if isinstance(expression, If):
+            self.use(self.types(expression.test, context))
+            return self.types(expression.then, context) | self.types(expression.otherwise, context)
+        if isinstance(expression, Function):
+            self._value(self.types(expression.body, context))
+            return frozenset()
+        found = self.types(expression.source, context)
+        self.use(found)
+        body = self.types(expression.body, found if isinstance(expression, Each) else context)
+        if isinstance(expression, Quantified):
+            self.use(body)
+            return frozenset()
+        return body
 
     def _call(self, call: Call, context: Types) -> Types:
         found = [self.types(argument, context) for argument in call.arguments]
@@ -142,6 +180,8 @@ class _Analysis:
                 self.use(types)
             else:
                 self._value(types)
+        if SAFE_FUNCTIONS[call.function].selects:
+            return found[0]
         # There are no attributes of type ID in MCML, so id() selects nothing; what it reaches is kept all the same.
         return _everything() if call.function == "id" else frozenset()
 

@@ -14,28 +14,38 @@ can reach (`projection.reach`). Rules, in the order in which they are tried:
 8. `following-sibling::x/y = 'k'`, for a comparison with a constant, is `boolean(following-sibling::x[y = 'k'])`; so
    for the other sibling axes, `following` and `preceding`, and where the first predicate of x is a window of frames
    (`positions.window_of`). The same operand of a union is evaluated once.
+9. What came after XPath 1.0, as `later.py` says.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 from service.mcml.content import declarations
 from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
+from service.xpath.language.later import of_later
 from service.xpath.language.positions import BEYOND, counts, window_of
 from service.xpath.language.reach import DOCUMENT, Types, parent_types, reach, types_of
 from service.xpath.language.tree import (
     Call,
+    Each,
     Expression,
     Filter,
+    For,
+    Function,
+    Let,
     Literal,
     Operation,
     Path,
+    Quantified,
     Step,
-    depends_on_position,
-    type_of,
+    Variable,
+    free_variables,
+    with_children,
 )
+from service.xpath.language.types import depends_on_position, type_of
 
 COMPARISONS = ("=", "!=", "<", "<=", ">", ">=")
 ANY = ("descendant-or-self", "node()")
@@ -56,12 +66,45 @@ def normal(expression: Expression, context: Types = frozenset({DOCUMENT})) -> Ex
         predicates = tuple(normal(predicate, types) for predicate in expression.predicates)
         return Filter(normal(expression.operand, context), predicates, expression.span)
     if isinstance(expression, Call):
-        return Call(
-            expression.function, tuple([normal(each, context) for each in expression.arguments]), expression.span
-        )
+        arguments = [normal(each, context) for each in expression.arguments]
+        if expression.function == "sort" and len(arguments) == 3 and isinstance(arguments[2], Function):
+            key = arguments[2]
+            typed = _typed(key.body, key.variable, types_of(arguments[0], context))
+            arguments[2] = replace(key, body=normal(typed, context))
+        return Call(expression.function, tuple(arguments), expression.span)
     if isinstance(expression, Operation):
+        simpler = of_later(expression)
+        if simpler is not expression:
+            return normal(simpler, context)
         return _operation(expression, context)
-    return expression
+    return _later(expression, context)
+
+
+def _later(expression: Expression, context: Types) -> Expression:
+    """What binds variables: they get the types of the nodes that they can stand for."""
+    if isinstance(expression, Quantified):
+        simpler = of_later(expression)
+        if simpler is not expression:
+            return normal(simpler, context)
+    if isinstance(expression, For | Let | Quantified):
+        source = normal(expression.source, context)
+        body = _typed(expression.body, expression.variable, types_of(source, context))
+        return replace(expression, source=source, body=normal(body, context))
+    if isinstance(expression, Each):
+        source = normal(expression.source, context)
+        return replace(expression, source=source, body=normal(expression.body, types_of(source, context)))
+    return with_children(expression, lambda part: normal(part, context))
+
+
+def _typed(expression: Expression, variable: str, types: Types) -> Expression:
+    """With the types of nodes that a variable can stand for."""
+    if isinstance(expression, Variable):
+        return replace(expression, reached=types) if expression.name == variable else expression
+    if variable not in free_variables(expression):
+        return expression
+    if isinstance(expression, For | Let | Quantified) and expression.variable == variable:
+        return replace(expression, source=_typed(expression.source, variable, types))
+    return with_children(expression, lambda part: _typed(part, variable, types))
 
 
 def _operation(operation: Operation, context: Types) -> Expression:

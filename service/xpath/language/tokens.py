@@ -18,7 +18,7 @@ _TOKEN = re.compile(
         (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)
       | (?P<string>'[^']*'|"[^"]*")
       | (?P<name>{_NAME})
-      | (?P<symbol>::|//|!=|<=|>=|\.\.|[/@\[\]().,*|+=<>$:-])
+      | (?P<symbol>::|:=|//|!=|<=|>=|=>|\|\||\.\.|[/@\[\]().,*|+=<>$:!{{}}-])
       | (?P<end>\Z)
     )""",
     re.VERBOSE,
@@ -43,7 +43,7 @@ def tokens(text: str) -> list[Token]:
         match = _TOKEN.match(text, place)
         if match is None:
             start = len(text) - len(text[place:].lstrip(" \t\r\n"))
-            what = "a text is not closed" if text[start] in "'\"" else f"{text[start]!r} is no part of XPath 1.0"
+            what = "a text is not closed" if text[start] in "'\"" else f"{text[start]!r} is no part of XPath"
             raise QueryError(what, at=Place(column=start + 1))
         kind = match.lastgroup or "end"
         found.append(Token(kind, match[kind], match.start(kind), match.end(kind)))

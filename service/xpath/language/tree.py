@@ -1,4 +1,4 @@
-"""Expressions of XPath 1.0 as a typed tree. Frozen; every node knows its place in the text.
+"""Expressions of XPath 1.0, and what we have of 2.0 and 3.1, as a typed tree. Frozen; every node knows its place.
 
 Abbreviations are written out (`@a` is `attribute::a`, `//` is `/descendant-or-self::node()/`), so that equivalent
 spellings look alike. Operators that associate hold all their operands: `a or b or c` is one node.
@@ -6,11 +6,10 @@ spellings look alike. Operators that associate hold all their operands: `a or b 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import TypeAlias
-
-from service.xpath.language.functions import FUNCTIONS, giving
 
 Span: TypeAlias = tuple[int, int]
 """First and last + 1 character in the text."""
@@ -19,9 +18,14 @@ FORWARD_AXES = ("child", "descendant", "descendant-or-self", "self", "attribute"
 REVERSE_AXES = ("parent", "ancestor", "ancestor-or-self", "preceding", "preceding-sibling")
 AXES = (*FORWARD_AXES, *REVERSE_AXES, "namespace")
 KIND_TESTS = ("node", "text", "comment", "processing-instruction")
-LEVELS = {"or": 1, "and": 2, "=": 3, "!=": 3, "<": 4, "<=": 4, ">": 4, ">=": 4, "+": 5, "-": 5}
-LEVELS |= {"*": 6, "div": 6, "mod": 6, "negate": 7, "|": 8}
-"""How tightly operators bind. XPath 1.0 §3.3 to §3.5."""
+VALUE_COMPARISONS = {"eq": "=", "ne": "!=", "lt": "<", "le": "<=", "gt": ">", "ge": ">="}
+"""Comparisons of one value with another, XPath 2.0 §3.5.1, and those of sequences that they resemble."""
+LEVELS = {"or": 1, "and": 2, "=": 3, "!=": 3, "<": 4, "<=": 4, ">": 4, ">=": 4, **dict.fromkeys(VALUE_COMPARISONS, 4)}
+LEVELS |= {"||": 5, "to": 6, "+": 7, "-": 7, "*": 8, "div": 8, "idiv": 8, "mod": 8, "negate": 9}
+LEVELS |= {"|": 10, "intersect": 11, "except": 11, "!": 12, "/": 13}
+"""How tightly operators bind. XPath 1.0 §3.3 to §3.5, 3.1 appendix A.4; a minus sign is one of a union, as in 1.0."""
+OF_NODES = frozenset({"|", "intersect", "except"})
+"""Operators that give nodes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +76,7 @@ class Filter:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A function call. A variable, until it is bound, is a call of `$name`."""
+    """A function call."""
 
     function: str
     arguments: tuple[Expression, ...] = ()
@@ -81,10 +85,94 @@ class Call:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """operator: or and = != < <= > >= + - * div mod | with two or more operands, or "negate" with one."""
+    """operator: one of `LEVELS` with two or more operands, or "negate" with one."""
 
     operator: str
     operands: tuple[Expression, ...]
+    span: Span = field(default=(0, 0), compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """`$name`, bound by the request (until `meaning.bind` puts its value here) or by what it stands in.
+
+    type: as of `type_of`, of the item that it stands for; "" until it is bound. "." is a context item that is no node.
+    is_integer: it is a number that XPath calls an integer. reached: the types of nodes that it can be
+    (`reach.types_of`), as `rules.normal` finds them.
+    """
+
+    name: str
+    type: str = ""
+    is_integer: bool = False
+    reached: frozenset[str] = frozenset()
+    span: Span = field(default=(0, 0), compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """`(a, b, c)`, items one after the other; `()` has none."""
+
+    items: tuple[Expression, ...]
+    span: Span = field(default=(0, 0), compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class For:
+    """`for $variable in source return body`; of several variables, one stands in the body of the other."""
+
+    variable: str
+    source: Expression
+    body: Expression
+    span: Span = field(default=(0, 0), compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Let:
+    """`let $variable := source return body`."""
+
+    variable: str
+    source: Expression
+    body: Expression
+    span: Span = field(default=(0, 0), compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Quantified:
+    """`some $variable in source satisfies body`, or `every`."""
+
+    quantifier: str
+    variable: str
+    source: Expression
+    body: Expression
+    span: Span = field(default=(0, 0), compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class If:
+    """`if (test) then … else …`."""
+
+    test: Expression
+    then: Expression
+    otherwise: Expression
+    span: Span = field(default=(0, 0), compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Each:
+    """`source ! body`, the body with each item as context. is_step: `source/body`, where the body is no step."""
+
+    source: Expression
+    body: Expression
+    is_step: bool = False
+    span: Span = field(default=(0, 0), compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """`function($variable) { body }`, the key of `sort`."""
+
+    variable: str
+    body: Expression
     span: Span = field(default=(0, 0), compare=False)
 
 
@@ -104,25 +192,14 @@ class Written:
     span: Span = field(default=(0, 0), compare=False)
 
 
-Expression: TypeAlias = Literal | Path | Filter | Call | Operation | Written
-
-NODES_FUNCTIONS = giving("nodes")
-STRING_FUNCTIONS = giving("string")
-
-
-def type_of(expression: Expression) -> str:
-    """Type of the value: "nodes", "number", "string", "boolean" or "strings"; "sequence" where only it can tell."""
-    if isinstance(expression, Written):
-        return "sequence"
-    if isinstance(expression, Literal):
-        return "string" if isinstance(expression.value, str) else "number"
-    if isinstance(expression, Path | Filter):
-        return "nodes"
-    if isinstance(expression, Call):
-        return FUNCTIONS[expression.function].result
-    if expression.operator == "|":
-        return "nodes"
-    return "number" if expression.operator in ("+", "-", "*", "div", "mod", "negate") else "boolean"
+Binder: TypeAlias = For | Let | Quantified
+Later: TypeAlias = Variable | Sequence | Binder | If | Each | Function
+"""What came after XPath 1.0."""
+Expression: TypeAlias = Literal | Path | Filter | Call | Operation | Later | Written
+_PARTS: dict[type, tuple[str, ...]] = {
+    For: ("source", "body"), Let: ("source", "body"), Quantified: ("source", "body"), Each: ("source", "body"),
+    If: ("test", "then", "otherwise"), Function: ("body",),
+}  # fmt: skip
 
 
 def children(expression: Expression) -> Iterator[Expression]:
@@ -139,6 +216,11 @@ def children(expression: Expression) -> Iterator[Expression]:
         yield from expression.arguments
     elif isinstance(expression, Operation):
         yield from expression.operands
+    elif isinstance(expression, Sequence):
+        yield from expression.items
+    else:
+        for name in _PARTS.get(type(expression), ()):
+            yield getattr(expression, name)
 
 
 def with_children(expression: Expression, function: Callable[[Expression], Expression]) -> Expression:
@@ -156,6 +238,11 @@ def with_children(expression: Expression, function: Callable[[Expression], Expre
         return Call(expression.function, tuple(map(function, expression.arguments)), expression.span)
     if isinstance(expression, Operation):
         return Operation(expression.operator, tuple(map(function, expression.operands)), expression.span)
+    if isinstance(expression, Sequence):
+        return Sequence(tuple(map(function, expression.items)), expression.span)
+    if isinstance(expression, For | Let | Quantified | Each | If | Function):
+        parts = {name: function(getattr(expression, name)) for name in _PARTS[type(expression)]}
+        return replace(expression, **parts)  # type: ignore[arg-type]  # it cannot tell the names of fields
     return expression
 
 
@@ -168,38 +255,24 @@ def walk(expression: Expression) -> Iterator[Expression]:
         stack.extend(children(current))
 
 
-def is_constant(expression: Expression) -> bool:
-    """Whether the value is the same in every document: no path, and no function that looks at the context node."""
-    return not any(
-        isinstance(part, Path | Filter | Written)
-        or (
-            isinstance(part, Call)
-            and (part.function in NODES_FUNCTIONS | {"lang", "position", "last"} or not _given(part))
-        )
-        for part in walk(expression)
-    )
-
-
-def _given(call: Call) -> bool:
-    return bool(call.arguments) or call.function in ("true", "false")
-
-
-def depends_on_position(expression: Expression) -> bool:
-    """Whether position() or last() of the context itself are asked for, not those of predicates inside."""
-    if isinstance(expression, Call):
-        if expression.function in ("position", "last"):
-            return True
-        return any(depends_on_position(argument) for argument in expression.arguments)
-    if isinstance(expression, Path):
-        return expression.start is not None and depends_on_position(expression.start)
+@lru_cache(maxsize=4096)
+def free_variables(expression: Expression) -> frozenset[str]:
+    """Names of variables that are bound outside of an expression."""
+    if isinstance(expression, Variable):
+        return frozenset({expression.name})
+    if isinstance(expression, Binder):
+        return free_variables(expression.source) | (free_variables(expression.body) - {expression.variable})
+    if isinstance(expression, Function):
+        return free_variables(expression.body) - {expression.variable}
+    if isinstance(expression, Each):
+        return free_variables(expression.source) | (free_variables(expression.body) - {"."})
+    found = frozenset[str]().union(*map(free_variables, children(expression)))
     if isinstance(expression, Filter):
-        return depends_on_position(expression.operand)
-    return isinstance(expression, Operation) and any(depends_on_position(operand) for operand in expression.operands)
+        inner = frozenset[str]().union(*map(free_variables, expression.predicates))
+        return free_variables(expression.operand) | (inner - {"."})
+    return found
 
 
-def distinct_of(call: Call) -> Expression | None:
-    """The nodes of `count(distinct-values(nodes))`, or of `string-join` of them; None for others."""
-    inner = call.arguments[0] if call.arguments else None
-    is_distinct = isinstance(inner, Call) and inner.function == "distinct-values" and len(inner.arguments) == 1
-    takes = call.function in ("count", "string-join")
-    return inner.arguments[0] if takes and is_distinct and isinstance(inner, Call) else None
+def predicates_of(steps: Iterable[Step]) -> list[Expression]:
+    """All predicates of some steps."""
+    return [predicate for step in steps for predicate in step.predicates]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -166,10 +166,12 @@ class ShapeRuns:
             self._numbers[name] = np.array([layout.numbers.get(name, -1) for layout in self._layouts], np.int64)
         return self._numbers[name]
 
-    @cached_property
-    def total(self) -> int:
-        """How many frame_bones all frames have."""
-        return int((self.counts * (self.offsets[self.shape + 1] - self.offsets[self.shape])).sum())
+    def counted(self, text: str) -> int:
+        """How many frame_bones of a name all frames have; of any name, where it is empty."""
+        if not text:
+            return int((self.counts * (self.offsets[self.shape + 1] - self.offsets[self.shape])).sum())
+        shapes, _ = self._places(text)
+        return int((self.counts * np.bincount(shapes, minlength=len(self.offsets) - 1)[self.shape]).sum())
 
     def run_of(self, nodes: Ints) -> Ints:
         """The run in which each node's frame lies."""
@@ -199,16 +201,20 @@ class ShapeRuns:
 
     def named(self, frames: Ints, text: str) -> tuple[Ints, Ints]:
         """(index into frames, frame_bone) of the frame_bones of a name."""
+        shape, number = self._places(text)
+        shapes = self.shape_of(frames)
+        begin, end = np.searchsorted(shape, shapes, side="left"), np.searchsorted(shape, shapes, side="right")
+        source, within = expand(end - begin)
+        return source, frames[source] + BONES + BONE_WIDTH * number[begin[source] + within]
+
+    def _places(self, text: str) -> tuple[Ints, Ints]:
+        """(shape, number in it) of the bones of a name."""
         if text not in self._named:
             wanted = self.numbers_of(unescape(text))
             matching = np.flatnonzero(self.bones == np.repeat(wanted[self._of_document], np.diff(self.offsets)))
             shape = np.searchsorted(self.offsets, matching, side="right") - 1
             self._named[text] = shape, matching - self.offsets[shape]
-        shape, number = self._named[text]
-        shapes = self.shape_of(frames)
-        begin, end = np.searchsorted(shape, shapes, side="left"), np.searchsorted(shape, shapes, side="right")
-        source, within = expand(end - begin)
-        return source, frames[source] + BONES + BONE_WIDTH * number[begin[source] + within]
+        return self._named[text]
 
     def numbered(self, frames: Ints, bones: Ints) -> Ints:
         """The frame_bone of each frame that belongs to the bone of a number; every frame has it."""

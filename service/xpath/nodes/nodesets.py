@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from service.numerics.runs import find_starts
+from service.numerics.runs import find_equal, find_starts
 from service.xpath.nodes.numbering import Bools, Floats, Ints
 from service.xpath.nodes.pairs import MAX_PAIRS, TooWideError, expand
 
@@ -97,3 +97,28 @@ def ordered(groups: Ints, nodes: Ints, count: int) -> NodeSets:
             kept = np.concatenate([[True], (np.diff(nodes) != 0) | (np.diff(groups) != 0)])
             groups, nodes = groups[kept], nodes[kept]
     return NodeSets(groups, nodes, count)
+
+
+def union(one: NodeSets, other: NodeSets) -> NodeSets:
+    """The nodes of either set."""
+    if one.index is not None or other.index is not None:
+        one, other = one.flat()[0], other.flat()[0]
+    return ordered(np.concatenate([one.groups, other.groups]), np.concatenate([one.nodes, other.nodes]), one.count)
+
+
+def shared_nodes(one: NodeSets, other: NodeSets, *, wanted: bool) -> NodeSets:
+    """Nodes of one set that are in the other, or that are not."""
+    one, other = (ordered(sets.groups, sets.nodes, sets.count) for sets in (one.flat()[0], other.flat()[0]))
+    codes = np.unique(np.concatenate([one.nodes, other.nodes]), return_inverse=True)[1].reshape(-1)
+    width = int(codes.max(initial=0)) + 1
+    first = one.groups * width + codes[: len(one.nodes)]
+    kept = np.isin(first, other.groups * width + codes[len(one.nodes) :]) == wanted
+    return NodeSets(one.groups[kept], one.nodes[kept], one.count)
+
+
+def positions_of(groups: Ints, *, reverse: bool) -> tuple[Floats, Floats]:
+    """Position and size of the list for each candidate; lists are neighbours, in document order."""
+    sizes = np.diff(find_equal(groups)).reshape(-1)
+    _, within = expand(sizes)
+    size = np.repeat(sizes, sizes).astype(np.float64)
+    return np.asarray(size - within if reverse else within + 1.0, np.float64), size

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 
 import numpy as np
 
@@ -121,10 +122,30 @@ def to_text(number: float) -> str:
     return _without_zeros(f"{number:.{places}f}")
 
 
-def of_numbers(numbers: Floats) -> Strings:
+def to_later_text(number: float, *, is_integer: bool) -> str:
+    """`string()` of a number in XPath 2.0: as few digits as tell it apart, an exponent from a million on and below a
+    millionth. XPath 2.0 Functions and Operators §17.1.2."""
+    if math.isnan(number):
+        return "NaN"
+    if math.isinf(number):
+        return "INF" if number > 0 else "-INF"
+    if is_integer:
+        return str(int(number))
+    if number == 0:
+        return "-0" if math.copysign(1, number) < 0 else "0"
+    if 1e-6 <= abs(number) < 1e6:
+        return _without_zeros(format(Decimal(repr(number)), "f"))
+    sign, digits, exponent = Decimal(repr(number)).normalize().as_tuple()
+    letters = "".join(map(str, digits))
+    power = int(exponent) + len(letters) - 1
+    return f"{'-' * sign}{letters[0]}.{letters[1:] or '0'}E{power}"
+
+
+def of_numbers(numbers: Floats, write: Callable[[float], str] = to_text) -> Strings:
     """`string()` of each number."""
-    unique, inverse = np.unique(numbers, return_inverse=True)
-    return Strings(inverse.reshape(-1).astype(np.int64), [to_text(number) for number in unique.tolist()])
+    # By their bits, for -0.0 and 0.0 may be two texts.
+    unique, inverse = np.unique(np.ascontiguousarray(numbers).view(np.int64), return_inverse=True)
+    return Strings(inverse.reshape(-1).astype(np.int64), [write(number) for number in unique.view(np.float64).tolist()])
 
 
 def _without_zeros(digits: str) -> str:

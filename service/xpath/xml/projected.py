@@ -16,7 +16,8 @@ from service.xpath.answer.render import bone_names, labelled_blocks
 from service.xpath.language.labels import without_index
 from service.xpath.language.parse import Query
 from service.xpath.language.reach import Projection, projection
-from service.xpath.language.tree import Call, Expression, type_of
+from service.xpath.language.tree import Call, Expression
+from service.xpath.language.types import type_of
 from service.xpath.limits import Limits
 from service.xpath.nodes.node import Node, Run, in_no_frame, join_runs
 from service.xpath.xml.evaluate import Evaluator, Nodes, Scalar

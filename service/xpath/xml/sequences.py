@@ -11,7 +11,8 @@ from service.storage.database import Transaction
 from service.xpath.language.functions import AGGREGATES
 from service.xpath.language.labels import without_index
 from service.xpath.language.parse import Query
-from service.xpath.language.tree import Call, Literal, Written, type_of
+from service.xpath.language.tree import Call, Literal, Written
+from service.xpath.language.types import type_of
 from service.xpath.language.unparse import unparse
 from service.xpath.limits import Limits
 from service.xpath.nodes.node import Node, Run

@@ -2772,6 +2772,7 @@ export interface components {
             as: "json" | "xml" | "ndjson" | "csv" | "runs" | "arrow" | "parquet";
             limit?: number | null;
             cursor?: string | null;
+            per?: "document" | null;
             /** @default false */
             explain: boolean;
             with?: string | null;
@@ -5594,6 +5595,7 @@ export interface operations {
                 as?: "json" | "xml" | "ndjson" | "csv" | "runs" | "arrow" | "parquet";
                 limit?: number | null;
                 cursor?: string | null;
+                per?: "document" | null;
                 explain?: boolean;
                 with?: string | null;
             };
