@@ -152,6 +152,13 @@ class Skeleton:
         """What was found of it by functions that `once_a_skeleton` has made."""
         return {}
 
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash((self.joints, self.declared))
+
     def __reduce__(self) -> tuple[Any, ...]:
         # What follows from it is not sent to other processes.
         return Skeleton, (self.joints, self.declared)

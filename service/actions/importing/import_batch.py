@@ -13,10 +13,10 @@ from service.storage.database import Database
 if TYPE_CHECKING:
     from service.actions.importing.import_motion import Importer
 
-BATCH_BYTES, BATCH_CLIPS = 16 << 20, 32
+BATCH_BYTES, BATCH_CLIPS = 16 << 20, 48
 """Of files whose clips are stored in one transaction."""
 
-EARLY_CLIPS = 8
+EARLY_CLIPS = 24
 """For which a commit is worth while where the importer would wait otherwise."""
 
 
