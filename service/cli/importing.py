@@ -137,6 +137,6 @@ class _Bar:
         """Draw it, if it was not just now."""
         if time.monotonic() - self._drawn > SECONDS_DRAWN:
             self._pace.tell(done, of)
-            said = {"description": name[:40], "completed": done, "total": of, "pace": str(self._pace)}
-            self._bar.update(self._task, refresh=True, **said)
+            pace = str(self._pace)
+            self._bar.update(self._task, description=name[:40], completed=done, total=of, pace=pace, refresh=True)
             self._drawn = time.monotonic()

@@ -211,4 +211,5 @@ def _stated_offsets(skeleton: Skeleton) -> _Stated:
     target[at] = offsets[at]
     large = np.abs(target) >= 0.1 * np.linalg.norm(target, axis=1)[:, None]
     near = np.where(large, 0.25 * np.abs(target), 0.0)
-    return _Stated(joints, offsets.any(axis=1), target, near, [place for _, _, place in places], at)
+    offset = np.asarray(offsets.any(axis=1), dtype=np.bool_)
+    return _Stated(joints, offset, target, near, [place for _, _, place in places], at)
