@@ -14,6 +14,7 @@ BENCHMARKS = {
     "edits": "one value, difference, undo, label, cut in a document of 100,000 frames",
     "expression": "expression spaces: all stages, operations, 96,000 frames",
     "formats": "reading and writing BVH, against pybvh, simdjson, numpy.savetxt",
+    "imports": "imports of thousands of short clips: in one call, file by file, over HTTP",
     "layouts": "ways to lay frames out in SQLite, against each other",
     "library": "libraries of thousands of clips, over HTTP",
     "panels": "windows of the analyses in the browser: a map of 100,000 faces",

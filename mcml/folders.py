@@ -20,7 +20,7 @@ EXTENSIONS = {".mcml", ".xml", ".zip"}.union(
 
 PAIRED = (".asf", ".amc")
 
-MOST_FILES, MOST_BYTES = 128, 64 << 20
+MOST_FILES, MOST_BYTES = 512, 128 << 20
 """Of one call: its files are open together, and what became of them is told when all are stored."""
 
 Told: TypeAlias = Callable[[int, int, str], None]

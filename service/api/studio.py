@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import mimetypes
+from contextlib import suppress
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Request
-from fastapi.responses import FileResponse, Response
+from fastapi.responses import Response
 
 from service.api.page import page
 from service.api.policy import page_policy
@@ -52,7 +53,7 @@ for address in PAGES:
 
 
 @router.get("/assets/{name}")
-def built_file(name: str, accept_encoding: Annotated[str, Header()] = "") -> FileResponse:
+def built_file(name: str, accept_encoding: Annotated[str, Header()] = "") -> Response:
     """A script, style or worker of the studio."""
     # A page that asks for embedder policy starts only workers that say it too.
     headers = {"cache-control": FOR_GOOD, "cross-origin-embedder-policy": "require-corp"}
@@ -60,20 +61,22 @@ def built_file(name: str, accept_encoding: Annotated[str, Header()] = "") -> Fil
 
 
 @router.get("/favicon.svg")
-def icon() -> FileResponse:
+def icon() -> Response:
     return _file("favicon.svg", "", {"cache-control": "max-age=86400"})
 
 
-def _file(name: str, accepted: str, headers: dict[str, str]) -> FileResponse:
-    """A built file, compressed where the client takes it. NotFoundError for any other name."""
-    path = STATIC / name
-    if ".." in name or "\\" in name or not path.is_file():
+def _file(name: str, accepted: str, headers: dict[str, str]) -> Response:
+    """A built file, compressed where the client takes it. NotFoundError for any other name.
+
+    It is read before its length is told: `make web` may write another one in its place at any moment.
+    """
+    if ".." in name or "\\" in name:
         raise NotFoundError(f"There is no file {name!r}.")
     kind = mimetypes.guess_type(name)[0] or "application/octet-stream"
-    for encoding, ending in ENCODINGS:
-        packed = STATIC / (name + ending)
-        if encoding in accepted and packed.is_file():
-            return FileResponse(
-                packed, media_type=kind, headers={**headers, "content-encoding": encoding, "vary": "accept-encoding"}
-            )
-    return FileResponse(path, media_type=kind, headers={**headers, "vary": "accept-encoding"})
+    for encoding, ending in (*ENCODINGS, ("", "")):
+        if encoding in accepted:
+            with suppress(FileNotFoundError, IsADirectoryError):
+                content = (STATIC / (name + ending)).read_bytes()
+                packed = {"content-encoding": encoding} if encoding else {}
+                return Response(content, media_type=kind, headers={**headers, **packed, "vary": "accept-encoding"})
+    raise NotFoundError(f"There is no file {name!r}.")

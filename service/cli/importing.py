@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.text import Text
 
 from mcml.choosing import id_of
 from mcml.folders import import_paths
+from mcml.pace import Pace
 from schemas.documents import ImportedDocument
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, write_to_the_end
 
@@ -112,13 +113,17 @@ def _print_imported(document: ImportedDocument) -> None:
 
 
 class _Bar:
-    """How many files are done. It is drawn by whoever tells it: beside a thread that drew it, no import could fork."""
+    """How many files are done, how fast, and how long the others take.
+
+    It is drawn by whoever tells it: beside a thread that drew it, no import could fork.
+    """
 
     def __init__(self, *, disable: bool) -> None:
         what = TextColumn("{task.description}", markup=False)
-        columns = (what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        columns = (what, BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[pace]}"))
         self._bar = Progress(*columns, console=console, transient=True, disable=disable, auto_refresh=False)
-        self._task = self._bar.add_task("importing", total=None)
+        self._task = self._bar.add_task("importing", total=None, pace="")
+        self._pace = Pace()
         self._drawn = 0.0
 
     def __enter__(self) -> _Bar:
@@ -131,5 +136,7 @@ class _Bar:
     def tell(self, done: int, of: int, name: str) -> None:
         """Draw it, if it was not just now."""
         if time.monotonic() - self._drawn > SECONDS_DRAWN:
-            self._bar.update(self._task, description=name[:40], completed=done, total=of, refresh=True)
+            self._pace.tell(done, of)
+            pace = str(self._pace)
+            self._bar.update(self._task, description=name[:40], completed=done, total=of, pace=pace, refresh=True)
             self._drawn = time.monotonic()

@@ -13,7 +13,7 @@ from service.errors import FormatError, Notice
 from service.formats.lines import line_and_column
 from service.formats.numbers import NumberStream, bad_token, count_tokens, parse_numbers, token_bounds, what_is_wrong
 from service.motion.clip import FrameBlock, full_shape
-from service.motion.skeleton import CHANNELS, Array, Skeleton, numbers
+from service.motion.skeleton import CHANNELS, Array, Skeleton, numbers, once_a_skeleton
 
 SAMPLE_BYTES: Final = 1 << 16
 FRAMES_WITHOUT_CHANNELS: Final = 1 << 14
@@ -147,7 +147,7 @@ def guess_translation(skeleton: Skeleton, sample: Array, wanted: str, notices: l
     if wanted in ("absolute", "relative"):
         joints = tuple(replace(joint, translation=wanted) if joint.translation else joint for joint in skeleton.joints)
         return replace(skeleton, joints=joints)
-    relative = dict.fromkeys(_added_to_offset(skeleton, sample))
+    relative = _added_to_offset(skeleton, sample)
     if not relative:
         return skeleton
     names = [skeleton.joints[index].source_name for index in relative]
@@ -159,30 +159,57 @@ def guess_translation(skeleton: Skeleton, sample: Array, wanted: str, notices: l
             "added to it. Say translation=absolute if they replace it",
         )
     )
-    joints = tuple(
-        replace(joint, translation="relative") if index in relative else joint
-        for index, joint in enumerate(skeleton.joints)
-    )
-    return replace(skeleton, joints=joints)
+    return _with_relative(skeleton, tuple(relative))
+
+
+@once_a_skeleton
+def _with_relative(skeleton: Skeleton, relative: tuple[int, ...]) -> Skeleton:
+    joints = list(skeleton.joints)
+    for index in relative:
+        joints[index] = replace(joints[index], translation="relative")
+    return replace(skeleton, joints=tuple(joints))
 
 
 def _added_to_offset(skeleton: Skeleton, sample: Array) -> list[int]:
     """The joints whose positions look like additions to their OFFSET."""
+    stated = _stated_offsets(skeleton)
+    if not stated.offset.any() or not len(sample):
+        return []
+    mean = np.zeros_like(stated.target)
+    mean[stated.at] = sample.mean(axis=0)[stated.places]
+    away = mean - stated.target
+    # Files exist whose OFFSET holds the place on the floor of another take; the height gives them away.
+    near_offset = (np.abs(away) < stated.near).any(axis=1)
+    nearer_to_zero = np.linalg.norm(mean, axis=1) < np.linalg.norm(away, axis=1)
+    return [stated.joints[row] for row in np.flatnonzero(nearer_to_zero & ~near_offset & stated.offset).tolist()]
+
+
+@dataclass(frozen=True, slots=True)
+class _Stated:
+    """OFFSETs of the joints, J of them, that have position channels. offset: (J,) which are not all zero.
+
+    target: (J, 3), along the axes that have a channel. near: (J, 3) how far from it a large component may be and still
+    agree, 0 for one that is not large. places: of the channels among the columns. at: where these stand in (J, 3).
+    """
+
+    joints: list[int]
+    offset: NDArray[np.bool_]
+    target: Array
+    near: Array
+    places: list[int]
+    at: tuple[list[int], list[int]]
+
+
+@once_a_skeleton
+def _stated_offsets(skeleton: Skeleton) -> _Stated:
     places = [(joint, axis, place) for place, (joint, axis) in enumerate(skeleton.columns()) if axis < 3]
     joints = list(dict.fromkeys(joint for joint, _, _ in places))
-    if not joints or not len(sample):
-        return []
-    offsets = np.array([numbers(skeleton.joints[joint].offset) for joint in joints])
-    if not offsets.any():
-        return []
+    offsets = np.array([numbers(skeleton.joints[joint].offset) for joint in joints]).reshape(-1, 3)
     rows = {joint: row for row, joint in enumerate(joints)}
-    mean, target = np.zeros((2, len(joints), 3))
     at = [rows[joint] for joint, _, _ in places], [axis for _, axis, _ in places]
-    mean[at] = sample.mean(axis=0)[[place for _, _, place in places]]
+    target = np.zeros((len(joints), 3))
     target[at] = offsets[at]
-    size = np.linalg.norm(target, axis=1)
-    large = np.abs(target) >= 0.1 * size[:, None]
-    # Files exist whose OFFSET holds the place on the floor of another take; the height gives them away.
-    near_offset = ((np.abs(mean - target) < 0.25 * np.abs(target)) & large).any(axis=1)
-    nearer_to_zero = np.linalg.norm(mean, axis=1) < np.linalg.norm(mean - target, axis=1)
-    return [joints[row] for row in np.flatnonzero(nearer_to_zero & ~near_offset & offsets.any(axis=1)).tolist()]
+    large = np.abs(target) >= 0.1 * np.linalg.norm(target, axis=1)[:, None]
+    near = np.where(large, 0.25 * np.abs(target), 0.0)
+    offset = np.asarray(offsets.any(axis=1), dtype=np.bool_)
+    return _Stated(joints, offset, target, near, [place for _, _, place in places], at)

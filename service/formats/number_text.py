@@ -18,7 +18,7 @@ from service.formats.numbers import parse_numbers, token_bounds
 from service.motion.skeleton import Array
 
 SHORTEST = "shortest"
-SAMPLE_TOKENS = 300
+SAMPLE_TOKENS, FEW_TOKENS = 300, 100
 MOST_DECIMALS = 15
 """With which numbers of motion are still on a grid that a double can tell."""
 
@@ -39,8 +39,10 @@ def detect_style(sample: bytes, bounds: NDArray[np.intp] | None = None) -> str:
     bounds: of its words, where they are known (`token_bounds`).
     """
     bounds = token_bounds(sample) if bounds is None else bounds
-    # Spread over the sample: the first frame is often a pose of zeros.
-    tokens = [sample[start:end] for start, end in bounds[:: len(bounds) // SAMPLE_TOKENS + 1].tolist()]
+    uniform = _uniform_style(sample, bounds)
+    if uniform is not None:
+        return uniform
+    tokens = _spread(sample, bounds, SAMPLE_TOKENS)
     text = b" ".join(tokens)
     values = parse_numbers(text)
     if values is None or not tokens:
@@ -48,11 +50,6 @@ def detect_style(sample: bytes, bounds: NDArray[np.intp] | None = None) -> str:
     decimals = list(map(len, _FRACTION.findall(text)))
     usual = max(set(decimals), key=decimals.count) if decimals else MOST_STYLED + 1
     fixed = [f"fixed:{usual}"] if usual <= MOST_STYLED else []
-    # Zeros behind the first decimal are of no other style.
-    has_zeros = b"0 " in text or text.endswith(b"0")
-    uniform = fixed and has_zeros and len(decimals) == len(tokens) and min(decimals) > 1
-    if uniform and _written(values, fixed[0]) == tokens:
-        return fixed[0]
     mantissas = _EXPONENT.sub(b"", text).translate(None, b"+-.").split(b" ")
     digits = min(17, max(1, *(len(mantissa.lstrip(b"0")) for mantissa in mantissas)))
     general = f"general:{digits}"
@@ -67,6 +64,26 @@ def detect_style(sample: bytes, bounds: NDArray[np.intp] | None = None) -> str:
         if share == 1:
             break
     return best
+
+
+def _spread(sample: bytes, bounds: NDArray[np.intp], most: int) -> list[bytes]:
+    """Some of the words, spread over the sample: the first frame is often a pose of zeros."""
+    return [sample[start:end] for start, end in bounds[:: len(bounds) // most + 1].tolist()]
+
+
+def _uniform_style(sample: bytes, bounds: NDArray[np.intp]) -> str | None:
+    """The style in which all of a few words are written, where no other could have written them; most programs'."""
+    tokens = _spread(sample, bounds, FEW_TOKENS)
+    text = b" ".join(tokens)
+    decimals = list(map(len, _FRACTION.findall(text)))
+    if len(decimals) != len(tokens) or not 1 < min(decimals, default=0) == max(decimals) <= MOST_STYLED:
+        return None
+    # Zeros behind the first decimal are of no other style.
+    if b"0 " not in text and not text.endswith(b"0"):
+        return None
+    values = parse_numbers(text)
+    style = f"fixed:{decimals[0]}"
+    return style if values is not None and _written(values, style) == tokens else None
 
 
 def decimals_of(style: str) -> int | None:

@@ -7,6 +7,7 @@ head and those. Uploaded documents are validated as they stream (`service.mcml.r
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable, Sequence
 from functools import cache
 from io import BytesIO
@@ -26,6 +27,9 @@ from service.resources import dtd_path
 
 MOST_FAULTS = 20
 """That one message tells: who has more needs no list."""
+
+MOST_KNOWN = 4096
+"""Kinds of documents that were valid and are remembered."""
 
 MAX_BYTES = 256 << 20
 """Of a document that is validated as a tree, which takes several times as much memory."""
@@ -77,6 +81,49 @@ def validate_by_shapes(document: Element, shapes: Iterable[tuple[Shape, int]], n
     """
     frames = {(tuple({bits: (joint, bits) for joint, bits in shape}.values()), count) for shape, count in shapes}
     validate_frames(document, (frame_of(shape, count, names) for shape, count in sorted(frames)))
+
+
+def validate_often(document: Element, shapes: Iterable[tuple[Shape, int]], names: Sequence[str]) -> None:
+    """As `validate_by_shapes`, for many documents that differ in what validity does not depend on: file names, mostly.
+
+    One that is like another that was valid is not made, parsed and validated again.
+    """
+    shapes = list(shapes)
+    alike = hashlib.sha256(repr((_likeness(document), shapes, tuple(names))).encode("utf-8", "backslashreplace"))
+    if (digest := alike.digest()) in _KNOWN_VALID:
+        return
+    validate_by_shapes(document, shapes, names)
+    if len(_KNOWN_VALID) >= MOST_KNOWN:
+        _KNOWN_VALID.clear()
+    _KNOWN_VALID.add(digest)
+
+
+_KNOWN_VALID: set[bytes] = set()
+
+
+def _likeness(element: Element) -> tuple[object, ...]:
+    """All of an element that validity can depend on: of words without choice only whether they are there and blank."""
+    choices = _choices()
+    attributes = [
+        (name, value if (element.tag, name) in choices else _kind(value)) for name, value in element.attributes.items()
+    ]
+    return element.tag, attributes, _kind(element.text), [_likeness(child) for child in element.children]
+
+
+def _kind(text: str) -> str | bool:
+    """Whether there is more than blanks; the text itself where it is none, or holds what XML might not."""
+    return True if text.isprintable() and text.strip(WHITE_SPACE) else text
+
+
+@cache
+def _choices() -> frozenset[tuple[str, str]]:
+    """(element, attribute) of those whose values the DTD lists."""
+    return frozenset(
+        (element.name, attribute.name)
+        for element in _dtd().iterelements()
+        for attribute in element.iterattributes()
+        if attribute.type != "cdata"
+    )
 
 
 def validate_frames(document: Element, frames: Iterable[Element]) -> None:

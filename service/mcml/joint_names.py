@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
 from service.errors import Notice, VocabularyError
-from service.motion.skeleton import TRANSLATIONS, Convention, Joint, Skeleton, unique_names
+from service.motion.skeleton import TRANSLATIONS, Convention, Joint, Skeleton, once_a_skeleton, unique_names
 from service.resources import joint_names_path
 
 TABLE_1 = ("asf", "bvh1", "bvh2", "htr")
@@ -147,6 +147,7 @@ def detect(skeleton: Skeleton) -> Rig:
     return RIGS[best] if votes[best] else UNKNOWN
 
 
+@once_a_skeleton
 def root_candidates(skeleton: Skeleton) -> tuple[int, ...]:
     """The joints that the rig's convention, or any, calls Root and that can move the figure, parents first.
 

@@ -14,7 +14,7 @@ import numpy as np
 from service.errors import ConversionError
 from service.motion.hub import Rest
 from service.motion.sides import is_left, partners, sagittal
-from service.motion.skeleton import Array, Convention, Skeleton
+from service.motion.skeleton import Array, Convention, Skeleton, once_a_skeleton
 
 CENTRE, LEFT, RIGHT = 0, 1, 2
 
@@ -43,6 +43,7 @@ class Figure:
     face: bool = False
 
 
+@once_a_skeleton
 def figure_of(skeleton: Skeleton, rest: Rest, carrier: int) -> Figure:
     """The figure of a body: all its points, or those that matter most.
 
@@ -167,6 +168,8 @@ def _narrowest(pose: Array, up: Array) -> Array:
 def finite(points: Sequence[Array] | Array) -> Array:
     """Positions (F, P, 3) without gaps: a point that is not seen is where it was last, before that where it will be."""
     values = np.clip(np.array(points, dtype=np.float64), -1e100, 1e100)
+    if np.isfinite(values).all():
+        return values
     gaps = np.isnan(values).any(axis=2)
     if gaps.any():
         rows = np.arange(len(values))[:, None]

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from service.motion.clip import ClipStream, FrameBlock
-from service.motion.skeleton import CHANNEL_INDEX, Array, Convention, Skeleton, numbers
+from service.motion.skeleton import CHANNEL_INDEX, Array, Convention, Skeleton, numbers, once_a_skeleton
 
 _SCALE = CHANNEL_INDEX["SF"]
 
@@ -25,7 +25,7 @@ class Held:
     def __init__(self, skeleton: Skeleton, columns: Sequence[tuple[int, int]] | None = None) -> None:
         self.columns = skeleton.columns() if columns is None else tuple(columns)
         self.missing = 0
-        self._last = np.array([_at_rest(skeleton, joint, channel) for joint, channel in self.columns])
+        self._last = _rest_values(skeleton, self.columns)
 
     def values(self, block: FrameBlock) -> Array:
         """(n, D) finite values in the layout."""
@@ -54,6 +54,12 @@ class Held:
         np.maximum.accumulate(source, axis=0, out=source)
         filled: Array = np.take_along_axis(with_last, source, axis=0)[1:]
         return filled
+
+
+@once_a_skeleton
+def _rest_values(skeleton: Skeleton, columns: tuple[tuple[int, int], ...]) -> Array:
+    """(D,) of each column before its first sample."""
+    return np.array([_at_rest(skeleton, joint, channel) for joint, channel in columns])
 
 
 def _at_rest(skeleton: Skeleton, joint: int, channel: int) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 
 from service.errors import ConversionError
 from service.motion.frames import Rows
-from service.motion.skeleton import Array, Skeleton
+from service.motion.skeleton import Array, Skeleton, once_a_skeleton
 
 _SWAPS = (
     (re.compile("left", re.I), "right"),
@@ -33,6 +33,7 @@ class Sagittal:
     point: Array
 
 
+@once_a_skeleton
 def partners(skeleton: Skeleton) -> Rows:
     """(J,) the joint of the other side, by MCML's names or else the source's; its own index for one in the middle.
 
@@ -49,6 +50,7 @@ def partners(skeleton: Skeleton) -> Rows:
         fits = other == joint.parent if min(joint.parent, other) < 0 else other == found[joint.parent]
         if partner != index and not fits:
             found[index], found[partner] = index, partner
+    found.setflags(write=False)
     return found
 
 
@@ -88,6 +90,16 @@ def _swapped(name: str, place: int) -> str:
     return pattern.sub(cased, name, count=1)
 
 
+@once_a_skeleton
+def _pairs(skeleton: Skeleton) -> list[tuple[int, int]]:
+    """(left, right) joints."""
+    return [
+        (index, int(partner))
+        for index, partner in enumerate(partners(skeleton))
+        if partner != index and is_left(skeleton, index, int(partner))
+    ]
+
+
 def sagittal(skeleton: Skeleton, positions: Array, up: Array, facing: Array | None = None) -> Sagittal:
     """The plane between the sides of a pose.
 
@@ -95,11 +107,7 @@ def sagittal(skeleton: Skeleton, positions: Array, up: Array, facing: Array | No
     the joints of the left stand to its left: the hips first, any pairs where there are none. It goes through the
     middle of the pairs, or else of all joints. Raises ConversionError where nothing tells left from right.
     """
-    pairs = [
-        (index, int(partner))
-        for index, partner in enumerate(partners(skeleton))
-        if partner != index and is_left(skeleton, index, int(partner))
-    ]
+    pairs = _pairs(skeleton)
     hips = [pair for pair in pairs if skeleton.joints[pair[0]].name in ("left_hip", "left_up_leg")]
     if facing is not None:
         across = np.cross(up, facing)

@@ -6,14 +6,17 @@ Numbers of the head are kept as the text that the source wrote (`"5.7300"`), so 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from functools import cached_property
+from functools import cached_property, wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+P = ParamSpec("P")
+Found = TypeVar("Found")
 Array = NDArray[np.float64]
 Triple = tuple[str, str, str]
 
@@ -143,6 +146,40 @@ class Skeleton:
             for index in self.in_declared_order()
             for channel in self.joints[index].channels
         )
+
+    @cached_property
+    def _follows(self) -> dict[Hashable, Any]:
+        """What was found of it by functions that `once_a_skeleton` has made."""
+        return {}
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash((self.joints, self.declared))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What follows from it is not sent to other processes.
+        return Skeleton, (self.joints, self.declared)
+
+
+def once_a_skeleton(function: Callable[Concatenate[Skeleton, P], Found]) -> Callable[Concatenate[Skeleton, P], Found]:
+    """A function of a skeleton, and of values that can be hashed, whose result is kept with the skeleton.
+
+    Clips of one session share a skeleton, and what follows from it takes longer to find than all that a short clip
+    moves. Results are to be read only.
+    """
+
+    @wraps(function)
+    def found(skeleton: Skeleton, /, *args: P.args, **kwargs: P.kwargs) -> Found:
+        follows, key = skeleton._follows, (function, args, *kwargs.items())
+        if key not in follows:
+            follows[key] = function(skeleton, *args, **kwargs)
+        result: Found = follows[key]
+        return result
+
+    return found
 
 
 def numbers(lexemes: Triple | None) -> Array:

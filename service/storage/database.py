@@ -163,9 +163,8 @@ class Transaction:
         """Insert rows that hold the values of these columns."""
         if not rows:
             return
-        names, rows = sealed(table, names, rows)
         if self._gathered is None:
-            self.dialect.insert(self.connection, table, names, rows)
+            self.dialect.insert(self.connection, table, *sealed(table, names, rows))
         else:
             self._gathered.setdefault((table, names), []).extend(rows)
 
@@ -187,7 +186,7 @@ class Transaction:
         """Write what waits, for a read that must see it."""
         waiting, self._gathered = self._gathered or {}, None if self._gathered is None else {}
         for (table, names), rows in waiting.items():
-            self.dialect.insert(self.connection, table, names, rows)
+            self.dialect.insert(self.connection, table, *sealed(table, names, rows))
 
     @cached_property
     def documents(self) -> Documents:

@@ -139,7 +139,7 @@ class Documents:
         row = (uuid, project_key, "ready", begun_as, format_name, number, CURRENT, next_slot)
         values = {"key": key, "commit": number, "slot": next_slot, "packed": _packed(receipt)}
         values["sum"] = SEALS[document].of(row)
-        if self._tx.run(_PUBLISH, values).rowcount != 1:
+        if self._tx.dialect.changed(self._tx.connection, _PUBLISH, values) != 1:
             raise _swept()
         made = (key, 1, number, None, "import", message, stored_form(name), project_key)
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [made])

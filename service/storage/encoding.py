@@ -104,6 +104,7 @@ def channels_of(bits: int) -> list[int]:
     return [channel for channel in range(len(CHANNELS)) if bits >> channel & 1]
 
 
+@lru_cache(maxsize=256)
 def pack_shape(shape: Shape) -> bytes:
     return struct.pack(f"<{2 * len(shape)}H", *(number for pair in shape for number in pair))
 

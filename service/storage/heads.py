@@ -112,13 +112,13 @@ class Heads:
     def add_skeleton(self, project_key: int, made: SkeletonRows, joints: int) -> int:
         """The key of this skeleton in the project: the stored one where an equal one is stored."""
         wanted = {"project": project_key, "hash": made.hash}
-        found = self._tx.run(_EQUAL_SKELETON, wanted).scalar_one_or_none()
-        if found is None:
+        found = self._tx.rows(_EQUAL_SKELETON, wanted)
+        if not found:
             # Another import may be storing an equal one: who waited for it finds it.
             self._tx.dialect.order_commits(self._tx.connection)
-            found = self._tx.run(_EQUAL_SKELETON, wanted).scalar_one_or_none()
-        if found is not None:
-            return int(found)
+            found = self._tx.rows(_EQUAL_SKELETON, wanted)
+        if found:
+            return int(found[0][0])
         key = self._tx.insert_row(skeleton, project=project_key, hash=made.hash, joints=joints)
         self._tx.insert_tuples(skeleton_element, ("skeleton", *ELEMENT_COLUMNS), [(key, *row) for row in made.rows])
         return key

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -62,7 +63,17 @@ class StoredUpload:
 
 def compress_block(data: bytes) -> bytes:
     """One block as it is stored; thread-safe."""
-    return zstandard.ZstdCompressor(level=1).compress(data)
+    return _COMPRESSORS.one.compress(data)
+
+
+class _Compressors(threading.local):
+    """A compressor for each thread: its tables are too large to be made anew for each short file."""
+
+    def __init__(self) -> None:
+        self.one = zstandard.ZstdCompressor(level=1)
+
+
+_COMPRESSORS = _Compressors()
 
 
 class Uploads:
@@ -71,7 +82,8 @@ class Uploads:
 
     def find(self, sha256: str, size: int) -> int | None:
         """The key of the complete upload with these bytes, if it is kept already."""
-        return self._tx.run(_COMPLETE, {"sha256": sha256, "size": size}).scalar_one_or_none()
+        found = self._tx.rows(_COMPLETE, {"sha256": sha256, "size": size})
+        return found[0][0] if found else None
 
     def add(self, sha256: str, size: int, blocks: list[bytes]) -> int:
         """Store a whole file at once, in compressed blocks, and answer its key."""
@@ -122,7 +134,7 @@ class Uploads:
         candidates: set[str] | None = None
         for part, sha256 in digests.items():
             wanted = shared | {"part": part, "sha256": sha256}
-            found = set(self._tx.run(_MADE_OF, wanted).scalars())
+            found = {uuid for (uuid,) in self._tx.rows(_MADE_OF, wanted)}
             candidates = found if candidates is None else candidates & found
         return sorted(candidates or ())
 

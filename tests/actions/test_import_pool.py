@@ -76,6 +76,27 @@ def test_they_make_what_the_importer_makes(tmp_path: Path, pool: ImportPool) -> 
     assert seen[0] == seen[1]
 
 
+@pytest.mark.parametrize("most_bytes", [import_pool.MOST_BYTES, 1])
+def test_short_clips_are_sent_some_at_a_time(
+    sqlite: Database, pool: ImportPool, monkeypatch: pytest.MonkeyPatch, most_bytes: int
+) -> None:
+    sent: list[int] = []
+    submit = pool.submit
+
+    def counted(clips: list[import_pool.Sent], settings: Settings) -> Any:
+        sent.append(len(clips))
+        return submit(clips, settings)
+
+    monkeypatch.setattr(pool, "submit", counted)
+    monkeypatch.setattr(import_pool, "AHEAD", 1)
+    monkeypatch.setattr(import_pool, "MOST_BYTES", most_bytes)
+    done = imported(sqlite, CLIPS, pool)
+    assert [f"{item.name}.bvh" for item in done.documents] == list(CLIPS)
+    assert sum(sent) == len(CLIPS)
+    assert (max(sent) > 1) == (most_bytes > 1)
+    assert sqlite.check() == []
+
+
 def test_a_worker_that_dies_costs_no_clip(sqlite: Database, pool: ImportPool) -> None:
     imported(sqlite, CLIPS, pool)
     executor = pool._started(2)
@@ -94,7 +115,7 @@ from service.settings import Settings
 from service.actions.reading.import_options import ImportOptions
 if __name__ == "__main__":
     pool = ImportPool()
-    pool.submit(("bvh", {}, ImportOptions()), Settings()).result()
+    pool.submit([("bvh", {}, ImportOptions())], Settings()).result()
     print(*[process.pid for process in pool._started(2)._processes.values()], flush=True)
     sys.stdin.read()
 """

@@ -49,7 +49,8 @@ def test_documents_come_in_the_order_of_their_files_around_a_bad_one(database: D
 def test_few_commits_hold_many_documents(database: Database) -> None:
     together(database, FILES)
     with database.read() as tx:
-        assert tx.newest_commit() <= len(FILES) // EARLY_CLIPS + 1
+        # Where few are to come, fewer are enough for a commit, down to one.
+        assert tx.newest_commit() <= len(FILES) // EARLY_CLIPS + EARLY_CLIPS.bit_length()
         assert stored(tx) == FILES
 
 
@@ -97,7 +98,7 @@ def test_what_was_read_before_the_import_was_stopped_is_stored(database: Databas
 
 
 @pytest.mark.parametrize("processes", [2], indirect=True)
-@pytest.mark.parametrize("point", [10, 60, 150, 200])
+@pytest.mark.parametrize("point", [5, 20, 40, 60])
 def test_killed_among_them_leaves_each_whole_or_absent(
     database: Database, database_url: str, tmp_path: Path, point: int
 ) -> None:

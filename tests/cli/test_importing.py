@@ -7,10 +7,12 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from mcml import folders
 from mcml.client import Client
 from mcml.folders import _stored, groups_of
+from mcml.pace import Pace
 from service.cli import importing
 from service.errors import UnsupportedError
 from tests.builders import ASF, amc, bvh, read_by
@@ -105,12 +107,24 @@ def test_all_bad_is_failed(mcml: Mcml, folder: Path) -> None:  # noqa: F811
     assert mcml("import", str(folder / "4.bvh"), str(folder / "5.bvh"))[0] == 1
 
 
-def test_the_bar_counts_files(monkeypatch: pytest.MonkeyPatch) -> None:
+def _drawn(bar: importing._Bar) -> str:
+    with (shown := Console(width=100)).capture() as drawn:
+        shown.print(bar._bar.get_renderable())
+    return drawn.get()
+
+
+def test_the_bar_counts_files_and_tells_the_rate_and_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 0.0
     monkeypatch.setattr(importing, "SECONDS_DRAWN", -1)
+    monkeypatch.setattr(importing, "Pace", lambda: Pace(lambda: now))
     with importing._Bar(disable=False) as bar:
         task = bar._bar.tasks[0]
         bar.tell(2, 5, "2.bvh")
-        assert (task.completed, task.total, task.description) == (2, 5, "2.bvh")
+        assert (task.completed, task.total, task.description, task.fields["pace"]) == (2, 5, "2.bvh", "")
+        now = 4.0
+        bar.tell(4, 5, "4.bvh")
+        assert task.fields["pace"] == "0.5 files/s, 0:02 left"
+        assert task.fields["pace"] in _drawn(bar)
 
 
 def test_several_files_are_one_request(server: Client, folder: Path) -> None:  # noqa: F811

@@ -10,6 +10,7 @@ from lxml import etree
 from service.errors import DocumentError
 from service.mcml import dtd, vocabulary
 from service.mcml.content import declarations
+from service.mcml.elements import Element, mcml_element
 from service.motion.skeleton import CHANNELS
 from service.resources import dtd_path
 from tests.mcml.samples import FIGURES
@@ -18,6 +19,66 @@ from tests.mcml.strategies import small_document
 
 def test_the_paper_s_figures_are_valid_in_a_complete_document() -> None:
     dtd.validate(FIGURES)
+
+
+def _of_file(name: str, *more: Element) -> Element:
+    source = Element("source", {"part": "bvh", "name": name, "encoding": "utf-8"})
+    header = Element("header", {"format": "bvh"}, children=[Element("filename", text=name), *more, source])
+    return mcml_element(header, [Element("skeleton")])
+
+
+@pytest.fixture
+def validated(monkeypatch: pytest.MonkeyPatch) -> list[Element]:
+    """The documents that libxml2 was asked about."""
+    asked: list[Element] = []
+
+    def validate(document: Element, shapes: Any, names: Any) -> None:
+        asked.append(document)
+        validate_by_shapes(document, shapes, names)
+
+    validate_by_shapes = dtd.validate_by_shapes
+    monkeypatch.setattr(dtd, "validate_by_shapes", validate)
+    monkeypatch.setattr(dtd, "_KNOWN_VALID", set())
+    return asked
+
+
+def test_documents_that_differ_in_names_of_files_are_validated_once(validated: list[Element]) -> None:
+    shape = ((0, 0b111000),)
+    for number in range(3):
+        dtd.validate_often(_of_file(f"walk & {number}.bvh"), [(shape, 1)], ["Root"])
+    assert len(validated) == 1
+    dtd.validate_often(_of_file("walk.bvh"), [(((0, 0b111),), 1)], ["Root"])
+    dtd.validate_often(_of_file("walk.bvh", Element("version", text="1")), [(shape, 1)], ["Root"])
+    assert len(validated) == 3
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        Element("filename", text="twice"),
+        Element("version", {"no": "such"}, "1"),
+        Element("version", text="\x01"),
+        Element("version", {}, "1", [Element("version")]),
+        Element("calibration_units", text="cm"),
+    ],
+)
+def test_what_is_like_a_valid_document_and_is_not_valid_is_refused(bad: Element, validated: list[Element]) -> None:
+    for good in (Element("version", text="1"), Element("calibration_unit", text="cm")):
+        dtd.validate_often(_of_file("walk.bvh", good), [], [])
+    for _ in range(2):
+        with pytest.raises(DocumentError):
+            dtd.validate_often(_of_file("walk.bvh", bad), [], [])
+    assert len(validated) == 4
+
+
+def test_words_between_which_the_dtd_lets_choose_are_compared(validated: list[Element]) -> None:
+    def document(mapped: str) -> Element:
+        bone = Element("bone", {"mapped": mapped}, children=[Element("name", text="chest")])
+        return mcml_element(Element("header"), [Element("skeleton", children=[bone])])
+
+    dtd.validate_often(document("true"), [], ["chest"])
+    with pytest.raises(DocumentError, match="mapped"):
+        dtd.validate_often(document("perhaps"), [], ["chest"])
 
 
 TABLE_2 = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from service.motion import hub
 from service.motion.clip import FrameBlock, full_shape
 from service.motion.hub import rest_of
 from service.motion.kinematics import Walker, rest_positions
 from service.motion.rotations import rotate
-from service.motion.skeleton import Convention, EndSite, Joint, Skeleton
+from service.motion.skeleton import Convention, EndSite, Joint, Skeleton, once_a_skeleton
 from service.motion.units import reading_of
 from tests.motion import obvious
 from tests.motion.random_clips import random_clip
@@ -33,6 +35,41 @@ def test_positions_are_those_of_the_formulas(convention: Convention, seed: int, 
     expected = obvious.tips(clip)
     for place, joint in enumerate([joint for joint, _ in rest_of(clip.head.skeleton).tips]):
         assert np.abs(ends[:, place] - expected[joint]).max() < 1e-9
+
+
+@pytest.mark.parametrize("convention", CONVENTIONS)
+@given(seed=st.integers(0, 100_000))
+def test_joints_of_one_depth_walk_as_each_alone(convention: Convention, seed: int) -> None:
+    skeleton = random_clip(convention, seed).head.skeleton
+    rng = np.random.default_rng(seed)
+    translations = rng.normal(size=(5, len(skeleton), 3))
+    rotations = rng.normal(size=(5, len(skeleton), 4))
+    together = hub.walked(skeleton, translations, rotations)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(hub, "AT_ONCE", 0)
+        alone = hub.walked(skeleton, translations, rotations)
+    for one, other in zip(together, alone, strict=True):
+        assert one.tobytes() == other.tobytes()
+
+
+def test_what_follows_from_a_skeleton_is_found_once_and_stays_at_home() -> None:
+    skeleton = arm()
+    asked: list[float] = []
+
+    @once_a_skeleton
+    def scaled(given: Skeleton, factor: float) -> list[float]:
+        asked.append(factor)
+        return [factor * len(given)]
+
+    assert scaled(skeleton, 2.0) is scaled(skeleton, 2.0)
+    assert scaled(skeleton, 3.0) == [6.0]
+    assert scaled(arm(), 2.0) == [4.0]
+    assert asked == [2.0, 3.0, 2.0]
+    sent = pickle.loads(pickle.dumps(skeleton))
+    assert sent == skeleton
+    assert scaled(sent, 2.0) == [4.0]
+    assert len(asked) == 4
+    assert not rest_of(skeleton).offsets.flags.writeable
 
 
 def arm() -> Skeleton:

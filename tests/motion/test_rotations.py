@@ -43,6 +43,17 @@ def test_euler_angles_mean_what_scipy_means(order: str) -> None:
     assert np.abs(to_matrix(from_fixed_euler(angles, order)) - fixed).max() < 1e-14
 
 
+@pytest.mark.parametrize("order", [*ORDERS, "ZXZ"])
+def test_euler_angles_are_the_product_of_their_rotations(order: str) -> None:
+    angles = np.random.default_rng(2).uniform(-7, 7, (50, 3))
+    product = np.tile(IDENTITY, (50, 1))
+    for column, letter in enumerate(order):
+        step = np.zeros((50, 4))
+        step[:, "XYZ".index(letter)], step[:, 3] = np.sin(angles[:, column] / 2), np.cos(angles[:, column] / 2)
+        product = multiply(product, step)
+    assert np.array_equal(from_euler(angles, order), product)
+
+
 def test_no_axis_is_no_rotation() -> None:
     assert np.array_equal(from_euler(np.empty((3, 0)), ""), np.tile(IDENTITY, (3, 1)))
 

@@ -13,10 +13,10 @@ from service.storage.database import Database
 if TYPE_CHECKING:
     from service.actions.importing.import_motion import Importer
 
-BATCH_BYTES, BATCH_CLIPS = 16 << 20, 32
+BATCH_BYTES, BATCH_CLIPS = 16 << 20, 48
 """Of files whose clips are stored in one transaction."""
 
-EARLY_CLIPS = 8
+EARLY_CLIPS = 24
 """For which a commit is worth while where the importer would wait otherwise."""
 
 
@@ -44,6 +44,7 @@ class Batch:
         self._author = author
         self._result = result
         self._waiting: list[Importer] = []
+        self._bytes = 0
 
     def take(self, importer: Importer) -> None:
         """Read a clip; store those that wait once they are enough, or where this one must see them stored."""
@@ -57,7 +58,8 @@ class Batch:
                 self._result.documents.append(skipped)
                 return
             self._waiting.append(importer)
-        if len(self._waiting) >= BATCH_CLIPS or sum(other.size for other in self._waiting) >= BATCH_BYTES:
+            self._bytes += importer.size
+        if len(self._waiting) >= BATCH_CLIPS or self._bytes >= BATCH_BYTES:
             self.store()
 
     def store_early(self, following: int) -> None:
@@ -70,7 +72,7 @@ class Batch:
 
     def store(self) -> None:
         """Store all that wait: in one transaction, or each in its own where that fails or one has begun."""
-        waiting, self._waiting = self._waiting, []
+        waiting, self._waiting, self._bytes = self._waiting, [], 0
         for importer in waiting:
             importer.compress()
         ready = []

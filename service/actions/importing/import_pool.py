@@ -19,7 +19,15 @@ from contextlib import contextmanager
 from itertools import islice
 
 from service.actions.importing import import_workers
-from service.actions.importing.import_workers import AHEAD, FEWEST_CLIPS, ImportWorkers, ReadApart, Task, read_apart
+from service.actions.importing.import_workers import (
+    AHEAD,
+    FEWEST_CLIPS,
+    MOST_BYTES,
+    ImportWorkers,
+    ReadApart,
+    Task,
+    read_apart,
+)
 from service.actions.reading.gather_files import Clip
 from service.actions.reading.import_options import ImportOptions
 from service.formats.format import SourceFile
@@ -27,6 +35,9 @@ from service.settings import Settings
 
 WORTH_STARTING = 64
 """Clips for which workers are started; those that are there read fewer, too."""
+
+TOGETHER = 4
+"""Clips that a worker is sent at a time: to send one and to hear of it takes the importer's time, however short."""
 
 Sent = tuple[str, dict[str, tuple[str, bytes]], ImportOptions]
 """Format, (name, content) of each part, options."""
@@ -71,16 +82,16 @@ class ImportPool:
         """Whether there are workers."""
         return self._executor is not None
 
-    def submit(self, sent: Sent, settings: Settings) -> Future[ReadApart | None]:
-        """A clip to be read. Starts workers where there are none, or where one has died."""
+    def submit(self, sent: list[Sent], settings: Settings) -> Future[list[ReadApart | None]]:
+        """Clips to be read. Starts workers where there are none, or where one has died."""
         for _ in range(2):
             executor = self._started(settings.import_processes_at_a_time)
             try:
-                return executor.submit(_read, sent, settings)
+                return executor.submit(_read_all, sent, settings)
             except (BrokenProcessPool, RuntimeError):
                 self._forget(executor)
-        gone: Future[ReadApart | None] = Future()
-        gone.set_result(None)
+        gone: Future[list[ReadApart | None]] = Future()
+        gone.set_result([None] * len(sent))
         return gone
 
     def close(self) -> None:
@@ -112,34 +123,56 @@ class PooledReading:
         self._tasks = tasks
         self._settings = settings
         self._numbers = iter(tasks)
-        self._made: dict[int, Future[ReadApart | None]] = {}
-        self._hand_out(AHEAD * settings.import_processes_at_a_time)
+        self._made: dict[int, tuple[Future[list[ReadApart | None]], int]] = {}
+        processes = settings.import_processes_at_a_time
+        self._together = max(1, min(TOGETHER, len(tasks) // (AHEAD * processes)))
+        self._taken = 0
+        for _ in range(0, AHEAD * processes, self._together):
+            self._hand_out()
 
     def take(self, number: int) -> ReadApart | None:
         """What a worker made of this clip. None where the importer must read it itself."""
         made = self._made.pop(number, None)
         if made is None:
             return None
-        self._hand_out(1)
+        self._taken += 1
+        if self._taken % self._together == 0:
+            self._hand_out()
+        read, place = made
         try:
-            return made.result()
+            return read.result()[place]
         except BrokenProcessPool:
             return None
 
     def is_behind(self, number: int) -> bool:
         """Whether the importer would have to wait for this clip."""
-        return number in self._made and not self._made[number].done()
+        return number in self._made and not self._made[number][0].done()
 
     def close(self) -> None:
         """What is not taken is not wanted any more."""
-        for made in self._made.values():
+        for made, _ in self._made.values():
             made.cancel()
 
-    def _hand_out(self, count: int) -> None:
-        for number in islice(self._numbers, count):
+    def _hand_out(self) -> None:
+        """Send the clips that follow: some together, unless they are large."""
+        numbers: list[int] = []
+        sent: list[Sent] = []
+        size = 0
+        for number in islice(self._numbers, self._together):
             task = self._tasks[number]
             parts = {part: (file.name, _content(file)) for part, file in task.clip.files.items()}
-            self._made[number] = self._pool.submit((task.clip.format, parts, task.options), self._settings)
+            numbers.append(number)
+            sent.append((task.clip.format, parts, task.options))
+            size += sum(len(content) for _, content in parts.values())
+            if size >= MOST_BYTES // TOGETHER:
+                self._send(numbers, sent)
+                numbers, sent, size = [], [], 0
+        if sent:
+            self._send(numbers, sent)
+
+    def _send(self, numbers: list[int], sent: list[Sent]) -> None:
+        read = self._pool.submit(sent, self._settings)
+        self._made.update((number, (read, place)) for place, number in enumerate(numbers))
 
 
 def _content(file: SourceFile) -> bytes:
@@ -162,6 +195,11 @@ def _begin() -> None:
 def _end_with(parent: multiprocessing.process.BaseProcess) -> None:
     parent.join()
     os._exit(0)
+
+
+def _read_all(sent: list[Sent], settings: Settings) -> list[ReadApart | None]:
+    """In a worker: what it makes of clips."""
+    return [_read(one, settings) for one in sent]
 
 
 def _read(sent: Sent, settings: Settings) -> ReadApart | None:

@@ -92,12 +92,11 @@ class Poses:
         joints, turned = walked(skeleton, hub.translations, hub.rotations)
         if self._gaps:
             joints[np.concatenate(self._gaps)] = np.nan
-        tips = [
-            joints[:, joint] + rotate(turned[:, joint], vector * hub.scales[:, joint, None])
-            for joint, vector in reader.rest.tips
-        ]
+        ends = [joint for joint, _ in reader.rest.tips]
+        along = np.array([vector for _, vector in reader.rest.tips]).reshape(-1, 3) * hub.scales[:, ends, None]
+        tips = joints[:, ends] + rotate(turned[:, ends], along)
         carrier = 0 if self._markers else carriers(skeleton, hub.translations)[0]
-        return np.concatenate([joints, np.stack(tips, axis=1)], axis=1) if tips else joints, joints, carrier
+        return np.concatenate([joints, tips], axis=1), joints, carrier
 
 
 def most_poses(head: ClipHead) -> int:

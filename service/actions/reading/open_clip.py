@@ -17,7 +17,7 @@ from service.errors import FormatError, Notice
 from service.formats import FORMATS
 from service.formats.format import Limits, ReadOptions
 from service.formats.repairs import offers, repaired
-from service.mcml.dtd import validate_by_shapes
+from service.mcml.dtd import validate_often
 from service.mcml.elements import Element, mcml_element, to_head, write_header
 from service.mcml.reader import Limits as McmlLimits
 from service.mcml.reader import read_document
@@ -44,7 +44,7 @@ class OpenClip:
         if self.shared is not None:
             bare = mcml_element(self.document.children[0], [Element(SKELETON)])
             others = [(shape, 1) for shape in shapes if shape != self.shared.shape]
-            validate_by_shapes(bare, others, self.shared.skeleton.names)
+            validate_often(bare, others, self.shared.skeleton.names)
 
     def receipt(self, head: ClipHead, frames: int) -> dict[str, Any]:
         """The receipt, once all frames were read. head: as it is stored."""

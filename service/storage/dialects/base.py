@@ -67,6 +67,11 @@ class Dialect(ABC):
         found: list[tuple[Any, ...]] = driver.execute(*self._given(statement, values)).fetchall()
         return found
 
+    def changed(self, connection: Connection, statement: ClauseElement, values: dict[str, Any]) -> int:
+        """How many rows such a statement changes, which it does now."""
+        driver: Any = connection.connection.driver_connection
+        return int(driver.execute(*self._given(statement, values)).rowcount)
+
     def _given(self, statement: ClauseElement, values: dict[str, Any]) -> tuple[str, Any]:
         """The text of a statement, and the values as the driver takes them."""
         made = self._texts.get(statement)
