@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from service.errors import Notice
+from service.listing.register import Register
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 
@@ -32,6 +33,8 @@ class Repository:
         """Who alone may run the jobs that are started; None: any server of the store."""
         self.import_pool: ImportPool | None = None
         """Processes that read uploads of many files, of a server."""
+        self.register = Register()
+        """What lists are read from."""
 
     @cached_property
     def queries(self) -> Queries:
