@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from service.errors import Notice
-from service.listing.register import Register
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from service.actions.analysing.use_result import Results
     from service.actions.importing.encode_clip import Progress
     from service.actions.importing.import_pool import ImportPool
+    from service.listing.register import Register
     from service.xpath.limits import Limits
     from service.xpath.run import Queries
 
@@ -33,14 +33,19 @@ class Repository:
         """Who alone may run the jobs that are started; None: any server of the store."""
         self.import_pool: ImportPool | None = None
         """Processes that read uploads of many files, of a server."""
-        self.register = Register()
-        """What lists are read from."""
 
     @cached_property
     def queries(self) -> Queries:
         from service.xpath.run import Queries
 
         return Queries(self.database, self.settings)
+
+    @cached_property
+    def register(self) -> Register:
+        """What lists are read from."""
+        from service.listing.register import Register
+
+        return Register()
 
     @cached_property
     def results(self) -> Results:
