@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from service.listing.vocabulary import Codes, Mask, Properties, PropertyColumns, Vocabulary
+from service.listing.vocabulary import Codes, Mask, Numbering, Properties, PropertyColumns, Vocabulary
 from service.storage.facts import Facts, Row
 
 Column: TypeAlias = NDArray[Any]
@@ -22,15 +22,18 @@ class Vocabularies:
     """Of all states of a library. texts: names, descriptions, names of files, motion names."""
 
     texts: Vocabulary[str] = field(default_factory=Vocabulary)
-    projects: Vocabulary[str] = field(default_factory=Vocabulary)
-    formats: Vocabulary[str] = field(default_factory=Vocabulary)
+    projects: Numbering[str] = field(default_factory=Numbering)
+    formats: Numbering[str] = field(default_factory=Numbering)
+    skeletons: Numbering[int] = field(default_factory=Numbering)
+    seconds: Numbering[float | None] = field(default_factory=Numbering)
+    lengths: Numbering[float | None] = field(default_factory=Numbering)
     properties: Properties = field(default_factory=Properties)
 
     def characters(self) -> int:
         return self.texts.characters + self.properties.characters
 
     def values(self) -> int:
-        return len(self.texts) + len(self.properties)
+        return len(self.texts) + len(self.properties) + len(self.lengths)
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,9 @@ _KINDS: dict[str, Any] = {
 }
 """What is kept of each document, in the order of `Facts.documents`."""
 
+_COUNTED = {"codes of skeletons": np.int32, "codes of seconds": np.int32, "codes of lengths": np.int32}
+"""What is kept beside it, to be counted."""
+
 
 @dataclass(frozen=True)
 class Columns:
@@ -122,7 +128,7 @@ class Columns:
         kept = ~np.isin(self.table["keys"], np.array(gone, np.int64))
         table = {name: column[kept] for name, column in self.table.items()}
         before = np.array([_place(table["names"], table["keys"], (row[2], row[0])) for row in rows], np.int64)
-        for (name, kind), values in zip(_KINDS.items(), self._values(rows), strict=True):
+        for (name, kind), values in zip((_KINDS | _COUNTED).items(), self._values(rows), strict=True):
             table[name] = np.insert(table[name], before, np.array(values, kind))
         stay = np.arange(np.count_nonzero(kept))
         to = np.full(len(kept), -1, np.int32)
@@ -143,17 +149,23 @@ class Columns:
         )
 
     def _values(self, rows: list[Row]) -> list[Any]:
-        """Rows as columns, with codes for texts that many documents share."""
-        names = {"projects": self.words.projects, "formats": self.words.formats}
-        columns: list[Any] = list(zip(*rows, strict=True)) if rows else [()] * len(_KINDS)
+        """Rows as columns, with codes for values that many documents share."""
+        words = self.words
+        values: dict[str, Any] = dict(zip(_KINDS, zip(*rows, strict=True) if rows else [()] * len(_KINDS), strict=True))
+        timed = zip(values["frames"], values["seconds"], strict=True)
+        values["projects"] = words.projects.codes(values["projects"])
+        values["formats"] = words.formats.codes(values["formats"])
         return [
-            names[name].codes(column) if name in names else column for name, column in zip(_KINDS, columns, strict=True)
+            *values.values(),
+            words.skeletons.codes(values["skeletons"]),
+            words.seconds.codes(values["seconds"]),
+            words.lengths.codes(None if each is None else frames * each for frames, each in timed),
         ]
 
 
 def no_columns() -> Columns:
     """Of an empty library."""
-    return Columns(0, 0, Vocabularies(), {name: np.empty(0, kind) for name, kind in _KINDS.items()})
+    return Columns(0, 0, Vocabularies(), {name: np.empty(0, kind) for name, kind in (_KINDS | _COUNTED).items()})
 
 
 def _place(names: Column, keys: Column, wanted: tuple[str, int]) -> int:
@@ -164,5 +176,5 @@ def _placed(rows: Iterable[Row], places: dict[int, int]) -> list[tuple[int, Any]
     return [(places[key], value) for key, value in rows if key in places]
 
 
-def _pairs(found: list[tuple[int, Any]], vocabulary: Vocabulary[Any]) -> Pairs:
+def _pairs(found: list[tuple[int, Any]], vocabulary: Numbering[Any]) -> Pairs:
     return Pairs(np.array([place for place, _ in found], np.int32), vocabulary.codes(value for _, value in found))

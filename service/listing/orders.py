@@ -7,7 +7,7 @@ from bisect import bisect_left
 import numpy as np
 
 from service.listing.columns import Column, Columns, Numbers
-from service.listing.vocabulary import Mask, Vocabulary
+from service.listing.vocabulary import Mask, Numbering
 from service.storage.orders import UNKNOWN, Order, Place, Value
 
 
@@ -58,17 +58,17 @@ _HELD = {
 """Columns that are kept as they are."""
 
 
-def _coded(columns: Columns, column: str) -> tuple[Vocabulary[str], Column]:
+def _coded(columns: Columns, column: str) -> tuple[Numbering[str], Column]:
     name = f"{column}s"
     return getattr(columns.words, name), columns[name]
 
 
-def _sorted(columns: Columns, vocabulary: Vocabulary[str]) -> list[str]:
+def _sorted(columns: Columns, vocabulary: Numbering[str]) -> list[str]:
     found: list[str] = columns.once(("sorted", id(vocabulary)), lambda: sorted(vocabulary.values))
     return found
 
 
-def _ranks(columns: Columns, vocabulary: Vocabulary[str]) -> Numbers:
+def _ranks(columns: Columns, vocabulary: Numbering[str]) -> Numbers:
     ranks = {value: rank for rank, value in enumerate(_sorted(columns, vocabulary))}
     return np.array([ranks.get(value, 0) for value in vocabulary.values], np.int64)
 

@@ -20,22 +20,18 @@ KNOWN_WORDS = 100
 """Words of which it is kept which values hold them."""
 
 
-class Vocabulary(Generic[Value]):
+class Numbering(Generic[Value]):
     """Numbers of values, in the order in which they came. It only grows: states of a library share it."""
 
     def __init__(self) -> None:
         self.values: list[Value] = []
-        self.characters = 0
-        self._folded: list[str] = []
         self._codes: dict[Value, int] = {}
-        self._words: dict[str, Mask] = {}
 
     def __len__(self) -> int:
         return len(self.values)
 
-    def text_of(self, value: Value) -> str:
-        """In which words are looked for."""
-        return str(value)
+    def added(self, value: Value) -> None:
+        """What is to be done with a value that is new."""
 
     def codes(self, values: Iterable[Value]) -> Codes:
         """Their numbers; values that are new get some. For one thread at a time."""
@@ -43,10 +39,8 @@ class Vocabulary(Generic[Value]):
         for value in values:
             code = self._codes.get(value)
             if code is None:
-                text = fold(self.text_of(value))
-                self._folded.append(text)
+                self.added(value)
                 self.values.append(value)
-                self.characters += len(text)
                 code = self._codes[value] = len(self.values) - 1
             found.append(code)
         return np.array(found, np.int32)
@@ -54,6 +48,25 @@ class Vocabulary(Generic[Value]):
     def code(self, value: Value) -> int | None:
         """The number of a value, None where it has none."""
         return self._codes.get(value)
+
+
+class Vocabulary(Numbering[Value]):
+    """Of values in whose texts words are looked for."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.characters = 0
+        self._folded: list[str] = []
+        self._words: dict[str, Mask] = {}
+
+    def text_of(self, value: Value) -> str:
+        """In which words are looked for."""
+        return str(value)
+
+    def added(self, value: Value) -> None:
+        text = fold(self.text_of(value))
+        self._folded.append(text)
+        self.characters += len(text)
 
     def holding(self, word: str) -> Mask:
         """Which values hold a word, in any case."""
@@ -87,7 +100,7 @@ class Properties(Vocabulary[Property]):
 
     def __init__(self) -> None:
         super().__init__()
-        self.names = Vocabulary[str]()
+        self.names = Numbering[str]()
         self._columns = PropertyColumns(np.empty(0, np.int32), np.empty(0), np.empty(0, np.bool_))
 
     def text_of(self, value: Property) -> str:
