@@ -17,6 +17,7 @@ BENCHMARKS = {
     "imports": "imports of thousands of short clips: in one call, file by file, over HTTP",
     "layouts": "ways to lay frames out in SQLite, against each other",
     "library": "libraries of thousands of clips, over HTTP",
+    "lists": "lists of 100,000 documents: pages, searches, orders, facets, the feed",
     "panels": "windows of the analyses in the browser: a map of 100,000 faces",
     "reach": "reach models: fit, synthesis, memory, growth",
     "share": "generated XPath expressions answered without projection",

@@ -16,6 +16,7 @@ import httpx
 
 from benchmarks.library import serving
 from benchmarks.library_questions import CLASSES
+from benchmarks.start import measure_start
 from benchmarks.timing import report
 from service.actions.importing.import_motion import import_files
 from service.actions.reading.import_options import ImportOptions
@@ -37,7 +38,7 @@ def run() -> dict[str, object]:
 
 def _library(folder: Path) -> dict[str, Any]:
     store = _store(folder)
-    found: dict[str, Any] = {}
+    found: dict[str, Any] = {"start": measure_start(store)}
     with serving(f"sqlite:///{store}") as (_, port), httpx.Client(base_url=f"http://127.0.0.1:{port}/api/v1") as client:
         client.timeout = httpx.Timeout(120)
         documents = client.get("/documents", params={"limit": 1, "count": True}).json().get("total") or 0

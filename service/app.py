@@ -83,6 +83,7 @@ def create_app(
     app.state.runner = Runner(store, settings)
     app.state.repository.wake = app.state.runner.wake
     app.state.repository.import_pool = ImportPool()
+    app.state.repository.register.patience = 0
     app.state.requests = {}
     problems.install(app)
     description.install(app)

@@ -10,6 +10,7 @@ from typing import Annotated, NoReturn
 
 import typer
 
+from service.cli.collector import collect_again, spare_what_stays
 from service.cli.commands import command_of
 from service.cli.lazily import from_module, lazy_command, lazy_group
 from service.errors import McmlError, RequestError
@@ -115,10 +116,12 @@ def _options(
 
 
 app = _made()
+collect_again()
 
 
 def main() -> None:
     """The entry point: errors of ours become one message and exit code 1 (2: wrong usage), never a traceback."""
+    spare_what_stays()
     if isinstance(sys.stdout, io.TextIOWrapper):
         # A terminal that cannot show a name, such as a Korean one in the C locale, is no reason to fail.
         sys.stdout.reconfigure(errors="backslashreplace")

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel
 from rich.text import Text
 
-from schemas.documents import ChangedDocuments, DocumentDetail, DocumentPage
-from schemas.elements import ElementEdited
-from schemas.frames import FramesEdited
-from schemas.jobs import Job
-from schemas.names import AliasTable
-from schemas.retarget import Mapping
-from schemas.revisions import Difference, FrameRange
 from service.cli.results import fail_with, show_job, show_result
 from service.cli.shared import console, print_json, table
 from service.operations.operation import Effect, Operation
+
+if TYPE_CHECKING:
+    # A command makes the models of its own answer, and no others.
+    from schemas.documents import ChangedDocuments, DocumentDetail
+    from schemas.elements import ElementEdited
+    from schemas.frames import FramesEdited
+    from schemas.names import AliasTable
+    from schemas.retarget import Mapping
+    from schemas.revisions import Difference, FrameRange
 
 COLUMNS: dict[str, dict[str, str]] = {
     "DocumentPage": {
@@ -72,20 +74,20 @@ COLUMNS: dict[str, dict[str, str]] = {
 """Fields that lists show, with the headings of their columns: `#` is a number, behind it how it is written."""
 
 
-def present(operation: Operation, answer: BaseModel | None, as_json: bool = False) -> None:
+def present(operation: Operation, answer: Any, as_json: bool = False) -> None:
     """Print an answer: as JSON for scripts, or for people."""
     if answer is None:
         return
-    writes = operation.effect is Effect.WRITES
+    writes, kind = operation.effect is Effect.WRITES, type(answer).__name__
     if as_json:
         print_json(answer)
-    elif isinstance(answer, DocumentDetail) and writes:
+    elif kind == "DocumentDetail" and writes:
         _revised(answer)
-    elif isinstance(answer, Job) and writes:
+    elif kind == "Job" and writes:
         console.print(f"{answer.state if answer.state != 'running' else 'ending'}  {answer.name}  {answer.id}")
     else:
-        SHOW.get(type(answer).__name__, _anything)(answer)
-    if isinstance(answer, Job) and not writes:
+        SHOW.get(kind, _anything)(answer)
+    if kind == "Job" and not writes:
         fail_with(answer)
 
 
@@ -96,7 +98,7 @@ def listed(answer: Any) -> None:
     for item in answer.items:
         rows.add_row(*(_cell(getattr(item, name), heading) for name, heading in columns.items()))
     console.print(rows)
-    if isinstance(answer, DocumentPage):
+    if type(answer).__name__ == "DocumentPage":
         console.print(f"{len(answer.items)} of {answer.total} documents", style="dim")
 
 

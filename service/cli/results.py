@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.text import Text
 
-from schemas.jobs import Job, PartSummary, Result
 from service.cli.shared import console
 from service.errors import McmlError
+
+if TYPE_CHECKING:
+    from schemas.jobs import Job, PartSummary, Result
 
 MOST_SHOWN = 12
 """Items of a list that a result shows."""

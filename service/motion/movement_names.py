@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
+import scipy
 
 from service.errors import ConversionError
 from service.motion.anatomical_angles import Rate, anatomical_rates, spins
@@ -100,7 +100,7 @@ def direction(axis: str) -> Array:
 
 
 def _smoothed(values: Array, frame_time: float, limits: Thresholds) -> Array:
-    smooth: Array = gaussian_filter1d(values, limits.smooth / frame_time, axis=0, mode="nearest")
+    smooth: Array = scipy.ndimage.gaussian_filter1d(values, limits.smooth / frame_time, axis=0, mode="nearest")
     return smooth
 
 

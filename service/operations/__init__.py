@@ -19,7 +19,7 @@ PREVIEW = "What would be stored, where `preview` was asked"
 _ROWS = [
     # documents
     Operation("list_documents", "GET /documents", READS, READ,
-              "Documents, by name or newest first.", "documents", "ls [TEXT]"),
+              "Documents, in any order.", "documents", "ls [TEXT]"),
     Operation("get_facets", "GET /facets", READS, READ,
               "What the list of documents can be narrowed by, with counts.", "facets", "facets [TEXT]"),
     Operation("get_document", "GET /documents/{id}", READS, READ,

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from service.actions.analysing.use_result import Results
     from service.actions.importing.encode_clip import Progress
     from service.actions.importing.import_pool import ImportPool
+    from service.listing.register import Register
     from service.xpath.limits import Limits
     from service.xpath.queries import Queries
 
@@ -38,6 +39,13 @@ class Repository:
         from service.xpath.queries import Queries
 
         return Queries(self.database, self.settings)
+
+    @cached_property
+    def register(self) -> Register:
+        """What lists are read from."""
+        from service.listing.register import Register
+
+        return Register()
 
     @cached_property
     def results(self) -> Results:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field
 
@@ -22,6 +22,7 @@ from schemas.examples import DOCUMENT, MOTION_NAME, QUERY
 from schemas.revisions import Difference, FrameRange
 from service.actions.editing import change_document as changes
 from service.actions.reading.describe_document import detail, summary
+from service.errors import QueryError
 from service.operations.arguments import (
     MOST,
     AtRevision,
@@ -38,6 +39,10 @@ from service.operations.operation import Body
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument, StoredRevision
 from service.storage.filtering import DocumentFilter, Range, parse_condition, parse_range
+from service.storage.orders import TYPES, Order, Place, parse_order
+
+PLAIN = ("name", "key")
+"""What documents are ordered by whose name and key alone say where they stand."""
 
 TABLE = "name,age (year),height (cm)\nwalk,23,172.4\n"
 
@@ -51,7 +56,7 @@ class Wanted:
         str | None,
         Field(
             max_length=1024,
-            description="Words; each occurs in the name, the description, a property or a motion name",
+            description="Words; each occurs in name, description, name of the file, a property or a motion name",
             examples=["reach 14"],
         ),
     ] = None
@@ -111,7 +116,7 @@ class Wanted:
                 hits = members if hits is None else members & hits
             if hits is None:
                 return None
-            return tuple(key for key, uuid, _ in tx.documents.everything() if uuid in hits)
+            return tuple(tx.documents.keys_of(hits))
 
 
 def _rate(text: str) -> Range:
@@ -121,11 +126,38 @@ def _rate(text: str) -> Range:
     return (None, None) if least is None else (least - 0.5, least + 0.5)
 
 
+Sort: TypeAlias = Literal[
+    "name",
+    "-name",
+    "newest",
+    "created",
+    "-created",
+    "modified",
+    "-modified",
+    "duration",
+    "-duration",
+    "frames",
+    "-frames",
+    "rate",
+    "-rate",
+    "format",
+    "-format",
+    "project",
+    "-project",
+    "skeleton",
+    "-skeleton",
+    "revision",
+    "-revision",
+]
+
+
 def list_documents(
     call: Call,
     wanted: Wanted,
     page: Page,
-    sort: Annotated[Literal["name", "newest"], Field(description="In which order")] = "name",
+    sort: Annotated[
+        Sort, Field(description="By which column; - before it: descending", examples=["-duration"])
+    ] = "name",
     offset: Annotated[
         int,
         Field(
@@ -142,25 +174,47 @@ def list_documents(
         ),
     ] = None,
 ) -> DocumentPage:
-    """With `thumbnail` each has a moving picture (MT1, base64), with `labels` the spans of its motion names, with
+    """Documents with equal values stand by name; those without a length or rate come last in both directions.
+
+    With `thumbnail` each has a moving picture (MT1, base64), with `labels` the spans of its motion names, with
     `passport` unit, up axis, rate and joints, and which of them are guesses. A picture that had to be made first may be
     missing in a long list, and be there in the next.
     """
-    after = page.after(str, int)
+    order = parse_order(sort)
+    after = _after(page, order)
     conditions = wanted.filter(call)
     with call.database.read() as tx:
-        found = tx.documents.page(
-            conditions,
-            after=None if after is None else (after[0], after[1]),
-            limit=page.most(call) + 1,
-            newest_first=sort == "newest",
-            offset=offset,
-        )
-        total = tx.documents.count(conditions)
-        shown, more = page.cut(call, found, lambda stored: (stored.name, stored.key))
+        found = call.repository.register.page(tx, conditions, order, after, page.most(call) + 1, offset)
+        places, more = page.cut(call, found.places, lambda place: _cursor(place, order))
+        shown = tx.documents.told([place.key for place in places])
         also = frozenset((with_ or "").split(",")) - {""}
         items = _cards(call, tx, shown, also)
-    return DocumentPage(items=items, next_cursor=more, total=total)
+    return DocumentPage(items=items, next_cursor=more, total=found.total)
+
+
+def _after(page: Page, order: Order) -> Place | None:
+    """The place that the cursor names. QueryError where it is of another order."""
+    if order.column in PLAIN:
+        said = page.after(str, int)
+        return None if said is None else Place(said[0], *said)
+    said = page.after(str, bool, TYPES[order.column], str, int)
+    if said is None:
+        return None
+    direction, is_known, value, name, key = said
+    if direction != _direction(order):
+        raise QueryError("This cursor is of a list in another order.", remedy="Begin again without a cursor.")
+    return Place(value if is_known else None, name, key)
+
+
+def _cursor(place: Place, order: Order) -> tuple[Any, ...]:
+    if order.column in PLAIN:
+        return place.name, place.key
+    is_known = place.value is not None
+    return _direction(order), is_known, place.value if is_known else TYPES[order.column](), place.name, place.key
+
+
+def _direction(order: Order) -> str:
+    return f"{'-' if order.descending else ''}{order.column}"
 
 
 def _cards(call: Call, tx: Transaction, shown: Sequence[StoredDocument], also: frozenset[str]) -> list[Card]:

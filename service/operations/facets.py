@@ -9,7 +9,6 @@ from pydantic import Field
 from schemas.facets import Count, FacetList, Histogram, PropertyCounts, RateCount, SkeletonCount
 from service.operations.call import Call
 from service.operations.documents import Wanted
-from service.storage import facets
 from service.storage.facets import Bins, Counts
 
 
@@ -22,7 +21,7 @@ def get_facets(
     """Takes the conditions of the list of documents, and counts among those that fulfil them."""
     conditions = wanted.filter(call)
     with call.database.read() as tx:
-        found = facets.facets(tx, conditions, limit, bins)
+        found = call.repository.register.facets(tx, conditions, limit, bins)
     return FacetList(
         total=found.total,
         projects=_counts(found.projects),

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import zstandard
@@ -14,9 +15,11 @@ from service.errors import NotFoundError
 from service.storage.damage import damage, named
 from service.storage.filtering import DocumentFilter, chosen
 from service.storage.identifiers import new_uuid, stored_form
+from service.storage.lists import OneOf
 from service.storage.moments import imported, there
+from service.storage.orders import Order, Place, ordered, value_in
 from service.storage.schema import CURRENT, metadata
-from service.storage.seals import SEALS, checked, closing
+from service.storage.seals import SEALS, Checked, checked, closing
 from service.storage.selected import all_documents, one_document
 from service.storage.tables import commit, content, document, project, property_, revision
 from service.storage.uploads import LEASE_SECONDS
@@ -47,6 +50,10 @@ _PUBLISH = _IMPORTING.values(
     receipt=bindparam("packed"),
     checksum=bindparam("sum"),
 )
+
+
+FEW = 1000
+"""Documents that are looked for one by one; of more, all are read."""
 
 
 @dataclass(frozen=True)
@@ -207,26 +214,25 @@ class Documents:
         self,
         wanted: DocumentFilter,
         *,
-        after: tuple[str, int] | None,
+        after: Place | None = None,
         limit: int,
-        newest_first: bool = False,
+        order: Order = Order(),  # frozen
         offset: int = 0,
     ) -> list[StoredDocument]:
-        """Documents by name and key after (name, key), or newest first after (_, key), without the first `offset`."""
+        """Documents in an order, those behind a place, without the first `offset`."""
+        return self.told([place.key for place in self.places(wanted, order, after, limit, offset)])
+
+    def places(self, wanted: DocumentFilter, order: Order, after: Place | None, limit: int, offset: int) -> list[Place]:
+        """Where the same stand."""
         # Which ones first: to ask what is told of all, before they are put in order, takes most of the time.
-        query = chosen(document.c.id, wanted, self._tx)
-        if newest_first:
-            query = query.order_by(document.c.id.desc())
-            if after is not None:
-                query = query.where(document.c.id < after[1])
-        else:
-            query = query.order_by(document.c.name, document.c.id)
-            if after is not None:
-                name, key = after
-                query = query.where((document.c.name > name) | (document.c.name == name) & (document.c.id > key))
-        keys = list(self._tx.connection.execute(query.limit(limit).offset(offset)).scalars())
-        told = all_documents(past=self._past).where(document.c.id.in_(keys))
-        found = self._tx.checked_once(checked(told, document, content), {"at": self._tx.at})
+        value = value_in(order.column, self._tx)
+        query = ordered(chosen(value, wanted, self._tx), value, order, after)
+        query = query.add_columns(document.c.name, document.c.id).limit(limit).offset(offset)
+        return [Place(*row) for row in self._tx.connection.execute(query)]
+
+    def told(self, keys: list[int]) -> list[StoredDocument]:
+        """What is told of documents, in this order; deleted ones too."""
+        found = self._tx.checked(_told(past=self._past), {"at": self._tx.at, "keys": keys})
         place = {key: number for number, key in enumerate(keys)}
         return sorted(map(_stored, found), key=lambda stored: place[stored.key])
 
@@ -240,6 +246,18 @@ class Documents:
         """(key, uuid, name) of all documents whose import was complete, deleted ones too."""
         query = select(document.c.id, document.c.uuid, document.c.name).where(imported(self._tx.at))
         return [(key, uuid, name) for key, uuid, name in self._tx.connection.execute(query.order_by(document.c.id))]
+
+    def uuids(self, wanted: DocumentFilter) -> list[str]:
+        """Of documents, by name and key."""
+        query = chosen(document.c.uuid, wanted, self._tx).order_by(document.c.name, document.c.id)
+        return list(self._tx.connection.execute(query).scalars())
+
+    def keys_of(self, uuids: Collection[str]) -> list[int]:
+        """Keys of documents whose import was complete, deleted ones too."""
+        if len(uuids) > FEW:
+            return [key for key, uuid, _ in self.everything() if uuid in uuids]
+        query = select(document.c.id).where(document.c.uuid.in_(uuids), imported(self._tx.at))
+        return sorted(self._tx.connection.execute(query).scalars())
 
     def receipt(self, key: int) -> str:
         packed = self._tx.connection.execute(select(document.c.receipt).where(document.c.id == key)).scalar_one()
@@ -347,6 +365,11 @@ class Documents:
                 if "document" in table.c and table is not document:
                     self._tx.connection.execute(delete(table).where(table.c.document == key))
             self._tx.connection.execute(delete(document).where(document.c.id == key))
+
+
+@cache
+def _told(*, past: bool) -> Checked:
+    return checked(all_documents(past=past), document, content).where(OneOf(document.c.id, "keys"))
 
 
 def _swept() -> NotFoundError:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 from sqlalchemy import Select, func, select
 
 from service.storage.filtering import SHORT, DocumentFilter, chosen, seconds
@@ -16,6 +17,7 @@ from service.storage.tables import content, document, project, property_, skelet
 if TYPE_CHECKING:
     from service.storage.database import Transaction
 
+Numbers = NDArray[np.float64]
 Counts = list[tuple[Any, int]]
 """(value, documents), the most frequent first."""
 
@@ -66,14 +68,14 @@ def facets(tx: Transaction, wanted: DocumentFilter, most: int, bins: int) -> Fac
     joints = dict(
         tx.connection.execute(select(skeleton.c.id, skeleton.c.joints).where(skeleton.c.id.in_(skeletons))).all()
     )
-    timing = chosen(content.c.frames, wanted, tx).add_columns(seconds(tx))
+    timing = chosen(content.c.frames, wanted, tx).add_columns(seconds(tx.at))
     lengths, rates, unknown = [], [], 0
     for frames, each in tx.connection.execute(timing):
         if each is None:
             unknown += 1
         else:
             lengths.append(frames * each)
-            rates.append(round(1 / each) or round(1 / each, 3))
+            rates.append(rate_of(each))
     return Facets(
         total=len(lengths) + unknown,
         projects=_counted(tx, chosen(project.c.name, wanted, tx), project.c.name, most),
@@ -85,6 +87,11 @@ def facets(tx: Transaction, wanted: DocumentFilter, most: int, bins: int) -> Fac
         unknown=unknown,
         properties=_properties(tx, wanted, most, bins),
     )
+
+
+def rate_of(seconds: float) -> float:
+    """Frames a second, as facets count them."""
+    return round(1 / seconds) or round(1 / seconds, 3)
 
 
 def _counted(tx: Transaction, query: Select[Any], column: Any, most: int) -> Counts:
@@ -120,20 +127,25 @@ def _properties(tx: Transaction, wanted: DocumentFilter, most: int, bins: int) -
     return sorted(found, key=lambda facet: (-facet.documents, facet.name))[:most]
 
 
-def binned(values: list[float], bins: int) -> Bins | None:
+def binned(given: Sequence[float] | Numbers, bins: int, times: NDArray[np.int64] | None = None) -> Bins | None:
     """Bins of equal width from the least to the greatest; of equal ratio where numbers, none below 0, are of far
     different sizes, so that few large ones do not put all others into one bin (zeros are in the first). One bin where
-    all are equal, None where there are none."""
-    if not values:
+    all are equal, None where there are none. times: how often each value occurs, default once."""
+    values = np.asarray(given, np.float64)
+    if not len(values):
         return None
-    least, greatest = min(values), max(values)
+    if times is None:
+        times = np.ones(len(values), np.int64)
+    least, greatest = float(values.min()), float(values.max())
     if not np.isfinite(greatest - least) or greatest - least <= 1e-12 * max(abs(least), abs(greatest)):
-        return Bins([least, greatest], [len(values)])
-    smallest = min((value for value in values if value > 0), default=greatest)
+        return Bins([least, greatest], [int(times.sum())])
+    smallest = float(np.min(values, where=values > 0, initial=greatest))
     if least >= 0 and greatest > FAR * smallest:
         wanted = np.geomspace(smallest, greatest, bins + 1)
         wanted[0], wanted[-1] = least, greatest
     else:
         wanted = np.linspace(least, greatest, bins + 1)
-    counts, edges = np.histogram(values, wanted)
-    return Bins(edges.tolist(), counts.tolist())
+    order = np.argsort(values)
+    upto = np.concatenate([[0], np.cumsum(times[order])])
+    ends = np.searchsorted(values[order], wanted[:-1]).tolist()
+    return Bins(wanted.tolist(), np.diff(upto[[*ends, len(values)]]).tolist())

@@ -9,8 +9,8 @@ from sqlalchemy import Float, Select, and_, case, cast, func, or_, select
 
 from service.errors import QueryError
 from service.storage.identifiers import stored_form
-from service.storage.lists import OneOf
-from service.storage.moments import imported
+from service.storage.lists import AsWritten, OneOf
+from service.storage.moments import AT, Commit, imported, valid
 from service.storage.tables import content, document, header, project, property_, span
 
 if TYPE_CHECKING:
@@ -21,8 +21,14 @@ if TYPE_CHECKING:
 Range: TypeAlias = tuple[float | None, float | None]
 """Least and greatest, both included; None: no such end."""
 
-DESCRIPTION, RATE = "description", "dataframe_rate"
+DESCRIPTION, FILE, RATE = "description", "filename", "dataframe_rate"
 """Elements of headers."""
+
+# Of a name of a file not its ending, which says a format: what rtrim takes away is all but dots.
+_STEM = func.rtrim(header.c.text, func.replace(header.c.text, ".", ""))
+IS_SAID = or_(header.c.tag == DESCRIPTION, header.c.tag == FILE)
+SAID = case((and_(header.c.tag == FILE, header.c.text.contains(".")), _STEM), else_=header.c.text)
+"""Elements of headers in which words are looked for, and in which part of their texts."""
 
 SHORT = 256
 """Characters of properties in which words are looked for: longer ones are records of programs."""
@@ -32,9 +38,10 @@ SHORT = 256
 class DocumentFilter:
     """Which documents a list holds; every condition that is given must hold.
 
-    name: all of it. id: how it begins. text: words, each of which occurs in name, description, a property or a motion
-    name, any case. properties: (name, least, greatest, text): numbers within bounds, or equal text. length: in seconds.
-    rate: frames a second. among: only documents of these keys. deleted: only deleted documents; else none of them.
+    name: all of it. id: how it begins. text: words, each of which occurs in name, description, name of the file, a
+    property or a motion name, any case. properties: (name, least, greatest, text): numbers within bounds, or equal
+    text. length: in seconds. rate: frames a second. among: only documents of these keys. deleted: only deleted
+    documents; else none of them.
     """
 
     project: str | None = None
@@ -107,7 +114,7 @@ def filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Sel
         query = query.where(document.c.id.in_(having))
     if wanted.among is not None:
         query = query.where(OneOf(document.c.id, "among", tx.dialect.as_list(list(wanted.among))))
-    for bounds, value in ((wanted.length, content.c.frames * seconds(tx)), (wanted.rate, 1.0 / seconds(tx))):
+    for bounds, value in ((wanted.length, content.c.frames * seconds(tx.at)), (wanted.rate, 1.0 / seconds(tx.at))):
         least, greatest = bounds
         if least is not None:
             query = query.where(value >= least)
@@ -117,10 +124,8 @@ def filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Sel
 
 
 def _has_word(word: str, tx: Transaction) -> ColumnElement[bool]:
-    """Whether a word occurs in what is said of a document: its name, description, properties, motion names."""
-    described = select(header.c.document).where(
-        header.c.tag == DESCRIPTION, _holds(header.c.text, word), tx.valid(header)
-    )
+    """Whether a word occurs in what is said of a document: its name, description, file, properties, motion names."""
+    described = select(header.c.document).where(IS_SAID, _holds(SAID, word), tx.valid(header))
     having = select(property_.c.document).where(func.length(property_.c.text) <= SHORT, _holds(property_.c.text, word))
     named = select(span.c.document).where(_holds(span.c.name, word), tx.valid(span))
     elsewhere = [document.c.id.in_(found) for found in (described, having, named)]
@@ -128,16 +133,30 @@ def _has_word(word: str, tx: Transaction) -> ColumnElement[bool]:
 
 
 def _holds(column: Any, word: str) -> ColumnElement[bool]:
+    lowered = func.lower(AsWritten(column))
+    return or_(*(lowered.contains(form, autoescape=True) for form in forms_of(word)))
+
+
+def forms_of(word: str) -> list[str]:
+    """How a word may occur in a text whose ASCII letters are small ones."""
     # lower() of SQLite, and of PostgreSQL in collation C, knows ASCII only: other letters are found as written.
     said = stored_form(word)
-    return or_(func.lower(column).contains(said.lower(), autoescape=True), column.contains(said, autoescape=True))
+    return list(dict.fromkeys((fold(said), said.lower())))
 
 
-def seconds(tx: Transaction) -> ColumnElement[float]:
+def fold(text: str) -> str:
+    """A text with small letters, of ASCII alone, as databases do it."""
+    return text.lower() if text.isascii() else text.translate(_SMALL)
+
+
+_SMALL = {capital: capital + 32 for capital in range(ord("A"), ord("Z") + 1)}
+
+
+def seconds(at: Commit = AT) -> ColumnElement[float]:
     """Seconds a frame of a document whose content is selected, as a number; NULL where they are unknown."""
     rate = (
         select(_number(header.c.text))
-        .where(header.c.document == document.c.id, header.c.tag == RATE, tx.valid(header))
+        .where(header.c.document == document.c.id, header.c.tag == RATE, valid(header, at))
         .scalar_subquery()
     )
     return case((content.c.frame_time.is_not(None), _number(content.c.frame_time)), else_=1.0 / rate)

@@ -1,12 +1,13 @@
-"""Lists of numbers in statements that are made once, whatever the length of the list."""
+"""Parts of statements that each kind of database writes in a way of its own."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import BindParameter, Column, ColumnElement, bindparam
+from sqlalchemy import BindParameter, Column, ColumnElement, String, bindparam
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
+from sqlalchemy.sql.functions import FunctionElement
 
 
 class OneOf(ColumnElement[bool]):
@@ -30,3 +31,20 @@ def _in_json(element: OneOf, compiler: SQLCompiler, **how: Any) -> str:
 def _in_array(element: OneOf, compiler: SQLCompiler, **how: Any) -> str:
     column, values = compiler.process(element.column, **how), compiler.process(element.values, **how)
     return f"{column} = ANY(CAST({values} AS bigint[]))"
+
+
+class AsWritten(FunctionElement[str]):
+    """A text that is compared code point by code point, whatever language the database is set to."""
+
+    type = String()
+    inherit_cache = True
+
+
+@compiles(AsWritten, "sqlite")
+def _plain(element: AsWritten, compiler: SQLCompiler, **how: Any) -> str:
+    return compiler.process(element.clauses, **how)
+
+
+@compiles(AsWritten, "postgresql")
+def _in_collation_c(element: AsWritten, compiler: SQLCompiler, **how: Any) -> str:
+    return f'({compiler.process(element.clauses, **how)} COLLATE "C")'

@@ -117,8 +117,7 @@ class Saved:
         wanted = thing.content.get("where")
         if wanted is None:
             return [uuid for uuid in thing.content["documents"] if self._tx.documents.find(uuid) is not None]
-        found = self._tx.documents.page(filter_of(wanted), after=None, limit=MOST)
-        return [stored.uuid for stored in found]
+        return self._tx.documents.uuids(filter_of(wanted))
 
 
 def filter_of(wanted: dict[str, Any]) -> DocumentFilter:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import orjson
-from sqlalchemy import and_, delete, select, tuple_
+from sqlalchemy import and_, delete, select
 
 from service.storage.seals import checked
 from service.storage.tables import revision, thumbnail
@@ -52,11 +52,16 @@ class Thumbnails:
         for key, number in self._tx.connection.execute(pictured):
             if numbers.get(key, 0) < number <= wanted[key]:
                 numbers[key] = number
-        pairs = tuple_(thumbnail.c.document, thumbnail.c.revision).in_(numbers.items())
-        columns = (thumbnail.c.document, thumbnail.c.facts, thumbnail.c.data)
-        rows = self._tx.checked_once(checked(select(*columns).where(pairs), thumbnail)) if numbers else []
+        # Not pairs of both, for which SQLite would read all pictures of the store.
+        near = and_(thumbnail.c.document.in_(numbers), thumbnail.c.revision.in_(set(numbers.values())))
+        columns = (thumbnail.c.document, thumbnail.c.revision, thumbnail.c.facts, thumbnail.c.data)
+        rows = self._tx.checked_once(checked(select(*columns).where(near), thumbnail)) if numbers else []
         stale = self._moved_since({key: number for key, number in numbers.items() if number < wanted[key]}, wanted)
-        return {key: StoredThumbnail(bytes(data), orjson.loads(facts)) for key, facts, data in rows if key not in stale}
+        return {
+            key: StoredThumbnail(bytes(data), orjson.loads(facts))
+            for key, number, facts, data in rows
+            if numbers[key] == number and key not in stale
+        }
 
     def _moved_since(self, shown: dict[int, int], wanted: dict[int, int]) -> set[int]:
         """Documents of which a revision after the one that is shown, up to the wanted one, may have changed it."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import io
 import zipfile
+from typing import get_args
 
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from tests.builders import ASF, HTR, MCML, amc, bvh, upload
+from service.operations.documents import Sort
+from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, upload
 
 API = "/api/v1"
 
@@ -151,6 +153,56 @@ def test_list_filters_and_pages(client: TestClient) -> None:
         names = ["two", *(f"walk_{n}" for n in range(5))]
         assert seen == (names if sort == "name" else ["two", *reversed(names[1:])])
     assert client.get(f"{API}/documents", params={"cursor": "nonsense"}).status_code == 422
+
+
+def pages(client: TestClient, **asked: object) -> list[str]:
+    """Names on all pages of two."""
+    seen: list[str] = []
+    cursor: str | None = ""
+    while cursor is not None:
+        given = {"limit": 2, **asked} | ({"cursor": cursor} if cursor else {})
+        page = client.get(f"{API}/documents", params=given)  # type: ignore[arg-type]
+        assert page.status_code == 200, page.text
+        seen += [item["name"] for item in page.json()["items"]]
+        cursor = page.json()["next_cursor"]
+    return seen
+
+
+def test_lists_have_any_order(client: TestClient) -> None:
+    still = bvh(9).replace(b"Frame Time: 0.0083333", b"Frame Time: 0")
+    only(client, {"still.bvh": still}, project="b")
+    ids = {name: only(client, {f"{name}.bvh": bvh(frames)}, project="c") for name, frames in (("long", 8), ("Mid", 4))}
+    only(client, {"even.bvh": bvh(4)}, project="a")
+    only(client, {"hand.trc": TRC}, project="a")
+    by_frames = ["Mid", "even", "hand", "long", "still"]
+    assert pages(client, sort="frames") == by_frames
+    assert pages(client, sort="-frames") == ["still", "long", "Mid", "even", "hand"], "equal ones by name"
+    assert pages(client, sort="duration")[-1] == pages(client, sort="-duration")[-1] == "still", "unknown ones last"
+    assert pages(client, sort="-duration")[0] == "long"
+    assert pages(client, sort="project") == ["even", "hand", "still", "Mid", "long"]
+    assert pages(client, sort="-format") == ["hand", "Mid", "even", "long", "still"]
+    assert pages(client, sort="-name") == ["still", "long", "hand", "even", "Mid"]
+    assert pages(client, sort="-created")[0] == "hand"
+    client.patch(f"{API}/documents/{ids['Mid']}", json={"description": "x"}, headers={"if-match": "*"})
+    assert pages(client, sort="-modified")[0] == pages(client, sort="-revision")[0] == "Mid"
+    for sort in get_args(Sort):
+        assert sorted(pages(client, sort=sort)) == sorted(by_frames)
+        assert pages(client, sort=sort, q="a 0.3") == pages(client, sort=sort, format="nothing") == []
+
+
+def test_a_cursor_goes_on_where_its_document_was(client: TestClient) -> None:
+    ids = {name: only(client, {f"{name}.bvh": bvh(frames)}) for frames, name in enumerate("abcde", 1)}
+    asked = {"sort": "-frames", "limit": 2}
+    first = client.get(f"{API}/documents", params=asked).json()
+    assert [item["name"] for item in first["items"]] == ["e", "d"]
+    client.delete(f"{API}/documents/{ids['d']}", headers={"if-match": "*"})
+    rest = client.get(f"{API}/documents", params=asked | {"cursor": first["next_cursor"]}).json()
+    assert ([item["name"] for item in rest["items"]], rest["total"]) == (["c", "b"], 4)
+    for other in ("frames", "-revision", "-duration", "name", "newest"):
+        wrong = client.get(f"{API}/documents", params={"sort": other, "cursor": first["next_cursor"]})
+        assert wrong.status_code == 422
+        assert wrong.json()["remedy"]
+    assert client.get(f"{API}/documents", params={"sort": "colour"}).status_code == 422
 
 
 def test_writes_need_the_revision_that_was_read(client: TestClient) -> None:

@@ -51,6 +51,7 @@ REACHES = ["reach_14_064", "reach_15_001"]
         ({"q": "abduction reach"}, REACHES[:1]),
         ({"q": "reach wave"}, []),
         ({"q": "100%"}, []),
+        ({"q": "bvh"}, []),
         ({"q": "  "}, ["hand", *REACHES, "slow"]),
         ({"length": "0.9..1.1"}, ["reach_14_064", "slow"]),
         ({"length": "..0.5"}, ["hand"]),

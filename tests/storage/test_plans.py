@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from service.storage.database import Database, Transaction
+from service.storage.facts import facts_of
 from service.storage.filtering import DocumentFilter
 from tests.builders import bvh, store
 
@@ -24,12 +25,23 @@ ASKED: dict[str, tuple[Callable[[Transaction], object], str]] = {
 }
 
 
-@pytest.mark.parametrize("what", ASKED)
-def test_rows_are_found_by_their_index(tmp_path: Path, what: str) -> None:
-    database = Database(f"sqlite:///{tmp_path}/store.db")
+FOUND: dict[str, Callable[[Transaction], object]] = {
+    "the feed of changes": lambda tx: tx.documents.revisions_since(0, 1),
+    "what is told of a page": lambda tx: tx.documents.told([1]),
+    "pictures of a page": lambda tx: tx.thumbnails.of(tx.documents.told([1])),
+    "labels of a page": lambda tx: tx.spans.of_many([1]),
+    "facts of a page": lambda tx: tx.heads.stated([1], ("calibration_unit", "global_axis_of_gravity")),
+    "what lists need of a document that changed": lambda tx: [list(rows) for rows in vars(facts_of(tx, [1])).values()],
+    "documents of a collection": lambda tx: tx.documents.keys_of({tx.documents.told([1])[0].uuid}),
+}
+"""What is asked of few documents."""
+
+
+def plans_of(folder: Path, ask: Callable[[Transaction], object]) -> list[list[str]]:
+    """The plan of each statement."""
+    database = Database(f"sqlite:///{folder}/store.db")
     database.migrate()
     store(database, {"one.bvh": bvh(3)}, labels=())
-    ask, index = ASKED[what]
     said: list[str] = []
     with database.read() as tx:
         driver: Any = tx.connection.connection.driver_connection
@@ -38,5 +50,20 @@ def test_rows_are_found_by_their_index(tmp_path: Path, what: str) -> None:
         driver.set_trace_callback(None)
         plans = [[row[3] for row in driver.execute(f"EXPLAIN QUERY PLAN {text}")] for text in said]
     database.close()
+    return plans
+
+
+@pytest.mark.parametrize("what", ASKED)
+def test_rows_are_found_by_their_index(tmp_path: Path, what: str) -> None:
+    ask, index = ASKED[what]
+    plans = plans_of(tmp_path, ask)
     assert any(index in plan[0] for plan in plans), plans
     assert not any("B-TREE FOR ORDER BY" in step for step in plans[0]), plans
+
+
+@pytest.mark.parametrize("what", FOUND)
+def test_of_few_documents_no_table_is_read_whole(tmp_path: Path, what: str) -> None:
+    plans = plans_of(tmp_path, FOUND[what])
+    steps = [step for plan in plans for step in plan]
+    assert steps
+    assert not [step for step in steps if step.startswith("SCAN") and "json_each" not in step], plans

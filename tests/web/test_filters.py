@@ -62,3 +62,23 @@ def test_filters_are_kept_chosen_shared_and_taken_back(page: Any, open_studio: S
     expect(saved).to_have_count(0)
     page.get_by_role("status").get_by_role("button", name="Undo").click()
     expect(saved).to_be_visible()
+
+
+def test_any_column_orders_the_library(page: Any) -> None:
+    cards, heads = page.get_by_role("gridcell").locator("strong"), page.get_by_role("group", name="Order")
+    by_name = ["of_3", "of_30", "of_300", "of_3000"]
+    page.get_by_role("button", name=re.compile("^Order: Name")).click()
+    page.get_by_role("menuitemcheckbox", name="Length").click()
+    page.wait_for_url(re.compile("sort=-duration"))
+    expect(cards).to_have_text(by_name[::-1])
+    page.get_by_role("button", name="Order: descending").click()
+    page.wait_for_url(re.compile("sort=duration"))
+    expect(cards).to_have_text(by_name)
+    page.get_by_role("button", name="List").click()
+    heading = heads.get_by_role("button", name="Order: Length, ascending")
+    expect(heading).to_have_attribute("aria-pressed", "true")
+    heads.get_by_role("button", name="Order: Name").click()
+    page.wait_for_url(re.compile("sort=name"))
+    heads.get_by_role("button", name="Order: Name, ascending").click()
+    page.wait_for_url(re.compile("sort=-name"))
+    expect(page.get_by_role("row").locator("strong")).to_have_text(by_name[::-1])

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from service.analysis.dance.figure import Figure
 from service.motion.hub import walked
@@ -104,7 +104,7 @@ def mean_speed(positions: Array, fps: float, smooth: float = 0.04, difference: D
     if frames < 2 or not len(positions):
         return np.zeros(frames)
     if smooth > 0:
-        positions = gaussian_filter1d(positions, smooth * fps, axis=-1, mode="nearest", truncate=_CUT)
+        positions = scipy.ndimage.gaussian_filter1d(positions, smooth * fps, axis=-1, mode="nearest", truncate=_CUT)
     steps = np.diff(positions, axis=-1)
     velocity = np.empty_like(positions)
     velocity[..., :-1] = steps
@@ -150,7 +150,7 @@ def refine(speed: Array, fps: float, k2: float = 2 / 15, k3: float = 1.0) -> Can
         return Candidates(frames[:0], np.empty(0, dtype=np.int8), np.empty(0), np.empty(0))
     margin = max(1, window // 4)
     at_end = (frames < margin) | (len(speed) - 1 - frames < margin)
-    least = minimum_filter1d(speed, 2 * window + 1, mode="nearest")[frames]
+    least = scipy.ndimage.minimum_filter1d(speed, 2 * window + 1, mode="nearest")[frames]
     values = speed[frames]
     dips, rests = (window_means(speed, window)[frames] - values) / mean, values / mean
     verdicts = np.select([at_end, values > least, dips < k2, rests > k3], [1, 2, 3, 4], 0).astype(np.int8)

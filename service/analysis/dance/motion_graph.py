@@ -10,9 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from service.motion.skeleton import Array
 
@@ -190,8 +189,8 @@ def largest_component(count: int, first: Indices, second: Indices) -> NDArray[np
 def strong_components(count: int, first: Indices, second: Indices) -> NDArray[np.intp]:
     """(count,) the strongly connected component of each node: 0 for the largest and so on, of equal ones the one with
     the lowest node first."""
-    graph = csr_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
-    _, labels = connected_components(graph, directed=True, connection="strong")
+    graph = scipy.sparse.csr_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
+    _, labels = scipy.sparse.csgraph.connected_components(graph, directed=True, connection="strong")
     _, lowest, sizes = np.unique(labels, return_index=True, return_counts=True)
     rank = np.empty(len(sizes), dtype=np.intp)
     rank[np.lexsort((lowest, -sizes))] = np.arange(len(sizes))

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter1d
+import scipy
 
 from service.analysis.dance.figure import Figure
 from service.motion.hub import walked
@@ -111,7 +110,7 @@ def body_channels(figure: Figure, translations: Array, rotations: Array, fps: fl
         if fps == RATE:
             here = used[around[0] - low : around[1] - low]
         else:
-            here = CubicSpline(np.arange(low, high) / fps, used)(np.arange(*around) / RATE)
+            here = scipy.interpolate.CubicSpline(np.arange(low, high) / fps, used)(np.arange(*around) / RATE)
         points = np.ascontiguousarray(here.T).reshape(-1, 3, around[1] - around[0])
         movement[:, start:stop] = _movement(points)[:, start - around[0] : stop - around[0]]
     speed, braking, rising = movement
@@ -128,7 +127,7 @@ def _after_calibration(figure: Figure, translations: Array, rotations: Array, fp
 
 def _movement(positions: Array) -> Array:
     """Mean speed, mean braking, mean vertical velocity, (3, n), of points (P, 3, n) at 60 Hz."""
-    smooth = gaussian_filter1d(positions, 0.05 * RATE, axis=-1, mode="nearest")
+    smooth = scipy.ndimage.gaussian_filter1d(positions, 0.05 * RATE, axis=-1, mode="nearest")
     velocity = np.gradient(smooth, axis=-1) * RATE if positions.shape[-1] > 1 else np.zeros_like(positions)
     speeds = np.sqrt(np.einsum("pcf,pcf->pf", velocity, velocity))
     slowing = np.maximum(0.0, -np.gradient(speeds, axis=-1) * RATE) if speeds.shape[-1] > 1 else np.zeros_like(speeds)
@@ -136,7 +135,7 @@ def _movement(positions: Array) -> Array:
 
 
 def _blurred(series: Array, seconds: float) -> Array:
-    found: Array = gaussian_filter1d(series, seconds * RATE, mode="nearest")
+    found: Array = scipy.ndimage.gaussian_filter1d(series, seconds * RATE, mode="nearest")
     return found
 
 
@@ -215,9 +214,11 @@ def periodicity(window: Array) -> Array:
         if not energy > 0:
             continue
         products = np.fft.irfft(np.abs(np.fft.rfft(channel, size)) ** 2, size)[:count] / energy
-        correlation = CubicSpline(np.arange(count), products * np.minimum(count / (count - np.arange(count)), 4.0))
+        correlation = scipy.interpolate.CubicSpline(
+            np.arange(count), products * np.minimum(count / (count - np.arange(count)), 4.0)
+        )
 
-        def at(multiple: int, correlation: CubicSpline = correlation) -> Array:
+        def at(multiple: int, correlation: scipy.interpolate.CubicSpline = correlation) -> Array:
             return np.where(multiple * lags <= count - 1, correlation(np.minimum(multiple * lags, count - 1)), 0.0)
 
         comb = np.maximum(0.0, (at(1) + at(2) + at(3) / 2 + at(4)) / 3.5)

@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+import scipy
 
 from service.analysis.dance.motion_beats import half_up
 from service.motion.rotations import slerp
@@ -112,7 +112,7 @@ def segments(
 def source_frames(segment: Segment, times: Array) -> Array:
     """Fractional source frames (n,) at output times, by a monotone cubic; still before and after the knots."""
     knots = segment.knots
-    curve = PchipInterpolator(knots[0], knots[1])
+    curve = scipy.interpolate.PchipInterpolator(knots[0], knots[1])
     frames: Array = curve(np.clip(times, knots[0, 0], knots[0, -1]))
     return frames
 

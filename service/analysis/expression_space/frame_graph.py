@@ -6,10 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial.distance import cdist
 
 from service.analysis.expression_space.neighbours import nearest
 from service.analysis.expression_space.states import SAME
@@ -33,12 +31,12 @@ class FrameGraph:
     bridge: NDArray[np.bool_]
 
     @cached_property
-    def matrix(self) -> csr_array:
+    def matrix(self) -> scipy.sparse.csr_array:
         """Both directions of every edge."""
         length = np.where(self.length < SAME, TINY, self.length)
         rows, columns = np.concatenate([self.first, self.second]), np.concatenate([self.second, self.first])
         square = (self.frames, self.frames)
-        found = coo_array((np.concatenate([length, length]), (rows, columns)), shape=square).tocsr()
+        found = scipy.sparse.coo_array((np.concatenate([length, length]), (rows, columns)), shape=square).tocsr()
         # Dijkstra of SciPy copies a graph with 64-bit indices each time it is asked.
         found.indices, found.indptr = found.indices.astype(np.int32), found.indptr.astype(np.int32)
         return found
@@ -49,7 +47,7 @@ class FrameGraph:
 
     def components(self) -> NDArray[np.int32]:
         """(n,) number of the connected part of each frame."""
-        labels: NDArray[np.int32] = connected_components(self.matrix, directed=False)[1]
+        labels: NDArray[np.int32] = scipy.sparse.csgraph.connected_components(self.matrix, directed=False)[1]
         return labels
 
     def mean_degree(self) -> float:
@@ -116,7 +114,7 @@ def hub_graph(
 ) -> FrameGraph:
     """Edges between hubs at most tau apart, from each frame to its 4 nearest hubs within tau, and between consecutive
     frames of a take. states: (n, d) reduced. hubs: (h,) frames. take, frame: (n,)."""
-    between = cdist(states[hubs], states[hubs])
+    between = scipy.spatial.distance.cdist(states[hubs], states[hubs])
     one, other = np.nonzero(np.triu(between <= tau, 1))
     found, near = nearest(states[hubs], states, HUBS_OF_A_FRAME)
     row, column = np.nonzero(found <= tau)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from service.motion.skeleton import Array
 
@@ -66,19 +65,19 @@ def _finite_most(paths: Array) -> float:
     return 2.0 * float(np.max(paths, where=np.isfinite(paths), initial=0.0))
 
 
-def from_sources(matrix: csr_array, sources: Any) -> Array:
+def from_sources(matrix: scipy.sparse.csr_array, sources: Any) -> Array:
     """Shortest distances from some frames, (s, n), or (n,) from one. Dijkstra (1959)."""
-    found: Array = dijkstra(matrix, directed=True, indices=sources)
+    found: Array = scipy.sparse.csgraph.dijkstra(matrix, directed=True, indices=sources)
     return found
 
 
-def search(matrix: csr_array, source: int) -> tuple[Array, NDArray[np.int32]]:
+def search(matrix: scipy.sparse.csr_array, source: int) -> tuple[Array, NDArray[np.int32]]:
     """Shortest distances (n,) from a frame, and the frame before each on the way, negative where there is none."""
-    distance, before = dijkstra(matrix, directed=True, indices=[source], return_predecessors=True)
+    distance, before = scipy.sparse.csgraph.dijkstra(matrix, directed=True, indices=[source], return_predecessors=True)
     return distance[0], before[0]
 
 
-def all_pairs(matrix: csr_array) -> Array:
+def all_pairs(matrix: scipy.sparse.csr_array) -> Array:
     """All shortest distances, (n, n), by the algorithm that suits the graph: Floyd above a mean degree of 0.1 n."""
     n = matrix.shape[0]
     if matrix.nnz / n > 0.1 * n:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components, dijkstra
 
 from service.analysis.expression_space.frame_graph import FrameGraph
 from service.analysis.expression_space.neighbours import nearest
@@ -30,13 +29,13 @@ class Links:
 
 
 def _links(count: int, first: Places, second: Places, length: Array, bridge: NDArray[np.bool_]) -> Links:
-    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count)).tocsr()
+    graph = scipy.sparse.coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count)).tocsr()
     return Links(
         first.astype(np.int32),
         second.astype(np.int32),
         length,
         bridge,
-        int(connected_components(graph, directed=False)[0]),
+        int(scipy.sparse.csgraph.connected_components(graph, directed=False)[0]),
     )
 
 
@@ -50,7 +49,9 @@ def voronoi_links(graph: FrameGraph, candidates: Places) -> Links:
 
     Length: of the shortest way over such an edge. Connected whenever the frame graph is.
     """
-    distance, before, source = dijkstra(graph.matrix, indices=candidates, min_only=True, return_predecessors=True)
+    distance, before, source = scipy.sparse.csgraph.dijkstra(
+        graph.matrix, indices=candidates, min_only=True, return_predecessors=True
+    )
     number = np.full(graph.frames, -1, dtype=np.int64)
     number[candidates] = np.arange(len(candidates))
     owner = np.where(source >= 0, number[np.maximum(source, 0)], -1)
@@ -111,7 +112,7 @@ def paper_links(graph: FrameGraph, candidates: Places, plane: Array, rho: float)
     firsts, seconds, lengths, bridges = [], [], [], []
     for start in range(0, count, 64):
         rows = np.arange(start, min(start + 64, count))
-        found, trees = dijkstra(graph.matrix, indices=candidates[rows], return_predecessors=True)
+        found, trees = scipy.sparse.csgraph.dijkstra(graph.matrix, indices=candidates[rows], return_predecessors=True)
         for own, distance, before in zip(rows.tolist(), found, trees, strict=True):
             near_own = np.linalg.norm(plane - plane[candidates[own]], axis=1) <= rho
             foreign = met - near_own

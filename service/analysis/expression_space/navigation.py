@@ -9,8 +9,8 @@ from itertools import pairwise
 from threading import Lock
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array
 
 from service.analysis.expression_space.frame_graph import FrameGraph
 from service.analysis.expression_space.geodesics import from_sources, search
@@ -37,7 +37,7 @@ class Ground:
     geodesics: NDArray[np.float32] | None
     _rows: dict[int, Array] = field(default_factory=dict)
     _lock: Lock = field(default_factory=Lock)
-    _link_graphs: dict[int, csr_array] = field(default_factory=dict)
+    _link_graphs: dict[int, scipy.sparse.csr_array] = field(default_factory=dict)
 
     def row(self, frame: int) -> Array:
         """(n,) shortest distances from a frame, mm."""
@@ -64,7 +64,7 @@ class Ground:
         place = np.flatnonzero(row == second)
         return float(matrix.data[matrix.indptr[first] + place[0]]) if len(place) else None
 
-    def link_graph(self, level: int) -> csr_array:
+    def link_graph(self, level: int) -> scipy.sparse.csr_array:
         """Links of a level as a graph of its candidates."""
         links = self.links[level]
         if links is None:
@@ -73,7 +73,7 @@ class Ground:
             count = len(self.candidates[level])
             a, b, length = links.first, links.second, np.maximum(links.length, 1e-9)
             ends = np.concatenate([a, b]), np.concatenate([b, a])
-            graph = coo_array((np.concatenate([length, length]), ends), shape=(count, count)).tocsr()
+            graph = scipy.sparse.coo_array((np.concatenate([length, length]), ends), shape=(count, count)).tocsr()
             self._link_graphs[level] = graph
         return self._link_graphs[level]
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from service.motion.skeleton import Array
 
 
 def nearest(points: Array, asked: Array, count: int = 1) -> tuple[Array, NDArray[np.intp]]:
     """Distances and numbers, (q, count), of the points nearest to those asked for. points: (n, p). asked: (q, p)."""
-    apart, which = cKDTree(points).query(asked, k=[*range(1, min(count, len(points)) + 1)])
+    apart, which = scipy.spatial.cKDTree(points).query(asked, k=[*range(1, min(count, len(points)) + 1)])
     return np.asarray(apart, dtype=float), np.asarray(which, dtype=np.intp)

@@ -9,9 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse.linalg import eigsh
-from scipy.spatial.distance import cdist
 
 from service.motion.skeleton import Array
 
@@ -79,7 +78,7 @@ def _largest(b: Array, count: int) -> tuple[Array, Array]:
         values, vectors = np.linalg.eigh(b)
         return values[::-1][:count], vectors[:, ::-1][:, :count]
     # Not the constant vector: that is an eigenvector of its own, with eigenvalue 0.
-    values, vectors = eigsh(b, k=count, which="LA", v0=np.cos(1.0 + np.arange(len(b))), tol=0)
+    values, vectors = scipy.sparse.linalg.eigsh(b, k=count, which="LA", v0=np.cos(1.0 + np.arange(len(b))), tol=0)
     order = np.argsort(-values, kind="stable")
     return values[order], vectors[:, order]
 
@@ -139,7 +138,7 @@ def neighbourhoods(apart: Array, coordinates: Array) -> tuple[float, float]:
     """
     n = len(apart)
     count = max(1, min(NEIGHBOURS, n // 4))
-    ranks = [_ranks(apart), _ranks(cdist(coordinates, coordinates))]
+    ranks = [_ranks(apart), _ranks(scipy.spatial.distance.cdist(coordinates, coordinates))]
     most = n * count * (2 * n - 3 * count - 1) / 2
     found = [
         1.0 - float((of_all - count)[(of_near <= count) & (of_all > count)].sum()) / most

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from service.analysis.expression_space.navigation import Walk
 from service.analysis.interface import AnalysisError
@@ -87,8 +87,8 @@ def _smoothed(markers: Array) -> Array:
         [2 * markers[:1] - markers[margin:0:-1], markers, 2 * markers[-1:] - markers[-2 : -margin - 2 : -1]]
     )
     here = ~np.isnan(wide)
-    weight = gaussian_filter1d(here.astype(float), SMOOTHING, axis=0)
-    mean = gaussian_filter1d(np.where(here, wide, 0.0), SMOOTHING, axis=0) / np.maximum(weight, 1e-300)
+    weight = scipy.ndimage.gaussian_filter1d(here.astype(float), SMOOTHING, axis=0)
+    mean = scipy.ndimage.gaussian_filter1d(np.where(here, wide, 0.0), SMOOTHING, axis=0) / np.maximum(weight, 1e-300)
     smooth: Array = np.where(np.isnan(markers), np.nan, mean[margin : margin + count])
     smooth[0], smooth[-1] = markers[0], markers[-1]
     return smooth

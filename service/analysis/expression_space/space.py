@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial.distance import cdist
 
 from service.analysis.expression_space.frame_graph import (
     FrameGraph,
@@ -150,7 +150,7 @@ def _with_landmarks(frames: Frames, options: Options, progress: Progress) -> Spa
     progress("tau", 0.4)
     hubs = farthest_order(states, min(HUBS, len(states)))
     radius = float(nearest(states[hubs], states)[0].max())
-    trials = Trials(cdist(states[hubs], states[hubs]), max(2.0 * radius, SAME))
+    trials = Trials(scipy.spatial.distance.cdist(states[hubs], states[hubs]), max(2.0 * radius, SAME))
     tried, tau, warnings = _threshold(trials, len(frames.markers), options, progress, (0.4, 0.43))
     progress("graph", 0.43)
     graph = hub_graph(states, hubs, tau, frames.take, frames.frame)
@@ -174,7 +174,9 @@ def _with_landmarks(frames: Frames, options: Options, progress: Progress) -> Spa
         if size <= options.dimensions
     )
     speed = _speed(frames, lambda first: np.linalg.norm(states[first + 1] - states[first], axis=1))
-    near = neighbourhoods(cdist(states[landmarks], states[landmarks]), coordinates[landmarks, :2])
+    near = neighbourhoods(
+        scipy.spatial.distance.cdist(states[landmarks], states[landmarks]), coordinates[landmarks, :2]
+    )
     return _with_levels(
         frames, options, progress, graph, tau, trials.low, tried, sizes, coordinates, scaling, agreements, near, None,
         Reduced(basis, states, landmarks, geodesics), speed, warnings,

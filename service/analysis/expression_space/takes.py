@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from service.analysis.expression_space.options import FEWEST_MARKERS, Options
 from service.analysis.expression_space.rigid_motion import align
@@ -191,8 +191,8 @@ def smooth(track: Array, deviation: float) -> Array:
     if deviation <= 0 or len(track) < 2:
         return track
     here = ~np.isnan(track[..., :1])
-    weight = gaussian_filter1d(here.astype(float), deviation, axis=0, mode="constant")
-    mean: Array = gaussian_filter1d(np.where(here, track, 0.0), deviation, axis=0, mode="constant")
+    weight = scipy.ndimage.gaussian_filter1d(here.astype(float), deviation, axis=0, mode="constant")
+    mean: Array = scipy.ndimage.gaussian_filter1d(np.where(here, track, 0.0), deviation, axis=0, mode="constant")
     mean /= np.maximum(weight, 1e-300)
     mean[~here[..., 0]] = np.nan
     return mean

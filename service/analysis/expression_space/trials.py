@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
 
 from service.analysis.expression_space.frame_graph import TINY, spanning_tree
 from service.analysis.expression_space.geodesics import floyd, from_sources
@@ -93,8 +92,8 @@ class Trials:
         edges, lengths = self.tree
         near = edges[lengths <= tau]
         square = (len(self.apart), len(self.apart))
-        graph = coo_array((np.ones(len(near)), (near[:, 0], near[:, 1])), shape=square).tocsr()
-        return connected_components(graph, directed=False)[1].astype(np.intp)
+        graph = scipy.sparse.coo_array((np.ones(len(near)), (near[:, 0], near[:, 1])), shape=square).tocsr()
+        return scipy.sparse.csgraph.connected_components(graph, directed=False)[1].astype(np.intp)
 
     def geodesics(self, tau: float, sample: Places) -> Array:
         """Geodesics (s, s) among frames, which are sorted; infinite between parts."""
@@ -162,7 +161,7 @@ def _paths(apart: Array, tau: float, hubs: Places, sample: Places) -> Array:
     # Where the graph is sparse and few sources are asked for, one search from each is quicker.
     if 15.0 * len(sample) * np.count_nonzero(near) > float(len(hubs)) ** 3:
         return floyd(np.where(near, weights, np.inf))[np.ix_(place, place)]
-    graph = csr_array(np.where(near, np.maximum(weights, TINY), 0.0))
+    graph = scipy.sparse.csr_array(np.where(near, np.maximum(weights, TINY), 0.0))
     return from_sources(graph, place)[:, place]
 
 

@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
 
 from service.motion.skeleton import Array
 
@@ -74,7 +74,7 @@ def saddle(x: Array, s: float, lam: float, degree: int) -> Array:
 def fit_blend(x: Array, y: Array, s: float, lam: float, degree: int = 1) -> Blend:
     """The blend of values (n, K) at centres (n, d), all columns by one factorisation."""
     right = np.concatenate([y, np.zeros((terms(x[:1], degree).shape[1], y.shape[1]))])
-    solved = lu_solve(lu_factor(saddle(x, s, lam, degree)), right)
+    solved = scipy.linalg.lu_solve(scipy.linalg.lu_factor(saddle(x, s, lam, degree)), right)
     return Blend(x, s, lam, solved[: len(x)], solved[len(x) :], degree)
 
 

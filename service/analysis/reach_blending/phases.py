@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
+import scipy
 
 from service.analysis.interface import AnalysisError
 from service.motion.rotations import inverse, multiply
@@ -66,7 +66,7 @@ def angular_speed(rotations: Array, fps: float, method: Method = "robust") -> Ar
 
 def smoothed(speed: Array, fps: float) -> Array:
     """The speed (F,) under a Gaussian of 1/30 s."""
-    smooth: Array = gaussian_filter1d(speed, SMOOTHING * fps, mode="nearest")
+    smooth: Array = scipy.ndimage.gaussian_filter1d(speed, SMOOTHING * fps, mode="nearest")
     return smooth
 
 

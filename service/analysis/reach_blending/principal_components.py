@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import svd
+import scipy
 
 from service.motion.skeleton import Array
 
@@ -37,7 +37,7 @@ def principal_components(
     mean = data.mean(axis=0)
     centred = np.subtract(data, mean, out=data if in_place else None)
     # Transposed, rows in C order are columns in Fortran's, which LAPACK takes without a copy.
-    right, sizes, left = svd(centred.T, full_matrices=False, overwrite_a=True, check_finite=False)
+    right, sizes, left = scipy.linalg.svd(centred.T, full_matrices=False, overwrite_a=True, check_finite=False)
     right, left = right.T, left.T
     existing = max(min(len(data) - 1, data.shape[1]), 0)
     variances = sizes[:existing] ** 2 / len(data)

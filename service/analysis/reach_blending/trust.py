@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from service.motion.skeleton import Array
 
@@ -21,7 +21,7 @@ def nearest_in_hull(points: Array, x: Array) -> Array:
     """
     seen = (points - x).T
     size = float(np.abs(seen).max(initial=0.0)) or 1.0
-    weights, _ = nnls(np.vstack([seen / size, np.ones(len(points))]), np.append(np.zeros(len(x)), 1.0))
+    weights, _ = scipy.optimize.nnls(np.vstack([seen / size, np.ones(len(points))]), np.append(np.zeros(len(x)), 1.0))
     nearest: Array = points.T @ (weights / weights.sum())
     return nearest
 

@@ -3360,7 +3360,7 @@ export interface operations {
                 deleted?: boolean;
                 limit?: number;
                 cursor?: string | null;
-                sort?: "name" | "newest";
+                sort?: "name" | "-name" | "newest" | "created" | "-created" | "modified" | "-modified" | "duration" | "-duration" | "frames" | "-frames" | "rate" | "-rate" | "format" | "-format" | "project" | "-project" | "skeleton" | "-skeleton" | "revision" | "-revision";
                 offset?: number;
                 with?: string | null;
             };

@@ -6,6 +6,7 @@ import { w } from "../words";
 import { news } from "./events";
 import { note, refuse } from "./notes";
 import { param, route } from "./route";
+import { asOrder, asSort } from "./sorting";
 
 export type Summary = Schemas["Card"];
 export interface Card extends Omit<Summary, "labels" | "passport" | "thumbnail"> {
@@ -29,7 +30,8 @@ export const filter = computed<Record<string, string | string[]>>(() => {
   }
   return found;
 });
-export const sort = computed(() => (["name", "newest"].includes(param("sort")) ? param("sort") : "newest") as "name" | "newest");
+export const order = computed(() => asOrder(param("sort")));
+const sort = computed(() => asSort(order.value));
 const key = computed(() => JSON.stringify([filter.value, sort.value]));
 
 export const total = signal<number | null>(null);

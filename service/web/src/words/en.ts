@@ -25,7 +25,7 @@ export const en = {
   goXpath: "Go to XPath", goCompose: "Go to the composer", goRetarget: "Go to retargeting", goSettings: "Go to settings",
 
   // Library
-  clips: "1 clip|{n} clips", grid: "Grid", list: "List", sort: "Order", newest: "newest first", byName: "by name",
+  clips: "1 clip|{n} clips", grid: "Grid", list: "List", sort: "Order", ascending: "ascending", descending: "descending", importedWord: "Imported", changedWord: "Changed", revisionsWord: "Revisions",
   project: "Project", motionName: "Motion name", format: "Format", skeleton: "Skeleton", length: "Length", frameRate: "Frame rate",
   properties: "Properties", filters: "Filters", clearFilters: "Clear all filters",
   emptyLibrary: "Nothing is stored yet", emptyLibraryHelp: "Drop BVH, ASF and AMC, HTR, C3D or TRC files, folders or a zip anywhere in this window. Nothing is lost: what you drop comes back out byte for byte.",

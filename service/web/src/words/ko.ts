@@ -26,7 +26,7 @@ export const ko: typeof en = {
   leftPanel: "왼쪽 패널 접기", rightPanel: "오른쪽 패널 접기", copyAddress: "주소 복사", goLibrary: "라이브러리로 가기",
   goXpath: "XPath로 가기", goCompose: "이어붙이기로 가기", goRetarget: "리타기팅으로 가기", goSettings: "설정으로 가기",
 
-  clips: "클립 {n}개", grid: "격자", list: "목록", sort: "순서", newest: "최신순", byName: "이름순",
+  clips: "클립 {n}개", grid: "격자", list: "목록", sort: "순서", ascending: "오름차순", descending: "내림차순", importedWord: "가져온 때", changedWord: "바뀐 때", revisionsWord: "리비전",
   project: "프로젝트", motionName: "동작 이름", format: "형식", skeleton: "스켈레톤", length: "길이", frameRate: "프레임 속도",
   properties: "특성", filters: "필터", clearFilters: "필터 모두 지우기",
   emptyLibrary: "아직 저장된 것이 없습니다", emptyLibraryHelp: "BVH, ASF와 AMC, HTR, C3D, TRC 파일이나 폴더, zip을 이 창 아무 곳에나 놓으세요. 아무것도 잃지 않습니다. 넣은 파일은 한 바이트도 다르지 않게 다시 나옵니다.",

@@ -7,6 +7,7 @@ import { VirtualList } from "../../ui/VirtualList";
 import { duration, number, rate, w, when } from "../../words";
 import { pickBy } from "./CardGrid";
 import { SpanStrip } from "./CardView";
+import { SortHeading } from "./SortMenu";
 
 const TALL = 44;
 
@@ -16,8 +17,8 @@ export function CardList() {
   const total = library.total.value ?? 12;
   return (
     <div class="card-list">
-      <div class="list-row list-head" aria-hidden="true">
-        <span /><span>{w("name")}</span><span>{w("project")}</span><span>{w("format")}</span><span class="n">{w("length")}</span><span class="n">{w("rateWord")}</span><span>{w("names")}</span><span />
+      <div class="list-row list-head" role="group" aria-label={w("sort")}>
+        <span /><SortHeading column="name" /><SortHeading column="project" /><SortHeading column="format" /><SortHeading column="duration" numeric /><SortHeading column="rate" word="rateWord" numeric /><span>{w("names")}</span><SortHeading column="modified" />
       </div>
       <VirtualList rows={total} height={TALL} label={w("library")} role="grid" at={focus} onSeen={(first, last) => library.look(Math.max(0, first), Math.min(total - 1, last))}
         onKeyDown={(event) => {

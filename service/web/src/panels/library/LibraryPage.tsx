@@ -8,7 +8,6 @@ import * as library from "../../state/library";
 import { facetsWide, leftFolded, previewOpen, previewWide } from "../../state/panes";
 import { go, param, setParams } from "../../state/route";
 import { Icon } from "../../ui/icons";
-import { Menu } from "../../ui/Menu";
 import { Splitter } from "../../ui/Splitter";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
@@ -20,6 +19,7 @@ import { CardList } from "./CardList";
 import { Facets } from "./Facets";
 import { PickedBar } from "./PickedBar";
 import { Preview } from "./Preview";
+import { SortMenu } from "./SortMenu";
 import "../../styles/library.css";
 
 const Welcome = lazy(async () => (await import("./Welcome")).Welcome);
@@ -58,9 +58,7 @@ export function LibraryPage() {
             <button type="button" aria-pressed={view === "grid"} onClick={() => setParams({ view: null })}>{w("grid")}</button>
             <button type="button" aria-pressed={view === "list"} onClick={() => setParams({ view: "list" })}>{w("list")}</button>
           </div>
-          <Menu label={w("sort")} className="button quiet" items={(["newest", "name"] as const).map((one) => ({ text: w(one === "name" ? "byName" : one), checked: library.sort.value === one, run: () => setParams({ sort: one === "newest" ? null : one }) }))}>
-            {w(library.sort.value === "name" ? "byName" : "newest")}<Icon name="down" />
-          </Menu>
+          <SortMenu />
           <span class="grow" />
           <span class="dim" role="status">{total === null ? "" : w("clips", { n: total })}</span>
           <button type="button" class="button primary" onClick={() => chooseFiles()}><Icon name="upload" />{w("add")}</button>
