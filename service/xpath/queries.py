@@ -31,8 +31,8 @@ from service.xpath.language.hints import unknown_names
 from service.xpath.language.labels import without_index
 from service.xpath.language.parse import Query, parse
 from service.xpath.language.rules import normal
-from service.xpath.language.scopes import asks_each, asks_scope, spans_documents
-from service.xpath.language.tree import Call, Expression, Path
+from service.xpath.language.scopes import asks_each, asks_scope, is_node_set, spans_documents
+from service.xpath.language.tree import Call, Expression
 from service.xpath.language.types import distinct_of, item_type, type_of
 from service.xpath.library.caches import Caches
 from service.xpath.library.listing import Scope
@@ -197,7 +197,7 @@ class _Asking:
         if self.per == "document":
             return self._of_each(tree, page)
         call = aggregates.aggregated(tree)
-        if call is not None and without_index(distinct_of(call) or call.arguments[0])[1] is None:
+        if call is not None and is_node_set(distinct_of(call) or call.arguments[0]):
             return self._aggregate(call, page)
         tree = self.whole.reduced(tree)
         if type_of(tree) == "nodes":
@@ -247,10 +247,8 @@ class _Asking:
         return self._nodes(tree)
 
     def _nodes(self, tree: Expression) -> Source:
-        from_sequence = isinstance(tree, Path) and tree.start is not None and type_of(tree.start) != "nodes"
-        return (
-            self.whole.nodes(tree) if type_of(tree) == "nodes" and not from_sequence else Parts(self.whole.parts(tree))
-        )
+        alone = is_node_set(without_index(tree)[0])
+        return self.whole.nodes(tree) if alone else Parts(self.whole.parts(tree))
 
     def source(self, tree: Expression) -> Scan | ColumnSource:
         """Where the nodes of an expression come from."""

@@ -33,6 +33,7 @@ from service.xpath.nodes.numbering import (
     NAMES_FROM,
     NAMESPACE_SLOT,
     Bools,
+    Floats,
     Ints,
     documents_of,
     frame_elements,
@@ -66,6 +67,27 @@ def sibling_frames(forest: Forest, nodes: Ints, distance: int) -> Pairs:
     position = frames_of(nodes) + max(-MAX_FRAMES, min(distance, MAX_FRAMES))
     index = np.flatnonzero((position >= 1) & (position <= forest.frames[documents_of(nodes)]))
     return index, (documents_of(nodes[index]) << DOCUMENT_SHIFT) | (position[index] << FRAME_SHIFT)
+
+
+def frames_at(forest: Forest, nodes: Ints, position: int) -> Pairs:
+    """`child::frame[n]`."""
+    found = children_of(forest, nodes, FRAME) >= position
+    index = np.flatnonzero(found)
+    return index, (documents_of(nodes[index]) << DOCUMENT_SHIFT) | (position << FRAME_SHIFT)
+
+
+def children_of(forest: Forest, nodes: Ints, name: str) -> Floats:
+    """How many children each node has that are frames, or frame_bones."""
+    counts = np.zeros(len(nodes))
+    if name == FRAME_BONE:
+        index = np.flatnonzero(_is_frame(nodes))
+        counts[index] = forest.shapes.sizes(nodes[index])
+        return counts
+    index = np.flatnonzero(~in_frames(nodes))
+    documents = documents_of(nodes[index])
+    is_motion = forest.head.rows(nodes[index]) == forest.head.motions[documents]
+    counts[index] = np.where(is_motion, forest.frames[documents], 0)
+    return counts
 
 
 def are_frames(nodes: Ints) -> bool:

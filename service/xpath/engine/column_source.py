@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from service.mcml.vocabulary import FRAME, FRAME_BONE, MOTION_NAME
+from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.engine.axes import SIBLINGS
@@ -31,6 +31,8 @@ SLICE_FRAMES = 4096
 """Frames that the rest of a path is walked from together; whole chunks, so that no track is read twice."""
 LEAVING = frozenset({"following", "preceding"})
 IN_FRAMES = frozenset({FRAME, MOTION_NAME, FRAME_BONE})
+ONE_EACH = ((Step("child", MCML),), (Step("child", MCML), Step("child", MOTION)))
+"""Steps from the document to an element that each has one of."""
 
 
 class ColumnSource:
@@ -129,6 +131,8 @@ class ColumnSource:
             bones = _bones_asked(self.start)
             if bones is not None:
                 return sum(forest.shapes.counted(bones) for forest in self.forests())
+        if isinstance(self.tree, Path) and self.tree.absolute and self.tree.steps in ONE_EACH:
+            return len(self.documents)
         if self._one_a_skeleton:
             return sum(int(self._times(forest)[documents_of(nodes)].sum()) for forest, nodes in self.examples())
         return sum(len(nodes) for _, nodes in self.chunks())

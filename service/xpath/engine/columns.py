@@ -16,15 +16,14 @@ from types import MappingProxyType
 import numpy as np
 
 from service.xpath.engine import functions, loops, sequences
-from service.xpath.engine.axes import REVERSE, are_frames, named_bones, parents, sibling_frames, step
+from service.xpath.engine.axes import REVERSE, are_frames, frames_at, named_bones, parents, sibling_frames, step
 from service.xpath.engine.comparisons import compare, compare_items
-from service.xpath.engine.context import Bound, Context, Value
-from service.xpath.engine.existence import Beyond
+from service.xpath.engine.context import Bound, Context, Value, own_set
+from service.xpath.engine.neighbours import Neighbours
 from service.xpath.engine.sequences import items_of, texts, value_of
-from service.xpath.engine.windows import Windows
 from service.xpath.language.functions import OF_CONTEXT, SAFE_FUNCTIONS
 from service.xpath.language.labels import bone_name
-from service.xpath.language.positions import frame_distance, is_beyond, is_window, window_of
+from service.xpath.language.positions import frame_distance, frame_place, is_beyond, is_window
 from service.xpath.language.tree import (
     VALUE_COMPARISONS,
     Call,
@@ -64,8 +63,7 @@ class Columns:
         self.forest = forest
         self.check = check
         self._is_later = is_later
-        self._asked: dict[Path, Beyond] = {}
-        self._near: dict[Path, Windows] = {}
+        self._neighbours = Neighbours(self)
 
     def documents(self) -> Context:
         """Every document node as context."""
@@ -129,9 +127,9 @@ class Columns:
         """The value as a boolean; a number is not a position here."""
         shared = not context.variables or not free_variables(expression)
         if shared and isinstance(expression, Path) and is_beyond(expression):
-            return self._beyond(expression, context)
+            return self._neighbours.beyond(expression, context.nodes)
         if shared and isinstance(expression, Path) and is_window(expression) and are_frames(context.nodes):
-            return np.asarray(self._window(expression, context) > 0)
+            return np.asarray(self._neighbours.window(expression, context.nodes) > 0)
         return functions.as_booleans(self.value(expression, context))
 
     # -- paths -----------------------------------------------------------------------------------------------------
@@ -157,7 +155,7 @@ class Columns:
                 return self.steps(sets.flat()[0], steps, context)
             found = self.steps(NodeSets(sets.groups, sets.nodes, sets.count), steps)
             return NodeSets(found.groups, found.nodes, found.count, sets.index)
-        alone = NodeSets(np.arange(count), context.nodes, count)
+        alone = own_set(context)
         if context.variables and free_variables(path):
             return self.steps(alone, steps, context)
         if count > 1 and steps and steps[0].axis == "parent" and not steps[0].predicates:
@@ -183,12 +181,15 @@ class Columns:
             self.check()
             predicates = one.predicates
             name = bone_name(one)
-            distance = frame_distance(one)
+            distance, place = frame_distance(one), frame_place(one)
             if name is not None:
                 source, reached = named_bones(self.forest, sets.nodes, name)
                 predicates = predicates[1:]
             elif distance is not None and are_frames(sets.nodes):
                 source, reached = sibling_frames(self.forest, sets.nodes, distance)
+                predicates = predicates[1:]
+            elif place is not None:
+                source, reached = frames_at(self.forest, sets.nodes, place)
                 predicates = predicates[1:]
             else:
                 source, reached = step(self.forest, sets.nodes, one.axis, one.name)
@@ -246,9 +247,9 @@ class Columns:
         """Which items of a sequence a predicate keeps, by their positions or by what it says of them."""
         if type_of(predicate) == "sequence" and item_type(predicate) in ("number", "any"):
             raise functions.NotOnColumnsError  # A number asks for a position, other values for their truth.
-        return self._sliced(predicate, context)
+        return self.sliced(predicate, context)
 
-    def _sliced(self, predicate: Expression, context: Context) -> Bools:
+    def sliced(self, predicate: Expression, context: Context) -> Bools:
         parts = [self._holds(predicate, context.part(at, at + SLICE)) for at in range(0, len(context), SLICE)]
         return parts[0] if len(parts) == 1 else np.concatenate([*parts, np.empty(0, bool)])
 
@@ -279,41 +280,6 @@ class Columns:
         nodes = first_of_documents(documents)
         found = self.value(expression, Context(nodes, np.ones(len(nodes)), np.ones(len(nodes))))
         return Bound(found, index).now()
-
-    def _beyond(self, path: Path, context: Context) -> Bools:
-        """Whether a path that begins on a sibling, following or preceding axis reaches anything."""
-        first, rest = path.steps[0], path.steps[1:]
-        if path not in self._asked:
-
-            def kept(nodes: Ints) -> Bools:
-                keep = np.ones(len(nodes), bool)
-                for predicate in first.predicates:
-                    index = np.flatnonzero(keep)
-                    keep[index] = self._sliced(predicate, Context(nodes[index]))
-                if rest:
-                    index = np.flatnonzero(keep)
-                    keep[index] = self._sliced(Path(rest), Context(nodes[index]))
-                return keep
-
-            self._asked[path] = Beyond(self.forest, first.axis, first.name, kept)
-        return self._asked[path].exists(context.nodes)
-
-    def _window(self, path: Path, context: Context) -> Ints:
-        """Of each frame how many frames of a window a path reaches that hold what the rest of the path asks for."""
-        first, rest = path.steps[0], path.steps[1:]
-        window = window_of(first)
-        if path not in self._near and window is not None:
-            asked = (*first.predicates[1:], *([Path(rest)] if rest else []))
-
-            def kept(frames: Ints) -> Bools:
-                keep = np.ones(len(frames), bool)
-                for predicate in asked:
-                    index = np.flatnonzero(keep)
-                    keep[index] = self._sliced(predicate, Context(frames[index]))
-                return keep
-
-            self._near[path] = Windows(self.forest, first, window, kept)
-        return self._near[path].counts(context.nodes)
 
     def _operation(self, operation: Operation, context: Context) -> Value:
         operator, operands = operation.operator, operation.operands
@@ -367,12 +333,12 @@ class Columns:
         if name in ("boolean", "not", "exists", "empty") and isinstance(arguments[0], Path):
             found = self.truth(arguments[0], context)
             return ~found if name in ("not", "empty") else found
-        near = arguments[0] if name == "count" and is_window(arguments[0]) and not free_variables(call) else None
-        if isinstance(near, Path) and len(near.steps) == 1 and are_frames(context.nodes):
-            return self._window(near, context).astype(np.float64)
+        if name == "count" and isinstance(arguments[0], Path):
+            known = self._neighbours.counted(arguments[0], context)
+            if known is not None:
+                return known
         if not arguments and name in OF_CONTEXT:
-            own = NodeSets(np.arange(len(context)), context.nodes, len(context))
-            return functions.call(self.forest, name, [own], len(context))
+            return functions.call(self.forest, name, [own_set(context)], len(context))
         if name == "sort":
             return self._sorted(arguments, context)
         if name == "string-join":

@@ -75,3 +75,8 @@ class Context:
     def binding(self, name: str, value: Value) -> Context:
         """The same with one variable more."""
         return replace(self, variables={**self.variables, name: Bound(value)})
+
+
+def own_set(context: Context) -> NodeSets:
+    """Of each context its node."""
+    return NodeSets(np.arange(len(context)), context.nodes, len(context))

@@ -132,7 +132,7 @@ class Frames:
     def count(self) -> int:
         """How many frames these are, where only motion names or nothing narrows them."""
         if self._ranges is None:
-            return sum(listed.frames for listed in self.documents)
+            return sum(int(group.frames.sum()) for group in self.groups)
         return sum(last - first + 1 for ranges in self._ranges.values() for first, last in ranges)
 
     def of(self, forest: Forest) -> Ints:

@@ -30,7 +30,7 @@ from service.xpath.language.labels import without_index
 from service.xpath.language.meaning import ITEM
 from service.xpath.language.reach import HeadPart
 from service.xpath.language.rules import normal
-from service.xpath.language.scopes import asks_each, asks_scope, begins_paths, put
+from service.xpath.language.scopes import asks_each, asks_scope, begins_paths, is_node_set, put
 from service.xpath.language.tree import (
     Call,
     Each,
@@ -125,7 +125,7 @@ class Whole:
             argument if place == 0 else self.reduced(argument) for place, argument in enumerate(call.arguments)
         )
         plain = aggregates.aggregated(Call(call.function, (inner, *others)))
-        if plain is not None and without_index(inner)[1] is None is not None:
+        if plain is not None and is_node_set(distinct_of(plain) or inner):
             return self._aggregate(plain)
         parts = list(self.parts(self.reduced(inner)))
         count = sum(map(len, parts))
@@ -190,7 +190,7 @@ class Whole:
     def parts(self, expression: Expression) -> Iterator[Part]:
         """The items of a reduced expression, some at a time."""
         self._check()
-        if isinstance(expression, Path) and expression.start is not None and type_of(expression.start) != "nodes":
+        if isinstance(expression, Path) and expression.start is not None and not is_node_set(expression):
             yield from self._onward(expression.start, expression.steps)
         elif type_of(expression) == "nodes":
             yield from (Part(forest, nodes) for forest, nodes in self.nodes(expression).chunks())

@@ -56,6 +56,13 @@ def frame_distance(step: Step) -> int | None:
     return position if position is None or step.axis == AFTER else -position
 
 
+def frame_place(step: Step) -> int | None:
+    """N of `child::frame[N]…`, None for other steps."""
+    if step.axis != "child" or step.name != FRAME or not step.predicates:
+        return None
+    return position_of(step.predicates[0])
+
+
 def is_beyond(path: Path) -> bool:
     """Whether a path from the context node begins with all that stands before or after it."""
     first = None if path.absolute or path.start is not None or not path.steps else path.steps[0]

@@ -19,6 +19,8 @@ SECONDS = 2.0
 """For one text. Texts of documents are short."""
 _FLAGS = {"s": regex.DOTALL, "m": regex.MULTILINE, "i": regex.IGNORECASE, "x": regex.VERBOSE}
 _SPACES = str.maketrans("\t\r\n", "   ")
+_SIGNS = frozenset("\\|.?*+(){}[]^$-")
+"""Letters that mean more than themselves."""
 _Found = TypeVar("_Found")
 
 
@@ -40,6 +42,8 @@ def tokenize(text: str, pattern: str | None = None, flags: str = "") -> list[str
     """`tokenize()`: the parts between what matches, or words between white space. Raises as `matches`."""
     if pattern is None:
         return [word for word in text.translate(_SPACES).split(" ") if word]
+    if pattern and not flags and not _SIGNS.intersection(pattern):
+        return text.split(pattern) if text else []
     found = _that_takes_something(pattern, flags)
     if not text:
         return []

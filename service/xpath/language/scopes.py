@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from service.xpath.language.functions import AGGREGATES, SAFE_FUNCTIONS
+from service.xpath.language.labels import without_index
 from service.xpath.language.meaning import ITEM
 from service.xpath.language.tree import (
     OF_NODES,
@@ -45,6 +46,14 @@ def asks_scope(expression: Expression) -> bool:
     if isinstance(expression, Filter):
         return asks_scope(expression.operand)
     return any(map(asks_scope, children(expression)))
+
+
+def is_node_set(expression: Expression) -> bool:
+    """Whether it gives nodes of each document that those of other documents do not change: no `(…)[n]` around it, which
+    counts over all of them, and no path from a sequence."""
+    if isinstance(expression, Path) and expression.start is not None and type_of(expression.start) != "nodes":
+        return False
+    return type_of(expression) == "nodes" and without_index(expression)[1] is None
 
 
 def asks_each(expression: Expression, *, in_sequence: bool = True) -> bool:
