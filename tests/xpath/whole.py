@@ -11,7 +11,9 @@ from dataclasses import replace
 from typing import Any
 
 from lxml import etree
+from saxonche import PySaxonApiError
 
+from service.xpath.language.labels import without_index
 from service.xpath.language.parse import parse
 from service.xpath.language.tree import (
     Call,
@@ -31,6 +33,7 @@ from service.xpath.language.tree import (
     walk,
     with_children,
 )
+from service.xpath.language.types import depends_on_position, type_of
 from service.xpath.language.unparse import unparse
 from service.xpath.xml.saxon_worker import Places, _item
 from tests.xpath.oracle import plain
@@ -92,9 +95,21 @@ def _spelled(tree: Expression, *, many: bool, alone: bool) -> Expression:
     return with_children(tree, lambda part: _spelled(part, many=False, alone=alone))
 
 
+def _counts_in_each(tree: Expression) -> bool:
+    """Whether predicates behind parentheses count positions in each document."""
+    held = tree.start if isinstance(tree, Path) else tree
+    if not isinstance(held, Filter) or type_of(held) != "nodes":
+        return False
+    counting = [each for each in held.predicates if type_of(each) == "number" or depends_on_position(each)]
+    return bool(counting) and (held is not tree or without_index(held)[1] is None)
+
+
 def answer(saxon: Any, text: str, trees: Mapping[str, Any]) -> list[Any]:
     """The items of the answer: (document, kind, address, value) of nodes, and values."""
-    tree = spelled(parse(text).tree)
+    tree = parse(text).tree
+    if any(map(_counts_in_each, walk(without_index(tree)[0]))):
+        raise PySaxonApiError("Predicates behind parentheses count in each document.")
+    tree = spelled(tree)
     sources = [etree.tostring(each.getroot(), encoding="unicode") for each in trees.values()]
     nodes = [saxon.parse_xml(xml_text=source) for source in sources]
     places = {

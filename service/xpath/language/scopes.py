@@ -95,6 +95,8 @@ def spans_documents(expression: Expression, *, is_whole: bool = True) -> bool:
 
     is_whole: it is the whole expression; the values of an aggregate around it are put together.
     """
+    if isinstance(expression, Written):
+        return expression.spans and not expression.nodes
     if isinstance(expression, Path):
         return expression.start is not None and spans_documents(expression.start, is_whole=False)
     if isinstance(expression, Filter):

@@ -181,7 +181,8 @@ class Written:
     """A whole expression of XPath 2.0 that only Saxon evaluates, as it is written.
 
     variables: the values of those that it does not bind itself. function, arguments: of a call that makes one value of
-    all documents. nodes: whether its operator gives nodes.
+    all documents. nodes: whether its operator gives nodes. spans: whether a function of sequences, or a quantifier,
+    stands inside of it, which asks for the items of all documents together.
     """
 
     text: str
@@ -189,6 +190,7 @@ class Written:
     function: str = ""
     arguments: tuple[str, ...] = ()
     nodes: bool = False
+    spans: bool = False
     span: Span = field(default=(0, 0), compare=False)
 
 

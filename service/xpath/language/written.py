@@ -59,7 +59,8 @@ def read_xpath2(text: str, variables: Mapping[str, str | float | bool]) -> Writt
     bound = tuple((name, variables[name]) for name in needed)
     inner = split_arguments(text) if root.label == "function" and root.symbol in AGGREGATES else []
     function = root.symbol if inner else ""
-    return Written(text, bound, function, tuple(inner), _gives_nodes(root))
+    spans = any(_is_of_sequences(token) for token in root.iter() if token is not root or not function)
+    return Written(text, bound, function, tuple(inner), _gives_nodes(root), spans)
 
 
 def spell_for_elementpath(text: str) -> str:
@@ -101,6 +102,11 @@ def _check(token: Any) -> None:
         check_arity(token.symbol, len(token), column)
     if token.label == "constructor function" and token.symbol not in TYPES | set(SAFE_FUNCTIONS):
         raise QueryError(f"the type {token.symbol} is not offered", at=Place(column=column))
+
+
+def _is_of_sequences(token: Any) -> bool:
+    known = SAFE_FUNCTIONS.get(token.symbol) if token.label == "function" else None
+    return token.symbol in ("some", "every") or (known is not None and known.takes_items)
 
 
 def _gives_nodes(token: Any) -> bool:

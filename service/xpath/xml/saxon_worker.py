@@ -42,6 +42,7 @@ def evaluate(
     processor.set_language_version("3.1")
     processor.set_backwards_compatible(True)
     processor.declare_namespace("fn", "http://www.w3.org/2005/xpath-functions")
+    processor.declare_namespace("math", "http://www.w3.org/2005/xpath-functions/math")
     for name, value in variables.items():
         processor.declare_variable(name)
         processor.set_parameter(name, _atomic(saxon, value))

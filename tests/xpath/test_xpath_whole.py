@@ -1,0 +1,119 @@
+"""Questions about all documents together, over documents in many small groups: Saxon's answers, and each alone."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from saxonche import PySaxonProcessor
+
+from schemas.queries import NodeItem, QueryRequest
+from service.errors import QueryError
+from service.settings import Settings
+from service.storage.database import Database
+from service.xpath.library import groups
+from service.xpath.queries import Queries
+from tests.xpath import whole
+from tests.xpath.oracle import pages, plain, same, same_value
+from tests.xpath.test_xpath_many import Many, opened
+from tests.xpath.test_xpath_xpath2 import wanted
+
+DOCS = (Path(__file__).resolve().parents[2] / "docs" / "xpath.md").read_text(encoding="utf-8")
+CASES = re.findall(r"^\| [^|`]+ \| [^|`]+ \| `(.+)` \|$", DOCS, re.MULTILINE)
+OTHERS = [
+    "count((//frame)[3])", "min(//@Rx) + 1", "for $i in 1 to 3 return //frame[$i]/@id",
+    "count(for $m in /mcml return $m//frame[1])", "head(sort(//@Rx))", "tail(//filename)[position() < 4]",
+    "remove(//filename, 2)[3]", "index-of(//bone/name, 'left_up_leg')[2]", "count(//frame intersect //frame[2])",
+    "//bone/name ! concat(position(), '/', last(), .)", "(//filename, //bone/name)[11]", "data(//bone/name)[5]",
+    "let $x := //bone/name return count($x[. = 'left_up_leg'])",
+    "let $x := max(//@Rx) return //frame[frame_bone/@Rx = $x]",
+    "for $n in ('left_up_leg', 'Head') return count(//frame_bone[@name = $n])",
+    "//frame[every $b in frame_bone satisfies $b/@Rx > 0]",
+    "//frame[some $b in frame_bone satisfies $b/@Rx > 5 and $b/@name != 'root']/@id",
+    "string-join(//filename ! substring(., 1, 1))", "count(//frame[@id = (1, 3)])",
+    "//frame[position() = 2 to 3]/@id", "(for $m in /mcml return count($m//frame)) = 8",
+    "for $f in //filename, $i in 1 to 2 return concat($f, $i)", "math:sqrt(count(//frame)) > 4",
+    "exists(//frame[9]) and //frame[2]", "for $f in //frame[frame_bone/@Rx > 5] return string($f/frame_bone[1]/@Rx)",
+    "sort(//@Rx, (), function($x) { -$x })[1]", "for $m in /mcml return if ($m//frame[3]) then 'long' else 'short'",
+    "distinct-values(//frame/string-join(frame_bone/@name, ' '))",
+    "replace(string-join(distinct-values(//bone/name), '-'), '[aeiou]', '')",
+    "//header/(filename | property)/name(.)", "count(//frame[let $n := count(frame_bone) return $n > 1])",
+    "(//frame/@id)[. > 2] ! (. * 2)", "sum(for $x in //frame/@id return $x * 2)", "empty(//frame[@id = 'none'])",
+    "1 to count(/mcml)", "avg(()) = 3", "max(//bone/name/string(.))",
+    "for $x in //bone/name return string(/mcml/header/filename)", "//bone[name = //bone[2]/name]/name",
+    "sort(distinct-values(//frame/count(frame_bone)))", "for $m in /mcml return $m/header/filename || '!'",
+    "//filename ! (. => upper-case())", "'' || count(//frame) * 1000000", "(//frame)[7]",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Queries, Many]]:
+    database = Database(f"sqlite:///{tmp_path_factory.mktemp('whole') / 'store.db'}")
+    database.migrate()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(groups, "DOCUMENTS", 3)
+        patch.setattr(groups, "MOST_DOCUMENTS", 5)
+        many = Many(database, 17, 5, seed=4)
+        many.change(restores=False)
+        engine = Queries(database, Settings())
+        with opened(engine):
+            yield engine, many
+    database.close()
+
+
+@pytest.fixture(scope="module")
+def saxon() -> Any:
+    return PySaxonProcessor(license=False)
+
+
+def test_there_are_twenty_cases() -> None:
+    assert len(CASES) >= 20
+
+
+@pytest.mark.parametrize("limit", [3, 1000])
+@pytest.mark.parametrize("text", [*CASES, *OTHERS])
+def test_answers_are_saxons(made: tuple[Queries, Many], saxon: Any, text: str, limit: int) -> None:
+    engine, many = made
+    expected = whole.answer(saxon, text, many.trees)
+    compare(engine, text, expected, limit, None)
+
+
+@pytest.mark.parametrize("text", [*CASES, *OTHERS])
+def test_each_document_answers_alone(made: tuple[Queries, Many], saxon: Any, text: str) -> None:
+    engine, many = made
+    expected = [item for items in wanted(saxon, text, many.trees) for item in items]
+    compare(engine, text, expected, 1000, "document")
+
+
+def compare(engine: Queries, text: str, expected: list[Any], limit: int, per: str | None) -> None:
+    got: list[Any] = []
+    for answer in pages(engine, text, [], limit, per=per):
+        assert answer.explain is None
+        if answer.items is None:
+            got += [] if answer.value is None else [answer.value]
+        for item in answer.items or []:
+            node = isinstance(item, NodeItem)
+            got.append((item.document, item.kind, item.address, plain(item.kind, item.value)) if node else item.value)
+    same(len(got), len(expected), text)
+    for one, other in zip(got, expected, strict=True):
+        same_value(one, other, text)
+
+
+@pytest.mark.parametrize("text", [*CASES, *OTHERS])
+def test_all_of_it_is_on_columns(made: tuple[Queries, Many], text: str) -> None:
+    explained = made[0].answer(QueryRequest(q=text, limit=1, explain=True)).explain
+    assert explained is not None
+    assert explained.way in ("columns", "index")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["count(//frame[. is .]) + count(//bone)", "reverse(for $f in //frame return ($f/@id, 1))"],
+)
+def test_what_needs_saxon_and_all_documents_is_refused(made: tuple[Queries, Many], text: str) -> None:
+    with pytest.raises(QueryError) as caught:
+        made[0].answer(QueryRequest(q=text))
+    assert "per=document" in str(caught.value.remedy)
