@@ -103,7 +103,7 @@ def post_query(call: Call, request: QueryRequest) -> QueryAnswer | Content:
         batches = _batches(STREAMS["ndjson"][0](found))
         return Content(write_columns(request.as_, batches, _COLUMNS), TYPES[request.as_], f"answer.{request.as_}")
     write, media_type = STREAMS[request.as_]
-    return Content(write(found), media_type, facts={"total-count": str(found.total)})
+    return Content(write(found), media_type, facts={} if found.total is None else {"total-count": str(found.total)})
 
 
 def complete_query(

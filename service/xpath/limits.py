@@ -23,6 +23,11 @@ class Limits:
     def seconds_left(self) -> float:
         return max(0.0, self._end - time.monotonic())
 
+    def extend(self, seconds: float) -> None:
+        """Give the query so many seconds from now on, where that is more than it has."""
+        if time.monotonic() + seconds > self._end:
+            self._seconds, self._end = seconds, time.monotonic() + seconds
+
     def cancel(self) -> None:
         """Nobody waits for the answer any more."""
         self._cancelled.set()

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Literal
 
 from schemas.queries import Explain, QueryAnswer, QueryRequest, ScalarItem, ValueItem
 from service.errors import LimitError, QueryError
 from service.settings import Settings
+from service.storage.columns import Listed
 from service.storage.database import LATEST, Database, Transaction
 from service.xpath.answer.cursors import read_cursor
 from service.xpath.answer.describe import describe_nodes
@@ -47,6 +48,8 @@ from service.xpath.xml.sequences import Sequences
 
 DEFAULT_LIMIT = 100
 MAX_ON_XML = 100_000
+SAXON_SECONDS = 0.003
+"""That Saxon takes for a small document, at least."""
 
 
 class Queries:
@@ -103,13 +106,36 @@ class Queries:
         with self.database.read(self._commit(request)) as tx:
             scope = Scope(tx, self.caches.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, per=request.per, wants_explain=False)
-            commit = scope.state.commit
+            commit, since = scope.state.commit, tx.pruning.whole_since()
             try:
-                parts = collect(asking.nodes(), request.limit)
+                found = collect(asking.nodes(), request.limit)
             except (TooWideError, TooLongError, NotOnColumnsError):
-                return Shown(asking.on_xml(request.limit))
-            since = tx.pruning.whole_since()
-        return Answer(self.database, self.caches, commit, since, parts)
+                if not query.needs_xpath2:
+                    nodes = asking.on_xml(request.limit)
+                    return Shown([nodes], len(nodes))
+                asking.require_documents_alone()
+                documents = asking.scope.documents()
+            else:
+                return Answer(self.database, self.caches, commit, since, found)
+        limits.extend(self.settings.saxon_seconds)
+        parts = [documents] if without_index(query.tree)[1] is not None else [[stored] for stored in documents]
+        return Shown(self._by_saxon(query, parts, commit, since, limits, request.limit or MAX_ON_XML))
+
+    def _by_saxon(
+        self, query: Query, parts: list[list[Listed]], commit: int, since: int, limits: Limits, limit: int
+    ) -> Iterator[list[Node]]:
+        """The nodes of an answer, some documents at a time, each time in a transaction of its own."""
+        for documents in parts:
+            with self.database.read(commit) as tx:
+                tx.pruning.require_whole_since(since)
+                answer = Sequences(self.saxon, tx, query, documents, limits).page(0, limit)
+            found = [item for item in answer.items if isinstance(item, Node)]
+            if len(found) < len(answer.items):
+                raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
+            yield found
+            limit -= len(found)
+            if limit <= 0:
+                return
 
     def documents_with(self, expression: str, project: str | None, limits: Limits) -> set[str] | None:
         """The ids of documents in which an expression is true or finds something; None for all there are."""
@@ -294,14 +320,7 @@ class _Asking:
     def on_xml(self, limit: int | None) -> list[Node]:
         """The nodes of the whole expression, evaluated on documents as XML. LimitError for too many."""
         most = MAX_ON_XML + 1 if limit is None else min(limit, MAX_ON_XML)
-        if self.query.needs_xpath2:
-            self._require_documents_alone()
-            answer = self._sequences().page(0, most)
-            if not answer.nodes:
-                raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
-            found = [item for item in answer.items if isinstance(item, Node)]
-        else:
-            found = self._projected().nodes(0, most)
+        found = self._projected().nodes(0, most)
         if len(found) > MAX_ON_XML:
             raise LimitError(f"The answer has more than {MAX_ON_XML:,} nodes.", remedy="Narrow the question.")
         return found
@@ -313,11 +332,12 @@ class _Asking:
         return Sequences(self.engine.saxon, self.tx, self.query, self.scope.documents(), self.limits)
 
     def _by_saxon(self, page: Page) -> QueryAnswer:
-        self._require_documents_alone()
+        self.require_documents_alone()
         source = self._sequences()
         if page.request.as_ == "runs":
             return page.of_runs(self.tx, source.runs())
         if page.request.as_ == "json" and source.documents and page.request.per is None:
+            self._require_time(len(source.documents) if source.is_aggregate else 0)
             whole = source.aggregate()
             if whole is not None:
                 return self._of_aggregate(*whole, page)
@@ -330,7 +350,18 @@ class _Asking:
         answer = page.of_items(self.tx, items, more=len(found.items) > page.limit)
         return answer if items else answer.model_copy(update={"type": "nodes" if found.nodes else "values"})
 
-    def _require_documents_alone(self) -> None:
+    def _require_time(self, documents: int) -> None:
+        """Refuses before it begins what takes Saxon longer than the query may."""
+        seconds = documents * SAXON_SECONDS
+        if seconds > self.limits.seconds_left:
+            raise LimitError(
+                f"Only Saxon evaluates this, document by document: about {seconds:.0f} s for {documents:,} of them.",
+                remedy="Ask fewer documents, or write it without casts, comparisons of nodes and functions of Saxon "
+                "(docs/xpath.md); nodes alone, with as=ndjson, xml or csv, stream within MCML_SAXON_SECONDS.",
+                code="query-needs-saxon",
+            )
+
+    def require_documents_alone(self) -> None:
         """Refuses what must be evaluated on all documents together, which XML is not."""
         if self.per == "document" or len(self.scope.documents()) < 2 or not spans_documents(self.query.tree):
             return

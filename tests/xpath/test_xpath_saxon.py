@@ -259,3 +259,24 @@ def test_without_saxon_the_error_says_what_to_install(queries: Queries, monkeypa
         queries.answer(QueryRequest(q="//frame[. is .]"))
     assert "xpath2" in str(caught.value.remedy)
     assert queries.answer(QueryRequest(q="max(//@Rx)")).value is not None
+
+
+def test_nodes_of_several_documents_stream(queries: Queries) -> None:
+    """Of each document in turn, at most as many as are asked for; a position around the whole counts over all."""
+    every = queries.addresses(QueryRequest(q="//frame[. is .]"))
+    assert every == queries.addresses(QueryRequest(q="//frame"))
+    assert queries.addresses(QueryRequest(q="//frame[. is .]", limit=4)) == every[:4]
+    assert queries.addresses(QueryRequest(q="(//frame[deep-equal(., .)])[5]")) == [every[4]]
+    with pytest.raises(QueryError, match="values"):
+        queries.addresses(QueryRequest(q="//frame/xs:double(@id)"))
+
+
+def test_what_would_take_too_long_is_refused_before_it_begins(
+    queries: Queries, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.xpath.queries.SAXON_SECONDS", 60)
+    monkeypatch.setattr(queries.saxon, "items", None)
+    with pytest.raises(LimitError, match="about 120 s for 2") as caught:
+        queries.answer(QueryRequest(q="count(//frame[. is .])"))
+    assert caught.value.details["code"] == "query-needs-saxon"
+    assert "as=ndjson" in str(caught.value.remedy)

@@ -7,7 +7,7 @@ client that reads slowly holds up no writer, and every limit is met before the f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from itertools import pairwise
@@ -72,14 +72,19 @@ class Answer:
 
 
 class Shown:
-    """Nodes that are written out already, as an evaluation on XML gives them."""
+    """Nodes that are written out already, as an evaluation on XML gives them, some at a time. total: where it is known.
 
-    def __init__(self, found: list[Node]) -> None:
-        self.total = len(found)
-        self._found = found
+    The first of them are made at once: so an error before them is one before the first byte.
+    """
+
+    def __init__(self, found: Iterable[list[Node]], total: int | None = None) -> None:
+        self.total = total
+        self._found = iter(found)
+        self._first = next((some for some in self._found if some), [])
 
     def nodes(self) -> Iterator[list[Node]]:
-        yield self._found
+        yield self._first
+        yield from self._found
 
 
 def collect(source: Source, limit: int | None) -> list[GroupNodes]:

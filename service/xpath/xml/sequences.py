@@ -49,6 +49,11 @@ class Sequences:
         self.text = query.text
         self.variables = dict(self.tree.variables) if isinstance(self.tree, Written) else {}
 
+    @property
+    def is_aggregate(self) -> bool:
+        """Whether the outermost function makes one value of all documents."""
+        return bool(self._call()[0])
+
     def aggregate(self) -> tuple[str, Atomic | list[Atomic] | None] | None:
         """(function, value) where the outermost function makes one value of all documents; None where it is another.
 
