@@ -37,7 +37,7 @@ def run() -> dict[str, object]:
 
 
 def _library(folder: Path) -> dict[str, Any]:
-    store = _store(folder)
+    store = store_of(folder)
     found: dict[str, Any] = {"start": measure_start(store)}
     with serving(f"sqlite:///{store}") as (_, port), httpx.Client(base_url=f"http://127.0.0.1:{port}/api/v1") as client:
         client.timeout = httpx.Timeout(120)
@@ -62,7 +62,7 @@ def _asked(client: httpx.Client, question: str) -> float:
     return took
 
 
-def _store(folder: Path) -> Path:
+def store_of(folder: Path) -> Path:
     """The store of a folder's files, made where it is not there."""
     store = folder.with_name(f"{folder.name}-store") / "store.db"
     if store.is_file():
