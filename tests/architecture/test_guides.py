@@ -9,18 +9,20 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-GUIDES = ("CONTRIBUTING.md", "SECURITY.md", "README.md", "docs/glossary.md")
+GUIDES = ("CONTRIBUTING.md", "SECURITY.md", "README.md", "docs/glossary.md", "service/xpath/README.md")
 ROWS = re.findall(r"^\| (?!word )([^|-][^|]*) \| [^|]+ \| `([^`]+)` \|$", (ROOT / "docs/glossary.md").read_text(), re.M)
 
 
 @pytest.mark.parametrize("guide", GUIDES)
 def test_what_a_guide_names_is_there(guide: str) -> None:
+    """A page of a folder in the service names them from there."""
     text = (ROOT / guide).read_text()
-    folders = "|".join(path.name for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith("."))
-    for path, name in re.findall(rf"`((?:{folders})/[\w/.]*)(?:: (\w+))?`", text):
-        assert (ROOT / path).exists(), path
+    base = (ROOT / guide).parent if guide.startswith("service/") else ROOT
+    folders = "|".join(path.name for path in base.iterdir() if path.is_dir() and not path.name.startswith("."))
+    for path, name in re.findall(rf"`((?:{folders})/[\w/.]*)(?:: (\w+))?", text):
+        assert (base / path).exists(), path
         if name:
-            body = ast.parse((ROOT / path).read_text()).body
+            body = ast.parse((base / path).read_text()).body
             defined = {node.name for node in body if isinstance(node, ast.FunctionDef | ast.ClassDef)}
             named = (node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)] for node in body)
             assert name in defined | {getattr(target, "id", None) for targets in named for target in targets}, name
