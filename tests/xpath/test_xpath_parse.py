@@ -63,6 +63,8 @@ def test_operators_that_associate_are_one_node() -> None:
         ("1 to 2 (: three :)", 8, ""),
         ("for $x in y:a return 1", 12, "no namespaces"),
         ("$x", 1, "with the request"),
+        ("sort(//bone/name, function($n) { $n })", 19, "third argument"),
+        ("math:squrt(2)", 6, "math:sqrt"),
         ("'abc", 1, "not closed"),
         ("a && b", 3, "`and`"),
         ("+1", 1, "Leave it out"),

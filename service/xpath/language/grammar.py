@@ -343,12 +343,12 @@ class _Reader:
 
     def _call(self, token: Token, first: Expression | None = None) -> Expression:
         """first: the argument before `=>`."""
-        name = token.text
+        name, last = token.text, token
         if name in _PREFIXES and self._accept(":"):
-            local = self._advance().text
-            name = local if name == "fn" else f"{name}:{local}"
+            last = self._advance()
+            name = last.text if name == "fn" else f"{name}:{last.text}"
         if name not in SAFE_FUNCTIONS:
-            raise QueryError(f"unknown function {name!r}", at=Place(column=token.start + 1))
+            raise QueryError(f"unknown function {name!r}", at=Place(column=last.start + 1))
         self._expect("(")
         arguments = [] if first is None else [first]
         if not self._at(")"):

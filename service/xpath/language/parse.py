@@ -17,6 +17,7 @@ from service.xpath.language.tree import (
     Call,
     Expression,
     Filter,
+    Function,
     Later,
     Operation,
     Path,
@@ -134,6 +135,7 @@ def _check_types(tree: Expression) -> None:
         elif not is_later and isinstance(part, Filter):
             needed = (part.operand,)
         elif isinstance(part, Call):
+            _check_functions(part)
             signature = SAFE_FUNCTIONS[part.function]
             needed = part.arguments[: signature.of_node or (signature.takes_items and not is_later)]
         for operand in needed:
@@ -143,6 +145,18 @@ def _check_types(tree: Expression) -> None:
                     at=Place(column=operand.span[0] + 1),
                     remedy="Use a path here.",
                 )
+
+
+def _check_functions(call: Call) -> None:
+    """Refuses a function as argument, but the key of a sort."""
+    for place, argument in enumerate(call.arguments):
+        is_key = call.function == "sort" and place == 2
+        if isinstance(argument, Function) and not is_key:
+            raise QueryError(
+                "a function cannot stand here",
+                at=Place(column=argument.span[0] + 1),
+                remedy="The key is the third argument of sort: sort(//frame, (), function($f) { … }).",
+            )
 
 
 def _bound_depth(tree: Expression) -> None:
@@ -187,7 +201,7 @@ def _hint(text: str, what: str) -> str:
     for opening, closing in ("[]", "()"):
         if text.count(opening) != text.count(closing):
             return f"The brackets {opening} {closing} do not match."
-    unknown = re.search(r"unknown function '(?:fn:)?([\w.-]+)'", what)
+    unknown = re.search(r"unknown function '(?:fn:)?([\w.:-]+)'", what)
     near = get_close_matches(unknown[1], sorted(SAFE_FUNCTIONS), 1, 0.5) if unknown else []
     if unknown:
         return f"Did you mean {near[0]}()?" if near else "Use the functions that docs/xpath.md lists."

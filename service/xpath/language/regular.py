@@ -76,13 +76,19 @@ def _compiled(pattern: str, flags: str) -> regex.Pattern[str]:
     try:
         return regex.compile(translate_pattern(pattern, chosen), chosen)
     except (RegexError, regex.error, OverflowError) as error:
-        raise QueryError(f"{pattern!r} is no regular expression: {error}") from None
+        raise QueryError(
+            f"{pattern!r} is no regular expression: {error}",
+            remedy=r"Write a backslash before a sign that means itself, such as \( or \., or the flag 'q' for all.",
+        ) from None
 
 
 def _that_takes_something(pattern: str, flags: str) -> regex.Pattern[str]:
     found = _compiled(pattern, flags)
     if _within_time(pattern, lambda: found.search("", timeout=SECONDS)):
-        raise QueryError(f"the regular expression {pattern!r} matches the empty text, of which there is no end")
+        raise QueryError(
+            f"the regular expression {pattern!r} matches the empty text, of which there is no end",
+            remedy="Let it match at least one letter: + instead of *.",
+        )
     return found
 
 
