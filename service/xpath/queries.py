@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Literal
 
 from schemas.queries import Explain, QueryAnswer, QueryRequest, ScalarItem, ValueItem
@@ -206,16 +207,18 @@ class _Asking:
         self.limits = limits
         self.explain = Explain(way="columns", plan=[], documents=0, milliseconds=0)
         self._scan: Scan | None = None
-        self.whole = Whole(tx, engine.caches, self.source, limits.check, is_later=query.needs_xpath2)
+        self.is_later = query.needs_xpath2
+        self.whole = Whole(tx, engine.caches, self.source, limits.check, is_later=self.is_later)
 
     def answer(self, page: Page) -> QueryAnswer:
         try:
             return self._on_columns(normal(self.query.tree), page)
         except (TooWideError, TooLongError, NotOnColumnsError):
             self.explain.way = "projection"
-            by = "Saxon" if self.query.needs_xpath2 else "libxml2"
+            by = "Saxon" if self.is_later else "libxml2"
             self.explain.plan = ["the documents as XML, without what the expression cannot touch", f"by {by}"]
-            return self._by_saxon(page) if self.query.needs_xpath2 else self._on_xml(page)
+            self.require_documents_alone()
+            return self._by_saxon(page) if self.is_later else self._on_xml(page)
 
     def _on_columns(self, tree: Expression, page: Page) -> QueryAnswer:
         if self.query.only_saxon:
@@ -226,6 +229,8 @@ class _Asking:
         if call is not None and is_node_set(distinct_of(call) or call.arguments[0]):
             return self._aggregate(call, page)
         tree = self.whole.reduced(tree)
+        # From here on, what columns have no answer to is asked with the values of the whole scope in it.
+        self.query = replace(self.query, tree=tree)
         if type_of(tree) == "nodes":
             return page.of(self.tx, self._nodes(tree), self.limits.max_elements)
         if asks_each(tree):
@@ -288,8 +293,8 @@ class _Asking:
     def _column_source(self, tree: Expression) -> ColumnSource:
         if self.query.only_saxon:
             raise NotOnColumnsError
-        later = self.query.needs_xpath2
-        found = ColumnSource(self.tx, tree, self.scope, self.engine.caches, self.limits.check, is_later=later)
+        caches = self.engine.caches
+        found = ColumnSource(self.tx, tree, self.scope, caches, self.limits.check, is_later=self.is_later)
         indexed = found.start is not None and found.start.indexed
         self._explained("index" if indexed else "columns", found)
         return found
@@ -332,7 +337,6 @@ class _Asking:
         return Sequences(self.engine.saxon, self.tx, self.query, self.scope.documents(), self.limits)
 
     def _by_saxon(self, page: Page) -> QueryAnswer:
-        self.require_documents_alone()
         source = self._sequences()
         if page.request.as_ == "runs":
             return page.of_runs(self.tx, source.runs())
@@ -366,7 +370,7 @@ class _Asking:
         if self.per == "document" or len(self.scope.documents()) < 2 or not spans_documents(self.query.tree):
             return
         raise QueryError(
-            "This is asked of all documents together, and holds what only Saxon evaluates, one document at a time.",
+            "This is asked of all documents together, and holds what is only evaluated on one document at a time.",
             remedy="Ask with per=document, or one document; or write it without casts, comparisons of nodes, and loops "
             "in loops over nodes.",
             code="needs-one-document",

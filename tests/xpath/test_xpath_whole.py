@@ -24,6 +24,9 @@ from tests.xpath.test_xpath_xpath2 import wanted
 DOCS = (Path(__file__).resolve().parents[2] / "docs" / "xpath.md").read_text(encoding="utf-8")
 CASES = re.findall(r"^\| [^|`]+ \| [^|`]+ \| `(.+)` \|$", DOCS, re.MULTILINE)
 OTHERS = [
+    "for $x in //bone return position()", "1 + last()", "(sort(//bone/name)/..)[3]", "count(sort(//frame)/@id)",
+    "distinct-values((//bone/name)[2])", "exists(for $f in //frame return $f/@nothing)", "sort((3, 1, 2))",
+    "for $m in /mcml return sort($m//bone/name)[1]", "count((//bone/name)[4])", "distinct-values(reverse(//bone)/name)",
     "count((//frame)[3])", "min(//@Rx) + 1", "for $i in 1 to 3 return //frame[$i]/@id",
     "count(for $m in /mcml return $m//frame[1])", "head(sort(//@Rx))", "tail(//filename)[position() < 4]",
     "remove(//filename, 2)[3]", "index-of(//bone/name, 'left_up_leg')[2]", "count(//frame intersect //frame[2])",

@@ -350,8 +350,8 @@ class Columns:
         if name == "tokenize" or SAFE_FUNCTIONS[name].of_texts is not None or name in ("string", "substring"):
             values = [self._written(each, value) for each, value in zip(arguments, values, strict=True)]
         if name == "tokenize":
-            return sequences.tokens(self.forest, values)
-        return functions.call(self.forest, name, values, len(context))
+            return sequences.tokens(self.forest, values, self.check)
+        return functions.call(self.forest, name, values, len(context), self.check)
 
     def _sorted(self, arguments: tuple[Expression, ...], context: Context) -> Value:
         """`sort`: by the letters of texts, numbers by their size, each item by itself or by a key."""

@@ -112,8 +112,10 @@ def _whole(numbers: Floats) -> Floats:
     return numbers
 
 
-def call(forest: Forest, name: str, arguments: Sequence[Value], count: int) -> Value:
-    """A function other than position() and last(). count: of context nodes."""
+def call(
+    forest: Forest, name: str, arguments: Sequence[Value], count: int, check: Callable[[], None] = lambda: None
+) -> Value:
+    """A function other than position() and last(). count: of context nodes. check: raises when the query must end."""
     if name in ("true", "false"):
         return np.broadcast_to(np.bool_(name == "true"), count)
     if name == "math:pi":
@@ -145,14 +147,14 @@ def call(forest: Forest, name: str, arguments: Sequence[Value], count: int) -> V
             return np.asarray(signature.of_numbers(*numbers), np.float64)
     if signature.of_texts is None:
         raise NotOnColumnsError
-    return _of_texts(signature, [as_strings(forest, argument) for argument in arguments])
+    return _of_texts(signature, [as_strings(forest, argument) for argument in arguments], check)
 
 
-def _of_texts(signature: Signature, columns: Sequence[Strings]) -> Value:
+def _of_texts(signature: Signature, columns: Sequence[Strings], check: Callable[[], None]) -> Value:
     """A function of texts, called once for each combination of them that occurs."""
-    function = signature.of_texts
-    if function is None:
+    if signature.of_texts is None:
         raise TypeError("no function of texts")
+    function = signature.of_texts if signature.is_quick else _checked(signature.of_texts, check)
     if len(columns) == 1:
         column = compact(columns[0])
         if signature.result == "number":
@@ -162,6 +164,18 @@ def _of_texts(signature: Signature, columns: Sequence[Strings]) -> Value:
     if signature.result == "boolean":
         return np.array(made, bool)
     return of_texts([str(text) for text in made])
+
+
+def _checked(
+    function: Callable[..., str | float | bool], check: Callable[[], None]
+) -> Callable[..., str | float | bool]:
+    """The same, for a function that may take long for each text."""
+
+    def called(*texts: str) -> str | float | bool:
+        check()
+        return function(*texts)
+
+    return called
 
 
 def _substring(forest: Forest, arguments: Sequence[Value]) -> Strings:

@@ -221,11 +221,14 @@ def ranges(low: Floats, high: Floats) -> Items:
     return Items(source, low[source] + within, len(low))
 
 
-def tokens(forest: Forest, arguments: Sequence[Value]) -> Value:
-    """`tokenize`."""
+def tokens(forest: Forest, arguments: Sequence[Value], check: Callable[[], None]) -> Value:
+    """`tokenize`. check: raises when the query must end."""
     columns = [as_strings(forest, argument) for argument in arguments]
     rows = list(zip(*(column.list() for column in columns), strict=True))
-    made = {row: regular.tokenize(*row) for row in set(rows)}
+    made: dict[tuple[str, ...], list[str]] = {}
+    for row in set(rows):
+        check()
+        made[row] = regular.tokenize(*row)
     source, _ = bounded(np.array([len(made[row]) for row in rows], np.int64))
     return Items(source, of_texts([part for row in rows for part in made[row]]), len(rows))
 

@@ -21,7 +21,7 @@ from service.xpath.engine.columns import Columns
 from service.xpath.engine.context import Bound, Context
 from service.xpath.engine.functions import NotOnColumnsError, as_booleans
 from service.xpath.engine.loops import as_contexts, each_alone
-from service.xpath.engine.parts import Part, at, listed, rank_of, values_of
+from service.xpath.engine.parts import Part, Parts, at, listed, rank_of, values_of
 from service.xpath.engine.scan import Scan
 from service.xpath.engine.sequences import items_of, value_of
 from service.xpath.engine.source import Nth, Source
@@ -91,13 +91,13 @@ class Whole:
     def nodes(self, expression: Expression) -> Source:
         """The nodes of an expression; `(…)[n]` counts over all documents."""
         tree, nth = without_index(expression)
-        source = self._source(tree)
+        source: Source = self._source(tree) if is_node_set(tree) else Parts(self.parts(tree))
         return source if nth is None else Nth(source, nth)
 
     def constant(self, expression: Expression) -> Items:
         """The sequence that an expression is in every document."""
         columns = self._columns(self.nowhere)
-        return items_of(columns.value(expression, Context(np.zeros(1, np.int64))))
+        return items_of(columns.value(expression, _alone(np.zeros(1, np.int64))))
 
     # -- values in the place of functions --------------------------------------------------------------------------
 
@@ -127,10 +127,12 @@ class Whole:
         plain = aggregates.aggregated(Call(call.function, (inner, *others)))
         if plain is not None and is_node_set(distinct_of(plain) or inner):
             return self._aggregate(plain)
-        parts = list(self.parts(self.reduced(inner)))
-        count = sum(map(len, parts))
-        if call.function in ("count", "exists", "empty"):
-            return _literal(float(count) if call.function == "count" else (count > 0) == (call.function == "exists"))
+        found = self.parts(self.reduced(inner))
+        if call.function == "count":
+            return _literal(float(sum(map(len, found))))
+        if call.function in aggregates.TRUTH_AGGREGATES:
+            return _literal(any(map(len, found)) == (call.function == "exists"))
+        parts = _bounded(found)
         as_number = call.function != "string-join"
         joined = self._joined([replace(part, column=values_of(part, as_number=as_number)) for part in parts])
         values = [value_of(joined), *(value_of(self.constant(other)) for other in others)]
@@ -246,7 +248,7 @@ class Whole:
         alone = value_of(each_alone(part.items))
         if isinstance(expression, For):
             nodes = np.asarray(part.column, np.int64) if part.are_nodes else np.zeros(len(part), np.int64)
-            inside = Context(nodes, variables={expression.variable: Bound(alone)})
+            inside = replace(_alone(nodes), variables={expression.variable: Bound(alone)})
         else:
             inside = as_contexts(part.items, Context(np.zeros(1, np.int64)))
             positions = np.arange(position + 1, position + len(part) + 1).astype(np.float64)
@@ -277,7 +279,7 @@ class Whole:
             yield from known[item]
 
     def _filtered(self, expression: Filter) -> Iterator[Part]:
-        parts = list(self.parts(expression.operand))
+        parts = _bounded(self.parts(expression.operand))
         for predicate in expression.predicates:
             parts = list(self._where(predicate, parts))
         yield from parts
@@ -296,13 +298,11 @@ class Whole:
     def _call(self, call: Call) -> Iterator[Part]:
         """A function that gives a sequence."""
         name, arguments = call.function, call.arguments
-        if name == "distinct-values" and type_of(arguments[0]) == "nodes":
+        if name == "distinct-values" and is_node_set(arguments[0]):
             texts = aggregates.distinct(self._source(arguments[0]))
             yield Part(self.nowhere, Strings(np.arange(len(texts)), texts))
             return
-        parts = [part for part in self.parts(arguments[0]) if len(part)]
-        if sum(map(len, parts)) > MOST_ITEMS:
-            raise LimitError(f"A sequence has more than {MOST_ITEMS:,} items.", remedy="Narrow it.")
+        parts = _bounded(self.parts(arguments[0]))
         if name in ("distinct-values", "data", "index-of"):
             atoms = [replace(p, column=values_of(p, as_number=False)) if p.are_nodes else p for p in parts]
             others = [value_of(self.constant(each)) for each in arguments[1:]]
@@ -329,9 +329,9 @@ class Whole:
                 if not isinstance(function, Function):
                     raise NotOnColumnsError
                 variables = {function.variable: Bound(value_of(key))}
-                inside = Context(np.zeros(len(part), np.int64), variables=variables)
+                inside = replace(_alone(np.zeros(len(part), np.int64)), variables=variables)
                 key = items_of(self._columns(part.forest).value(function.body, inside))
-                if len(key) != len(part):
+                if not np.array_equal(key.groups, np.arange(len(part))):
                     raise NotOnColumnsError
             found = Part(part.forest, key.column)
             keys.append(replace(found, column=values_of(found, as_number=False)) if found.are_nodes else found)
@@ -352,6 +352,23 @@ class Whole:
 
     def _columns(self, forest: Forest) -> Columns:
         return Columns(forest, self._check, is_later=self._is_later)
+
+
+def _alone(nodes: Ints) -> Context:
+    """Context nodes each of which is the only item of its list, as a document is."""
+    return Context(nodes, np.ones(len(nodes)), np.ones(len(nodes)))
+
+
+def _bounded(parts: Iterator[Part]) -> list[Part]:
+    """All of them that hold anything. LimitError for more items than are held at once."""
+    found: list[Part] = []
+    count = 0
+    for part in parts:
+        count += len(part)
+        if count > MOST_ITEMS:
+            raise LimitError(f"A sequence has more than {MOST_ITEMS:,} items.", remedy="Narrow it by a predicate.")
+        found += [part] if len(part) else []
+    return found
 
 
 def _same(value: Expression) -> Expression:

@@ -22,8 +22,8 @@ class Signature:
     """result: "nodes", "number", "string", "boolean", "strings" or "sequence". least, most: arguments; most None: any
     number. takes_items: the first argument is a node set or sequence. of_node: it is a node. items: type of the items
     of a sequence. selects: these are items of the first argument. is_integer: the number is one of XPath's integers.
-    is_later: came after XPath 1.0. of_texts: the value for texts, one for each argument. of_numbers: the same for
-    arrays of numbers.
+    is_later: came after XPath 1.0. is_quick: no text takes it long. of_texts: the value for texts, one for each
+    argument. of_numbers: the same for arrays of numbers.
     """
 
     result: str
@@ -35,6 +35,7 @@ class Signature:
     selects: bool = False
     is_integer: bool = False
     is_later: bool = False
+    is_quick: bool = True
     of_texts: Callable[..., str | float | bool] | None = None
     of_numbers: Callable[..., Any] | None = None
 
@@ -118,8 +119,8 @@ FUNCTIONS = {
     "upper-case": _later("string", 1, 1, of_texts=str.upper),
     "string-join": _later("string", 1, 2, takes_items=True),
     "ends-with": _later("boolean", 2, 2, of_texts=str.endswith),
-    "matches": _later("boolean", 2, 3, of_texts=regular.matches),
-    "replace": _later("string", 3, 4, of_texts=regular.replace),
+    "matches": _later("boolean", 2, 3, of_texts=regular.matches, is_quick=False),
+    "replace": _later("string", 3, 4, of_texts=regular.replace, is_quick=False),
     "tokenize": _later("sequence", 1, 3, items="string"),
     "exists": _later("boolean", 1, 1, takes_items=True),
     "empty": _later("boolean", 1, 1, takes_items=True),

@@ -53,6 +53,8 @@ def is_node_set(expression: Expression) -> bool:
     counts over all of them, and no path from a sequence."""
     if isinstance(expression, Path) and expression.start is not None and type_of(expression.start) != "nodes":
         return False
+    if isinstance(expression, Filter) and isinstance(expression.operand, Path | Filter):
+        return is_node_set(expression.operand) and without_index(expression)[1] is None
     return type_of(expression) == "nodes" and without_index(expression)[1] is None
 
 
