@@ -379,7 +379,7 @@ class _Asking:
     def _of_aggregate(self, function: str, value: object, page: Page) -> QueryAnswer:
         if isinstance(value, list):
             return page.of_values(self.tx, value)
-        single: float | str | bool | None = value  # type: ignore[assignment]
+        single: float | str | bool | None = value  # type: ignore[assignment]  # no list
         kind: Kind = "number" if single is None else kind_of_value(single)
         return QueryAnswer(type=kind, value=None if single is None else plain(single))
 

@@ -58,7 +58,7 @@ def _scattered(count: int, groups: Ints, texts: Strings) -> Strings:
 
 def _single(column: Column) -> Floats | Bools | Strings:
     """The column of values that are no nodes."""
-    return column  # type: ignore[return-value]
+    return column  # type: ignore[return-value]  # numbers of nodes stand in node sets alone
 
 
 def as_numbers(forest: Forest, value: Value) -> Floats:
@@ -158,8 +158,10 @@ def _of_texts(signature: Signature, columns: Sequence[Strings], check: Callable[
     if len(columns) == 1:
         column = compact(columns[0])
         if signature.result == "number":
-            return column.numbers(function)  # type: ignore[arg-type]
-        return column.test(function) if signature.result == "boolean" else column.map(function)  # type: ignore[arg-type]
+            return column.numbers(function)  # type: ignore[arg-type]  # its result says so
+        if signature.result == "boolean":
+            return column.test(function)  # type: ignore[arg-type]  # the same
+        return column.map(function)  # type: ignore[arg-type]  # the same
     made = combine(columns, function)
     if signature.result == "boolean":
         return np.array(made, bool)
