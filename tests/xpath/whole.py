@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Any
 
 from lxml import etree
-from saxonche import PySaxonApiError
 
 from service.xpath.language.labels import without_index
 from service.xpath.language.parse import parse
@@ -42,6 +41,10 @@ OF_SEQUENCES = {
     "count", "sum", "min", "max", "avg", "exists", "empty", "distinct-values", "string-join", "data", "reverse", "head",
     "tail", "subsequence", "remove", "index-of", "sort",
 }  # fmt: skip
+
+
+class NotWholeError(Exception):
+    """Predicates behind parentheses count in each document, which `$all` does not tell."""
 
 
 def spelled(tree: Expression) -> Expression:
@@ -108,7 +111,7 @@ def answer(saxon: Any, text: str, trees: Mapping[str, Any]) -> list[Any]:
     """The items of the answer: (document, kind, address, value) of nodes, and values."""
     tree = parse(text).tree
     if any(map(_counts_in_each, walk(without_index(tree)[0]))):
-        raise PySaxonApiError("Predicates behind parentheses count in each document.")
+        raise NotWholeError
     tree = spelled(tree)
     sources = [etree.tostring(each.getroot(), encoding="unicode") for each in trees.values()]
     nodes = [saxon.parse_xml(xml_text=source) for source in sources]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elementpath import XPath2Parser
 from elementpath.tdop import Parser
+from elementpath.xpath31 import XPath31Parser
 
 from service.xpath.language.written import spell_for_elementpath
 from tests.xpath.grammar import CHANNELS, Grammar
@@ -13,18 +13,77 @@ from tests.xpath.witness import Witness, element
 
 LATER_FUNCTIONS = (
     "distinct-values", "min", "max", "avg", "abs", "round", "floor", "ceiling", "string-join", "matches", "replace",
-    "lower-case", "upper-case", "ends-with", "exists", "empty", "index-of",
+    "lower-case", "upper-case", "ends-with", "exists", "empty", "index-of", "sort", "tokenize",
 )  # fmt: skip
 LATER_OPERATORS = (
     "to", "for", "some", "every", "if", "eq", "ne", "lt", "le", "gt", "ge", "=", "!=", "<", "<=", ">", ">=", ",",
-    "union", "intersect", "except",
+    "union", "intersect", "except", "let", "!", "||",
 )  # fmt: skip
+LATEST = {
+    "let": (
+        "let $a := {p} return count($a)",
+        "let $a := {p} return ($a[1], count($a))",
+        "let $n := count({p}) return 2 * $n",
+        "let $n := count({p}) return //frame[position() = $n]",
+        "for $x in {p} return let $c := count($x/@*) return $c * 2",
+        "//frame[let $n := count(frame_bone) return $n > 1]/@id",
+        "let $a := {p}, $b := {q} return count($a | $b)",
+        "let $t := {k} return //frame[motion_name = $t or @id = $t]",
+        "let $a := {p}/@* return //*[@* = $a]",
+    ),
+    "!": (
+        "{p} ! name(.)",
+        "({p}) ! (position() * 2)",
+        "({p}, {q}) ! string(.)",
+        "count({p} ! @*)",
+        "(1 to 4) ! (. * 2)[. > 3]",
+        "{p} ! (@* | *)",
+        "(for $x in {p} return $x/..) ! name(.)",
+        "{p}/string-join(@*, '-')",
+        "{p}/(@* | *)",
+        "distinct-values({p}/count(*))",
+        "({p} ! string(.))[. = {k}]",
+        "{p}/count(preceding-sibling::*) => sum()",
+    ),
+    "||": (
+        "name(({p})[1]) || '-' || count({q})",
+        "{k} || {k}",
+        "//bone[name || 'x' = {k} || 'x']/name",
+        "({p} ! (name(.) || '.'))[2]",
+        "for $x in {p}, $i in 1 to 2 return name($x) || $i",
+        "'' || count({p}) div 2",
+        "'' || max((1, count({p})))",
+    ),
+    "sort": (
+        "sort({p}/name())",
+        "sort({p}, (), function($x) {{ count($x/*) }})",
+        "sort({p}/@*)[position() < 4]",
+        "reverse({p})",
+        "sort(distinct-values({p}/string(.)))",
+        "sort((3, 1, count({p})), (), function($x) {{ -$x }})",
+        "head(sort({p}/@*))",
+        "tail(sort({p}/count(*)))",
+        "subsequence({p}, 2, 3)",
+        "remove(reverse({p}), 2)",
+        "sort({p}, (), function($x) {{ name($x) }})/..",
+    ),
+    "tokenize": (
+        "tokenize(string(({p})[1]), '[aeiou]')",
+        "{p} ! tokenize(string(.), 'a')[2]",
+        "count({p}/tokenize(name(.), '_'))",
+        "//bone[tokenize(name, '_') = 'left']/name",
+        "tokenize(' a b  c ')",
+        "for $t in tokenize({k}, '-') return upper-case($t)",
+        "//frame[tokenize(string(@id), '0') = '1']/@id",
+    ),
+}
+"""What came with XPath 3.1, and beside it what else gives sequences. p, q: paths. k: a text that occurs."""
 XPATH2_FEATURES = (*LATER_FUNCTIONS, *LATER_OPERATORS)
 
 
 def xpath2_features(text: str) -> set[str]:
     """What of XPath 2.0 an expression uses."""
-    return {token.symbol for token in Parser.parse(XPath2Parser(), spell_for_elementpath(text)).iter()}
+    return {token.symbol for token in Parser.parse(XPath31Parser(), spell_for_elementpath(text)).iter()}
 
 
 class Xpath2Grammar(Grammar):
@@ -57,7 +116,24 @@ class Xpath2Grammar(Grammar):
 
     def sequence(self, document: Witness) -> str:
         """Nodes or values, in their own order."""
-        kind = self.pick(["for", "if", ",", "union", "intersect", "except", "to", "distinct-values", "index-of"])
+        kind = self.pick(
+            [
+                "for",
+                "if",
+                ",",
+                "union",
+                "intersect",
+                "except",
+                "to",
+                "distinct-values",
+                "index-of",
+                "let",
+                "!",
+                "||",
+                "sort",
+                "tokenize",
+            ]
+        )
         first = self.start(document)
         second = self.start(document) if self.chance(0.7) else first
         if kind == "for":
@@ -79,6 +155,8 @@ class Xpath2Grammar(Grammar):
             ])  # fmt: skip
         if kind == "distinct-values":
             return f"distinct-values({first})"
+        if kind in LATEST:
+            return self.random.choice(LATEST[kind]).format(p=first, q=second, k=self.known(document))
         texts = self.random.choice(["//frame/@id", "//bone/name", "//frame_bone/@name"])
         return f"index-of({texts}, {self.known(document)})"
 
