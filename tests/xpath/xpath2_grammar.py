@@ -105,7 +105,7 @@ class Xpath2Grammar(Grammar):
         return comparison
 
     def whole(self, document: Witness) -> str:
-        kind = self.random.choices(["sequence", "filtered", "single", "truth"], [35, 36, 13, 16])[0]
+        kind = self.random.choices(["sequence", "filtered", "single", "truth"], [40, 31, 14, 15])[0]
         return str(getattr(self, kind)(document))
 
     def start(self, document: Witness) -> str:

@@ -16,6 +16,7 @@ from service.mcml.vocabulary import FRAME, FRAME_BONE, HEADER, MCML, MOTION, MOT
 from service.xpath.language.functions import SAFE_FUNCTIONS
 from service.xpath.language.tree import (
     OF_NODES,
+    Binder,
     Call,
     Each,
     Expression,
@@ -112,6 +113,7 @@ class _Analysis:
 
     def __init__(self) -> None:
         self._used: set[str] = set()
+        self._bound: dict[str, Types] = {}
         self._head_text = False
 
     def use(self, types: Types) -> None:
@@ -154,7 +156,7 @@ class _Analysis:
 
     def _later(self, expression: Later, context: Types) -> Types:
         if isinstance(expression, Variable):
-            return expression.reached
+            return expression.reached | self._bound.get(expression.name, frozenset())
         if isinstance(expression, Sequence):
             return frozenset[str]().union(*(self.types(item, context) for item in expression.items))
         if isinstance(expression, If):
@@ -165,6 +167,9 @@ class _Analysis:
             return frozenset()
         found = self.types(expression.source, context)
         self.use(found)
+        if isinstance(expression, Binder):
+            # Of variables of one name, what any of them can be.
+            self._bound[expression.variable] = self._bound.get(expression.variable, frozenset()) | found
         body = self.types(expression.body, found if isinstance(expression, Each) else context)
         if isinstance(expression, Quantified):
             self.use(body)
@@ -172,7 +177,11 @@ class _Analysis:
         return body
 
     def _call(self, call: Call, context: Types) -> Types:
-        found = [self.types(argument, context) for argument in call.arguments]
+        found: list[Types] = []
+        for argument in call.arguments:
+            if isinstance(argument, Function):
+                self._bound[argument.variable] = self._bound.get(argument.variable, frozenset()) | found[0]
+            found.append(self.types(argument, context))
         if not call.arguments and call.function in ("string", "number", "string-length", "normalize-space"):
             found = [context]
         for types in found:
