@@ -14,6 +14,8 @@ from service.storage.encoding import channels_of
 from service.storage.schema import CHUNK
 from service.xpath.engine.axes import step as axis_step
 from service.xpath.engine.scan_plan import ScanPlan
+from service.xpath.engine.stacked import Some as SomeFrames
+from service.xpath.engine.stacked import StackedBones
 from service.xpath.engine.vectors import Sample
 from service.xpath.library.bone_columns import BoneColumns, summary
 from service.xpath.library.forest import Forest
@@ -28,6 +30,8 @@ UNITS = 2048
 """Tracks of the leading bone that are looked at together: half a million samples a channel."""
 MOST_TRACKS = 16_384
 """Of a bone in a group, whose samples are kept side by side; those of more are read as they are needed."""
+MANY_TRACKS = 1024
+"""Of so many in a group, all bones are counted side by side."""
 FEW = 6
 """Of so many tracks one is decoded alone rather than all side by side."""
 
@@ -74,6 +78,8 @@ class GroupScan:
 
     def count(self) -> int:
         """How many nodes there are."""
+        if self._stacked is not None:
+            return self._stacked_count(self._stacked)
         if not self.plan.one_each:
             return sum(len(nodes) for nodes in self.nodes())
         units = self._units()
@@ -148,6 +154,28 @@ class GroupScan:
     def _bones(self) -> dict[str | None, BoneColumns]:
         self._check()
         return {name: self.forest.bone(name) for name in self._names}
+
+    @cached_property
+    def _stacked(self) -> StackedBones | None:
+        """All bones side by side, where hits are counted so."""
+        plan = self.plan
+        if not plan.any_bone or self._labelled is not None or len(self.lead) < MANY_TRACKS:
+            return None
+        if plan.attribute not in (None, "id") or (plan.target == FRAME_BONE and not plan.one_each):
+            return None
+        bones = StackedBones(self.forest, self._check)
+        return bones if bones.takes(plan.condition) else None
+
+    def _stacked_count(self, bones: StackedBones) -> int:
+        total = 0
+        for stack, here in zip(bones.stacks.stacks, bones.stacks.here(self._timeline), strict=True):
+            self._check()
+            holds = bones.truth(self.plan.condition, SomeFrames(stack))
+            if self.plan.target == FRAME:
+                holds = np.logical_or.reduce(holds, axis=0)
+            total += int(np.count_nonzero(holds if here is None else holds & here))
+        self.tracks_read += bones.tracks_read
+        return total
 
     @cached_property
     def _timeline(self) -> Timeline:
