@@ -12,6 +12,7 @@ from saxonche import PySaxonApiError, PySaxonProcessor
 from schemas.queries import NodeItem, QueryRequest
 from service.errors import QueryError
 from service.storage.database import Database
+from service.xpath.engine import frame_bones
 from service.xpath.xml.saxon_worker import evaluate
 from tests import postgres
 from tests.conftest import shared_folder
@@ -45,6 +46,12 @@ def documents(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
         with library(database, shared_folder(), long=False) as made:
             yield made
         database.close()
+
+
+@pytest.fixture(autouse=True)
+def all_bones_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of few frames, too."""
+    monkeypatch.setattr(frame_bones, "FEW", 2)
 
 
 def wanted(processor: Any, text: str, trees: Mapping[str, Any]) -> list[list[Any]]:
