@@ -107,6 +107,10 @@ class StackedBones:
             return False
         return self.fits(coded=all(part.is_bound for part in _leaves(condition)))
 
+    def may(self, condition: Condition) -> bool:
+        """Whether any frame_bone may fulfil a condition, as zone maps tell."""
+        return bool(self._judge(condition).may.any())
+
     def truth(self, condition: Condition, some: Some) -> Bools:
         """(bones, frames): which frame_bones fulfil a condition; what it says of those that are not there, where it
         asks for no sample, is left open."""

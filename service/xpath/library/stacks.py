@@ -101,6 +101,11 @@ class Stacks:
         there = (self.units[unit] == keys) & (within < self._lengths[unit])
         return np.where(there, self._stack_of[unit], -1), self._column_of[unit] + within, unit
 
+    def slots(self, units: Ints, offsets: Ints) -> tuple[Ints, Ints]:
+        """(place, slot) of frames by their units and where they lie in these."""
+        keys = self.units[units]
+        return keys >> 32, (keys & 0xFFFFFFFF) * CHUNK + offsets
+
     def here(self, timeline: Timeline) -> list[Bools | None]:
         """Of each stack, over which columns the documents have a frame; None for all."""
         if self._here is None:
@@ -111,9 +116,8 @@ class Stacks:
 
     def _alive(self, stack: Stack, timeline: Timeline) -> Bools | None:
         lengths = np.diff(stack.offsets)
-        keys = np.repeat(self.units[stack.units], lengths)
         within = np.arange(stack.columns) - np.repeat(stack.offsets[:-1], lengths)
-        found = timeline.positions(keys >> 32, (keys & 0xFFFFFFFF) * CHUNK + within) > 0
+        found = timeline.positions(*self.slots(np.repeat(stack.units, lengths), within)) > 0
         return None if found.all() else found
 
 
