@@ -24,7 +24,7 @@ from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
-from service.xpath.engine import frame_bones, group_scan
+from service.xpath.engine import frame_bones, group_scan, values
 from service.xpath.language.parse import parse
 from service.xpath.language.types import type_of
 from service.xpath.library import groups
@@ -179,6 +179,7 @@ def small_groups(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(group_scan, "FIRST_UNITS", 4)
     monkeypatch.setattr(group_scan, "MANY_TRACKS", 4)
     monkeypatch.setattr(frame_bones, "FEW", 4)
+    monkeypatch.setattr(values, "MANY", 4)
 
 
 @pytest.mark.usefixtures("small_groups")

@@ -20,12 +20,12 @@ from service.storage.filtering import DocumentFilter
 from service.xpath import queries as run
 from service.xpath.answer import streams
 from service.xpath.answer.sources import described
-from service.xpath.engine import frame_bones, group_scan, stacked
+from service.xpath.engine import frame_bones, group_scan, stacked, values
 from service.xpath.engine.scan_plan import plan_scan
 from service.xpath.language.parse import parse
 from service.xpath.language.rules import normal
 from service.xpath.language.tree import Expression
-from service.xpath.library import forest, groups
+from service.xpath.library import forest, groups, track_values
 from service.xpath.library.caches import Caches
 from service.xpath.nodes.node import Node
 from service.xpath.queries import Queries
@@ -269,7 +269,9 @@ def test_what_is_kept_is_of_the_revision_that_is_read(engine: Queries) -> None:
 def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
     questions = [
         "//frame[position() mod 90 = 1]", "//frame[@id='7']/frame_bone/@Rx", "max(//frame_bone[@name='Root']/@Rx)",
-        "//frame_bone[@Rx > 5]/@Ry", "//bone/name", "count(//frame[frame_bone/@Rx > 3])",
+        "//frame_bone[@Rx > 5]/@Ry", "//bone/name", "count(//frame[frame_bone/@Rx > 3])", "//@*[. > 11]",
+        "//frame[count(frame_bone[@Rx > 3]) = 1]", "//frame[sum(frame_bone/@Rx) > 3]/@id",
+        "//frame[frame_bone[@name='Root']/@Rx > following-sibling::frame[1]/frame_bone[@name='Root']/@Rx]",
     ]  # fmt: skip
     requests = [QueryRequest(q=text, limit=200) for text in questions]
     usual = [shown(engine.answer(request)) for request in requests]
@@ -280,6 +282,8 @@ def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: p
         forgetful.caches = Caches(limit)
         monkeypatch.setattr(groups, "MOST_DOCUMENTS", documents)
         monkeypatch.setattr(group_scan, "MOST_TRACKS", tracks)
+        monkeypatch.setattr(track_values, "MOST_TRACKS", tracks)
+        monkeypatch.setattr(values, "MANY", 1 + tracks)
         monkeypatch.setattr(group_scan, "FEW", seldom)
         monkeypatch.setattr(forest, "FEW_FRAMES", few)
         for _ in range(2):
