@@ -64,6 +64,8 @@ class Maker:
         if depth < 2 and self.random.random() < 0.3:
             operator = self.random.choice(["and", "or"])
             return f"({self.condition(context, depth + 1)} {operator} {self.condition(context, depth + 1)})"
+        if depth < 2 and self.random.random() < 0.1:
+            return f"not({self.condition(context, depth + 1)})"
         operator = self.random.choice(["<", ">", "<=", ">=", "=", "!="])
         return f"{self.number(context)} {operator} {self.number(context)}"
 
