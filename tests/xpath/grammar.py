@@ -13,10 +13,10 @@ from random import Random
 from typing import Any
 
 from service.xpath.language.tree import AXES
+from tests.xpath.on_frames import CHANNELS, of_frame_bones, of_id
 from tests.xpath.spelling import nested, position_test, without_space
 from tests.xpath.witness import Witness, child, element, move
 
-CHANNELS = ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz")
 WANTED = 0.05
 """Share of the expressions below which a feature is preferred."""
 MOST_WORK = 200_000
@@ -223,12 +223,9 @@ class Grammar:
                     f"not(motion_name='nothing') and {name}=motion_name",
                 ])  # fmt: skip
             if self.chance(0.3):
-                own = random.choice(node.element.getparent().findall("frame")).get("id")
-                near = own if own.isdigit() and self.chance(0.7) else str(random.choice([-2, 0, 1, 4, 5, 6, 8]))
-                return random.choice([
-                    f"@id={self.quoted(own)}", f"@id={near}", f"{near} = @id", f"@id={self.quoted(near)}",
-                    f"@id >= {near}", f"@id != {near}", f"not(@id={near})", "@id=../frame[last()]/@id",
-                ])  # fmt: skip
+                return of_id(random, node.element, self.quoted)
+            if self.chance(0.4):
+                return of_frame_bones(random, node.element)
             bone = child(node, random, "frame_bone")
             if bone is None:
                 return "not(frame_bone)"

@@ -9,7 +9,7 @@ from random import Random
 import pytest
 
 from service.storage.database import Database
-from service.xpath.engine import column_source
+from service.xpath.engine import column_source, frame_bones, values
 from service.xpath.language.parse import parse
 from tests.conftest import shared_folder
 from tests.xpath.grammar import Grammar
@@ -35,6 +35,13 @@ def documents(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
         with library(database, shared_folder()) as made:
             yield made
         database.close()
+
+
+@pytest.fixture(autouse=True)
+def all_bones_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of few frames, too; and samples of one bone."""
+    monkeypatch.setattr(frame_bones, "FEW", 2)
+    monkeypatch.setattr(values, "MANY", 2)
 
 
 def campaign(made: Library, seed: int, count: int) -> Tally:

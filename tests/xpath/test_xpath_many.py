@@ -24,7 +24,7 @@ from service.formats.format import SourceFile
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
-from service.xpath.engine import group_scan
+from service.xpath.engine import frame_bones, group_scan, values
 from service.xpath.language.parse import parse
 from service.xpath.language.types import type_of
 from service.xpath.library import groups
@@ -34,6 +34,7 @@ from tests.builders import bvh
 from tests.edits import change_element, delete_element
 from tests.xpath.grammar import Grammar
 from tests.xpath.library import EDITS
+from tests.xpath.on_frames import of_any_attribute
 from tests.xpath.oracle import DifferenceError, check, most_elements
 
 LIMITS = (0, 100_000, 1 << 20, 1 << 26)
@@ -146,6 +147,7 @@ def run(database: Database, count: int, skeletons: int, rounds: int, asked: int,
             if random.random() < 0.5:
                 engine.caches = Caches(random.choice(LIMITS))
             texts = questions(made, random, asked)
+            texts += [of_any_attribute(random, tree) for tree in random.sample(list(made.trees.values()), 3)]
             seeds = [Random(random.random()) for _ in texts]
             differences += threads.map(lambda text, own: ask(engine, made, text, own), texts, seeds)
             # A page, a change, and the rest as it was.
@@ -175,6 +177,9 @@ def small_groups(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(groups, "DOCUMENTS", 12)
     monkeypatch.setattr(groups, "MOST_DOCUMENTS", 40)
     monkeypatch.setattr(group_scan, "FIRST_UNITS", 4)
+    monkeypatch.setattr(group_scan, "MANY_TRACKS", 4)
+    monkeypatch.setattr(frame_bones, "FEW", 4)
+    monkeypatch.setattr(values, "MANY", 4)
 
 
 @pytest.mark.usefixtures("small_groups")

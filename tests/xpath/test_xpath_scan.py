@@ -9,9 +9,10 @@ import pytest
 
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest
 from service.actions.editing.change_document import add_labels, delete_document, restore_document
-from service.actions.editing.change_frames import move_frames
+from service.actions.editing.change_frames import move_frames, reverse
 from service.actions.editing.edit_element import Change
 from service.actions.reading.import_options import Label
+from service.errors import McmlError
 from service.settings import Settings
 from service.storage.database import Database, Transaction
 from service.storage.documents import StoredDocument
@@ -19,11 +20,12 @@ from service.storage.filtering import DocumentFilter
 from service.xpath import queries as run
 from service.xpath.answer import streams
 from service.xpath.answer.sources import described
-from service.xpath.engine import group_scan
+from service.xpath.engine import frame_bones, group_scan, stacked, values
 from service.xpath.engine.scan_plan import plan_scan
 from service.xpath.language.parse import parse
 from service.xpath.language.rules import normal
-from service.xpath.library import forest, groups
+from service.xpath.language.tree import Expression
+from service.xpath.library import forest, groups, track_values
 from service.xpath.library.caches import Caches
 from service.xpath.nodes.node import Node
 from service.xpath.queries import Queries
@@ -62,6 +64,8 @@ class Maker:
         if depth < 2 and self.random.random() < 0.3:
             operator = self.random.choice(["and", "or"])
             return f"({self.condition(context, depth + 1)} {operator} {self.condition(context, depth + 1)})"
+        if depth < 2 and self.random.random() < 0.1:
+            return f"not({self.condition(context, depth + 1)})"
         operator = self.random.choice(["<", ">", "<=", ">=", "=", "!="])
         return f"{self.number(context)} {operator} {self.number(context)}"
 
@@ -75,6 +79,37 @@ class Maker:
             f"5 < frame_bone{some}/@Rx or frame_bone{some}/@{pick(CHANNELS)} < {pick(NUMBERS)}",
         ]
         return pick(kinds)
+
+    def of_all(self) -> str:
+        """What all frame_bones of a frame are asked for together."""
+        pick = self.random.choice
+        inner = f"not({self.condition('bone')})" if self.random.random() < 0.2 else self.condition("bone")
+        some, operator = pick(["", f"[{inner}]"]), pick(["<", ">", "<=", ">=", "=", "!="])
+        function = pick(["max", "min", "sum", "avg"])
+        compared = [
+            f"count(frame_bone[{inner}]{pick(['', '/@Rx'])})",
+            f"{function}(frame_bone{some}/@{pick(CHANNELS)})",
+            f"{function}(frame_bone{some}/@{pick(CHANNELS)}[{self.condition('@')}])",
+        ]
+        sides = [pick(compared), pick([pick(["0", "1", "2", "3", *NUMBERS]), *compared])]
+        self.random.shuffle(sides)
+        kinds = [
+            f"{sides[0]} {operator} {sides[1]}",
+            f"{sides[0]} {operator} {sides[1]}",
+            f"{pick(['not', 'exists', 'empty', 'boolean'])}(frame_bone[{inner}]{pick(['', '/@Rx'])})",
+            f"{pick(['every', 'some'])} $b in frame_bone satisfies $b/@Rx {operator} {pick(NUMBERS)}",
+            f"{self.of_any()} and not({self.of_any()})",
+        ]
+        return pick(kinds)
+
+    def of_frames(self) -> str:
+        """A question that looks at all frame_bones of frames."""
+        chance, pick = self.random.random, self.random.choice
+        text = "//frame" + (f"[{self.condition('frame')}]" if chance() < 0.3 else "") + f"[{self.of_all()}]"
+        text += pick(["", "", "/@id", "[last()]", f"[{self.of_any()}]"])
+        inner = f"{pick(['sum', 'count', 'max', 'avg'])}($f/frame_bone[{self.condition('bone')}]/@Ry)"
+        loop = f"for $f in //frame{pick(['', '[position() mod 3 = 1]'])} return {inner}"
+        return pick(["{}", "{}", "count({})", f"{pick(['max', 'count', 'sum'])}({loop})"]).format(text)
 
     def question(self) -> str:
         chance, pick = self.random.random, self.random.choice
@@ -131,6 +166,52 @@ def test_tracks_answer_as_columns_do(engine: Queries, monkeypatch: pytest.Monkey
         found += bool(first[1]) or first[0] not in ((0.0, []), (False, []), (None, []))
     assert scanned > 150
     assert found > 80
+
+
+def test_all_bones_at_once_are_as_one_by_one(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of frames with a bone less, with a channel less, deleted, moved and reversed, too."""
+    with engine.database.read() as tx:
+        bones = [*tx.columns.used_names("bone", None), "nothing"]
+    with engine.database.write() as tx:
+        stored = next(one for one in tx.documents.page(DocumentFilter(), after=None, limit=9) if one.frames > 600)
+        reverse(tx, stored, 100, 130)
+        move_frames(tx, tx.documents.get(stored.uuid), 20, 300, 500, renumber=True)
+        tx.documents.add_revision(stored, "frames")
+    maker = Maker(Random(11), bones)
+    answered = found = 0
+    used = frame_bones.asked
+
+    def counted(expression: Expression) -> frame_bones.Asked | None:
+        nonlocal answered
+        question = used(expression)
+        answered += question is not None
+        return question
+
+    for number in range(400):
+        text = maker.of_frames() if number % 4 else f"count({maker.question().removeprefix('count')})"
+        request = QueryRequest(q=text, limit=500)
+        with monkeypatch.context() as patched:
+            patched.setattr(frame_bones, "FEW", maker.random.choice([1, 1, 64]))
+            patched.setattr(frame_bones, "TOGETHER", maker.random.choice([7, 10_000]))
+            patched.setattr(group_scan, "MANY_TRACKS", 1)
+            patched.setattr(stacked, "TOGETHER", 3)
+            patched.setattr(frame_bones, "asked", counted)
+            first = asked_of(engine, request)
+        with monkeypatch.context() as patched:
+            patched.setattr(run, "plan_scan", lambda tree: None)
+            patched.setattr(frame_bones, "FEW", 10**9)
+            assert asked_of(engine, request) == first, text
+        found += bool(first and (first[1] or first[0] not in ((0.0, []), (False, []), (None, []))))
+    assert answered > 250
+    assert found > 120
+
+
+def asked_of(engine: Queries, request: QueryRequest) -> tuple[object, list[tuple[str, str, str]]] | None:
+    """The answer, None for an error."""
+    try:
+        return shown(engine.answer(request))
+    except McmlError:
+        return None
 
 
 def test_zone_maps_rule_tracks_out(engine: Queries) -> None:
@@ -190,7 +271,9 @@ def test_what_is_kept_is_of_the_revision_that_is_read(engine: Queries) -> None:
 def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
     questions = [
         "//frame[position() mod 90 = 1]", "//frame[@id='7']/frame_bone/@Rx", "max(//frame_bone[@name='Root']/@Rx)",
-        "//frame_bone[@Rx > 5]/@Ry", "//bone/name", "count(//frame[frame_bone/@Rx > 3])",
+        "//frame_bone[@Rx > 5]/@Ry", "//bone/name", "count(//frame[frame_bone/@Rx > 3])", "//@*[. > 11]",
+        "//frame[count(frame_bone[@Rx > 3]) = 1]", "//frame[sum(frame_bone/@Rx) > 3]/@id",
+        "//frame[frame_bone[@name='Root']/@Rx > following-sibling::frame[1]/frame_bone[@name='Root']/@Rx]",
     ]  # fmt: skip
     requests = [QueryRequest(q=text, limit=200) for text in questions]
     usual = [shown(engine.answer(request)) for request in requests]
@@ -201,6 +284,8 @@ def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: p
         forgetful.caches = Caches(limit)
         monkeypatch.setattr(groups, "MOST_DOCUMENTS", documents)
         monkeypatch.setattr(group_scan, "MOST_TRACKS", tracks)
+        monkeypatch.setattr(track_values, "MOST_TRACKS", tracks)
+        monkeypatch.setattr(values, "MANY", 1 + tracks)
         monkeypatch.setattr(group_scan, "FEW", seldom)
         monkeypatch.setattr(forest, "FEW_FRAMES", few)
         for _ in range(2):

@@ -13,6 +13,7 @@ from saxonche import PySaxonApiError, PySaxonProcessor
 from schemas.queries import NodeItem, QueryRequest
 from service.errors import QueryError
 from service.storage.database import Database
+from service.xpath.engine import frame_bones, values
 from service.xpath.xml.saxon_worker import evaluate
 from tests import postgres
 from tests.conftest import shared_folder
@@ -46,6 +47,13 @@ def documents(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
         with library(database, shared_folder(), long=False) as made:
             yield made
         database.close()
+
+
+@pytest.fixture(autouse=True)
+def all_bones_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of few frames, too; and samples of one bone."""
+    monkeypatch.setattr(frame_bones, "FEW", 2)
+    monkeypatch.setattr(values, "MANY", 2)
 
 
 def wanted(processor: Any, text: str, trees: Mapping[str, Any]) -> list[list[Any]]:

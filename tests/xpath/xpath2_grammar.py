@@ -8,7 +8,8 @@ from elementpath.tdop import Parser
 from elementpath.xpath31 import XPath31Parser
 
 from service.xpath.language.written import spell_for_elementpath
-from tests.xpath.grammar import CHANNELS, Grammar
+from tests.xpath.grammar import Grammar
+from tests.xpath.on_frames import CHANNELS, later_of_frame_bones
 from tests.xpath.witness import Witness, element
 
 LATER_FUNCTIONS = (
@@ -231,6 +232,7 @@ class Xpath2Grammar(Grammar):
             "every $b in frame_bone satisfies exists($b/@name)", "every $v in frame_bone/@Rx satisfies $v > -50",
             f"exists(motion_name[.={self.quoted(names[-1])}])", "empty(motion_name)", "exists(frame_bone)",
             "max(frame_bone/@Rx) > 1", "min(frame_bone/@Rx) <= 10", "avg(frame_bone/@Ry) >= -20",
+            *self.random.sample(later_of_frame_bones(self.random, frame.element), 3),
             "position() = 2 to 5",
             f"string-join(motion_name, '+') = {self.quoted('+'.join(names))}",
             "count(distinct-values(motion_name)) ge 1",

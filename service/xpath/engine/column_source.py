@@ -10,6 +10,7 @@ import numpy as np
 from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
 from service.storage.columns import Listed
 from service.storage.database import Transaction
+from service.xpath.engine.any_attribute import any_attribute, attributes
 from service.xpath.engine.axes import SIBLINGS
 from service.xpath.engine.columns import Columns
 from service.xpath.engine.sequences import items_of
@@ -59,6 +60,7 @@ class ColumnSource:
         self._caches = caches
         self._check = check
         self._is_later = is_later
+        self._any = any_attribute(tree)
         self._one_a_skeleton = is_of_skeleton(tree)
 
     @property
@@ -174,6 +176,10 @@ class ColumnSource:
         tree = self.tree
         if not (isinstance(tree, Path) and tree.absolute):
             yield columns.nodes(tree, columns.documents()).flat()[0].nodes
+            return
+        found = None if self._any is None else attributes(columns.forest, self._any, self._check)
+        if found is not None:
+            yield found
             return
         if self.start is not None:
             nodes = self.frames.of(columns.forest)

@@ -19,8 +19,9 @@ from service.xpath.engine import functions, loops, sequences
 from service.xpath.engine.axes import REVERSE, are_frames, frames_at, named_bones, parents, sibling_frames, step
 from service.xpath.engine.comparisons import compare, compare_items
 from service.xpath.engine.context import Bound, Context, Value, own_set
+from service.xpath.engine.frame_bones import FrameBones, start_of
 from service.xpath.engine.neighbours import Neighbours
-from service.xpath.engine.sequences import items_of, texts, value_of
+from service.xpath.engine.sequences import items_of, texts
 from service.xpath.language.functions import OF_CONTEXT, SAFE_FUNCTIONS
 from service.xpath.language.labels import bone_name
 from service.xpath.language.positions import frame_distance, frame_place, is_beyond, is_window
@@ -29,7 +30,6 @@ from service.xpath.language.tree import (
     Call,
     Expression,
     Filter,
-    Function,
     Later,
     Literal,
     Operation,
@@ -64,6 +64,7 @@ class Columns:
         self.check = check
         self._is_later = is_later
         self._neighbours = Neighbours(self)
+        self._bones = FrameBones(forest, check)
 
     def documents(self) -> Context:
         """Every document node as context."""
@@ -84,6 +85,11 @@ class Columns:
         shared = self._once_a_document(expression, context)
         if shared is not None:
             return shared
+        start = start_of(expression) if context.variables else None
+        frames = None if start is None else self.nodes(start, context)
+        together = self._bones.value(expression, context, frames, partial(self.value, expression))
+        if together is not None:
+            return together
         if isinstance(expression, Operation):
             return self._operation(expression, context)
         if isinstance(expression, Call):
@@ -130,6 +136,10 @@ class Columns:
             return self._neighbours.beyond(expression, context.nodes)
         if shared and isinstance(expression, Path) and is_window(expression) and are_frames(context.nodes):
             return np.asarray(self._neighbours.window(expression, context.nodes) > 0)
+        if shared and isinstance(expression, Path) and expression.start is None:
+            together = self._bones.value(expression, context, None, partial(self.truth, expression))
+            if together is not None:
+                return functions.as_booleans(together)
         return functions.as_booleans(self.value(expression, context))
 
     # -- paths -----------------------------------------------------------------------------------------------------
@@ -340,7 +350,7 @@ class Columns:
         if not arguments and name in OF_CONTEXT:
             return functions.call(self.forest, name, [own_set(context)], len(context))
         if name == "sort":
-            return self._sorted(arguments, context)
+            return loops.sort(self, arguments, context)
         if name == "string-join":
             joins = [self.texts(arguments[0], context), *(self.strings(each, context) for each in arguments[1:])]
             return sequences.call(self.forest, name, joins)
@@ -352,15 +362,3 @@ class Columns:
         if name == "tokenize":
             return sequences.tokens(self.forest, values, self.check)
         return functions.call(self.forest, name, values, len(context), self.check)
-
-    def _sorted(self, arguments: tuple[Expression, ...], context: Context) -> Value:
-        """`sort`: by the letters of texts, numbers by their size, each item by itself or by a key."""
-        items = items_of(self.value(arguments[0], context))
-        key: Value = value_of(loops.each_alone(items))
-        if len(arguments) == 3:
-            function = arguments[2]
-            if not isinstance(function, Function):
-                raise functions.NotOnColumnsError
-            inside = context.at(items.groups).binding(function.variable, key)
-            key = self.value(function.body, inside)
-        return sequences.sorted_by(self.forest, items, key)

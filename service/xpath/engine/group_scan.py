@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 
 import numpy as np
 
 from service.mcml.vocabulary import FRAME, FRAME_BONE
-from service.storage.blocks import Some, evenly
-from service.storage.encoding import channels_of
 from service.storage.schema import CHUNK
 from service.xpath.engine.axes import step as axis_step
 from service.xpath.engine.scan_plan import ScanPlan
+from service.xpath.engine.stacked import Some, StackedBones
 from service.xpath.engine.vectors import Sample
 from service.xpath.library.bone_columns import BoneColumns, summary
 from service.xpath.library.forest import Forest
 from service.xpath.library.intervals import Interval
-from service.xpath.library.zones import BITS, BONE, CHUNK_NUMBER, FRAMES, Table, rows_of
+from service.xpath.library.track_values import MOST_TRACKS, track_values
+from service.xpath.library.zones import BONE, CHUNK_NUMBER, FRAMES, Table
 from service.xpath.nodes.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Bools, Floats, Ints
 from service.xpath.nodes.timeline import Timeline, slots_of_chunks
 
@@ -26,8 +26,8 @@ FIRST_UNITS = 128
 """Often the first page is all that is wanted."""
 UNITS = 2048
 """Tracks of the leading bone that are looked at together: half a million samples a channel."""
-MOST_TRACKS = 16_384
-"""Of a bone in a group, whose samples are kept side by side; those of more are read as they are needed."""
+MANY_TRACKS = 1024
+"""Of so many in a group, all bones are counted side by side."""
 FEW = 6
 """Of so many tracks one is decoded alone rather than all side by side."""
 
@@ -74,6 +74,8 @@ class GroupScan:
 
     def count(self) -> int:
         """How many nodes there are."""
+        if self._stacked is not None:
+            return self._stacked_count(self._stacked)
         if not self.plan.one_each:
             return sum(len(nodes) for nodes in self.nodes())
         units = self._units()
@@ -150,6 +152,28 @@ class GroupScan:
         return {name: self.forest.bone(name) for name in self._names}
 
     @cached_property
+    def _stacked(self) -> StackedBones | None:
+        """All bones side by side, where hits are counted so."""
+        plan = self.plan
+        if not plan.any_bone or self._labelled is not None or len(self.lead) < MANY_TRACKS:
+            return None
+        if plan.attribute not in (None, "id") or (plan.target == FRAME_BONE and not plan.one_each):
+            return None
+        bones = StackedBones(self.forest, self._check)
+        return bones if bones.takes(plan.condition) else None
+
+    def _stacked_count(self, bones: StackedBones) -> int:
+        total = 0
+        for stack, here in zip(bones.stacks.stacks, bones.stacks.here(self._timeline), strict=True):
+            self._check()
+            holds = bones.truth(self.plan.condition, Some(stack))
+            if self.plan.target == FRAME:
+                holds = np.logical_or.reduce(holds, axis=0)
+            total += int(np.count_nonzero(holds if here is None else holds & here))
+        self.tracks_read += bones.tracks_read
+        return total
+
+    @cached_property
     def _timeline(self) -> Timeline:
         return self.forest.timeline
 
@@ -212,7 +236,7 @@ class GroupScan:
                 block |= {sample: found[units.numbers] for sample, found in self._side_by_side(name).items()}
             else:
                 wanted = self._channels(name)
-                values = self._values(units.lead if name == self.plan.lead else units.others[name], wanted)
+                values = track_values(self.forest, units.lead if name == self.plan.lead else units.others[name], wanted)
                 block |= {(name, channel): found for channel, found in zip(wanted, values, strict=True)}
         return block
 
@@ -226,31 +250,19 @@ class GroupScan:
         lead, wanted = self._bones[self.plan.lead], self._channels(name)
         table = lead.table if name == self.plan.lead else self._bones[name].facing(lead)
         missing = tuple(each for each in wanted if not self.forest.has_samples(self.plan.lead, name, each))
-        found: Sequence[Floats] = list(self._values(table, missing)) if missing else []
+        found: Sequence[Floats] = list(track_values(self.forest, table, missing)) if missing else []
         read = dict(zip(missing, found, strict=True))
 
         def values(channel: int) -> Floats:
-            return read[channel] if channel in read else self._values(table, (channel,))[0]
+            return read[channel] if channel in read else track_values(self.forest, table, (channel,))[0]
 
         return {(name, each): self.forest.samples(self.plan.lead, name, each, partial(values, each)) for each in wanted}
-
-    def _values(self, table: Table, wanted: tuple[int, ...]) -> Floats:
-        """(channels, tracks, CHUNK): samples of tracks, NaN where a frame has none."""
-        held = np.flatnonzero(table.about[BITS])
-        bits = table.about[BITS, held].tolist()
-        places = {each: _places(each, wanted) for each in set(bits)}
-        values = np.full((len(wanted), len(table), CHUNK), np.nan)
-        tracks = self.forest.caches.tracks.read(self.forest.tx, rows_of(table.about[:, held]))
-        for unit, track, each in zip(held.tolist(), tracks, bits, strict=True):
-            here, there = places[each]
-            values[here, unit, : track.shape[1]] = track[there]
-        return values
 
     def _sums(self, table: Table, channel: int) -> Floats:
         parts = []
         for start in range(0, len(table), UNITS):
             self._check()
-            parts.append(np.nansum(self._values(table[start : start + UNITS], (channel,))[0], axis=1))
+            parts.append(np.nansum(track_values(self.forest, table[start : start + UNITS], (channel,))[0], axis=1))
         return np.concatenate([*parts, np.empty(0)])
 
     def _fulfil(self, block: Block) -> Bools:
@@ -291,15 +303,6 @@ class GroupScan:
 def part_ends(parts: Sequence[GroupScan], sample: Sample) -> Interval:
     """What the samples of a channel lie between in each of several groups."""
     return summary([part.ends(sample) for part in parts], sample[1])
-
-
-@cache
-def _places(bits: int, wanted: tuple[int, ...]) -> tuple[Some, Some]:
-    """Where the channels that a track has stand among those that are wanted, and where in the track."""
-    held = channels_of(bits)
-    both = [(place, held.index(channel)) for place, channel in enumerate(wanted) if channel in held]
-    here, there = np.array(both, np.int64).reshape(-1, 2).T
-    return (evenly(here), evenly(there)) if both else (here, there)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 
 from service.xpath.engine.context import Bound, Context, Value
 from service.xpath.engine.functions import NotOnColumnsError
-from service.xpath.engine.sequences import items_of, value_of
+from service.xpath.engine.sequences import items_of, sorted_by, value_of
 from service.xpath.language.meaning import ITEM
 from service.xpath.language.tree import (
     Each,
@@ -30,6 +30,7 @@ from service.xpath.language.tree import (
     Sequence,
     Variable,
 )
+from service.xpath.library.forest import Forest
 from service.xpath.nodes.items import Items, concatenated, nothing
 from service.xpath.nodes.nodesets import NodeSets, ordered
 from service.xpath.nodes.numbering import Bools, Ints
@@ -41,6 +42,8 @@ Evaluate = Callable[[Expression, Context], Value]
 
 class Columns(Protocol):
     """What evaluates the parts."""
+
+    forest: Forest
 
     def value(self, expression: Expression, context: Context) -> Value: ...
 
@@ -101,6 +104,19 @@ def filtered(columns: Columns, expression: Filter, context: Context) -> Value:
         inside = as_contexts(items, context)
         items = items.chosen(columns.kept(predicate, inside))
     return value_of(items)
+
+
+def sort(columns: Columns, arguments: tuple[Expression, ...], context: Context) -> Value:
+    """`sort`: by the letters of texts, numbers by their size, each item by itself or by a key."""
+    items = items_of(columns.value(arguments[0], context))
+    key: Value = value_of(each_alone(items))
+    if len(arguments) == 3:
+        function = arguments[2]
+        if not isinstance(function, Function):
+            raise NotOnColumnsError
+        inside = context.at(items.groups).binding(function.variable, key)
+        key = columns.value(function.body, inside)
+    return sorted_by(columns.forest, items, key)
 
 
 def _at_contexts(found: Value, outer: Items, *, in_document_order: bool = False) -> Value:

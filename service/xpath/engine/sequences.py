@@ -79,11 +79,11 @@ def _of_set(forest: Forest, name: str, sets: NodeSets) -> Value:
     if np.isnan(found).any():
         raise NotOnColumnsError
     if name == "avg":
-        return _some(arithmetic("div", sets.sums(found), sets.counts()), sets.exist())
-    return _some(sets.least(found) if name == "min" else sets.greatest(found), sets.exist())
+        return some_of(arithmetic("div", sets.sums(found), sets.counts()), sets.exist())
+    return some_of(sets.least(found) if name == "min" else sets.greatest(found), sets.exist())
 
 
-def _some(found: Floats, exist: Bools) -> Value:
+def some_of(found: Floats, exist: Bools) -> Value:
     """A number for each context; nothing for those of an empty sequence."""
     return found if exist.all() else Items(np.flatnonzero(exist), found[exist], len(exist))
 
@@ -106,7 +106,7 @@ def _sum(forest: Forest, items: Items, _: Sequence[Value]) -> Value:
 
 def _avg(forest: Forest, items: Items, _: Sequence[Value]) -> Value:
     sets = items.sets
-    return _some(arithmetic("div", sets.sums(_added(forest, items)), sets.counts()), sets.exist())
+    return some_of(arithmetic("div", sets.sums(_added(forest, items)), sets.counts()), sets.exist())
 
 
 def _added(forest: Forest, items: Items) -> Floats:
@@ -127,7 +127,7 @@ def _extreme(forest: Forest, items: Items, *, least: bool) -> Value:
     found = _added(forest, items)
     if np.isnan(found).any():
         raise NotOnColumnsError
-    return _some(sets.least(found) if least else sets.greatest(found), sets.exist())
+    return some_of(sets.least(found) if least else sets.greatest(found), sets.exist())
 
 
 def _distinct(forest: Forest, items: Items, _: Sequence[Value]) -> Value:

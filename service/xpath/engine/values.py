@@ -10,6 +10,7 @@ from service.numerics.runs import find_equal
 from service.storage.encoding import channels_of
 from service.storage.schema import CHUNK
 from service.xpath.library.forest import Forest
+from service.xpath.library.track_values import side_by_side
 from service.xpath.library.tracks import Row
 from service.xpath.library.zones import rows_of
 from service.xpath.nodes.heads import XML_NAMESPACE
@@ -33,6 +34,8 @@ from service.xpath.nodes.numbering import (
 )
 from service.xpath.nodes.texts import Strings, compact, constant, joined, of_texts
 
+MANY = 1024
+"""Samples of one bone that may be looked up among those of all its tracks."""
 MAX_TEXT = 32 << 20
 """Characters of the string of one element that holds frames."""
 
@@ -108,6 +111,12 @@ def samples(forest: Forest, nodes: Ints) -> Floats:
     channels = slots_of(nodes) % BONE_WIDTH - FIRST_CHANNEL
     slot = shapes.slot_of(nodes)
     documents = documents_of(nodes)
+    if len(nodes) >= MANY and (channels == channels[0]).all():
+        names = shapes.names[shapes.entries(nodes)]
+        if (names == names[0]).all():
+            together = side_by_side(forest, shapes.texts[names[0]], int(channels[0]), documents, slot)
+            if together is not None:
+                return together
     result = np.empty(len(nodes), np.float64)
     # A track is (document, bone, chunk); sorted by it, the samples of a track are neighbours.
     track = (documents << 48) | (bones << 32) | (slot // CHUNK)

@@ -16,7 +16,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from service.mcml.vocabulary import FRAME_BONE
+from service.mcml.vocabulary import FRAME, FRAME_BONE
 from service.motion.skeleton import CHANNEL_INDEX
 from service.xpath.engine.functions import arithmetic
 from service.xpath.language.functions import round_half_up
@@ -40,6 +40,8 @@ Block: TypeAlias = Mapping[Sample, Floats]
 Ends: TypeAlias = Mapping[Sample, Interval]
 """Of each sample, by the zone maps of some tracks."""
 
+CONDITIONS = (Path, Operation, Call)
+"""What a predicate that is no constant is made of."""
 RELATIONS = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "=": np.equal}
 TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=": "=", "!=": "!="}
 _ROUNDING: dict[str, Callable[[Floats], Floats]] = {
@@ -61,6 +63,11 @@ class Condition:
     bounds: tuple[tuple[Sample, str, float], ...] = ()
     is_presence: bool = False
     """Whether it only asks that a frame has a sample."""
+    is_bound: bool = False
+    """Whether it is the one bound, no more and no less."""
+    logic: str = ""
+    """"and", "or" or "not", of the parts."""
+    parts: tuple[Condition, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -89,9 +96,23 @@ def condition(predicate: Expression, context: str, own: Own = None) -> Condition
     if isinstance(predicate, Call) and predicate.function == "boolean":
         inner = predicate.arguments[0]
         return condition(inner, context, own) if isinstance(inner, Path | Operation) else None
+    if isinstance(predicate, Call) and predicate.function == "not" and isinstance(predicate.arguments[0], CONDITIONS):
+        return _negated(condition(predicate.arguments[0], context, own))
     if isinstance(predicate, Path):
         return _existence(predicate, context, own)
     return None
+
+
+def _negated(part: Condition | None) -> Condition | None:
+    """The opposite, which holds of a frame_bone without samples, too: other conditions must ask for these."""
+    if part is None:
+        return None
+
+    def judge(ends: Ends) -> Verdict:
+        verdict = part.judge(ends)
+        return Verdict(~verdict.must, ~verdict.may)
+
+    return Condition(lambda block: ~part.holds(block), judge, part.samples, frozenset(), logic="not", parts=(part,))
 
 
 def _logic(predicate: Operation, context: str, own: Own) -> Condition | None:
@@ -99,18 +120,7 @@ def _logic(predicate: Operation, context: str, own: Own) -> Condition | None:
     if any(part is None for part in parts):
         return None
     found = [part for part in parts if part is not None]
-    samples = frozenset[Sample]().union(*(part.samples for part in found))
-    if predicate.operator == "and":
-        strict = frozenset[Sample]().union(*(part.strict for part in found))
-        bounds = tuple(bound for part in found for bound in part.bounds)
-        return Condition(
-            lambda block: _all(part.holds(block) for part in found),
-            lambda ends: intervals.all_of([part.judge(ends) for part in found]),
-            samples,
-            strict,
-            bounds,
-        )
-    return _any(found)
+    return conjunction(found) if predicate.operator == "and" else _any(found)
 
 
 def _all(parts: object) -> Bools:
@@ -145,6 +155,7 @@ def _comparison(operator: str, left: _Number, right: _Number) -> Condition | Non
         samples,
         samples,
         tuple(bounds),
+        is_bound=len(bounds) == 1,
     )
 
 
@@ -288,9 +299,10 @@ def any_bone_condition(predicate: Expression) -> Condition | None:
             (predicate.operator, *predicate.operands), (TURNED[predicate.operator], *predicate.operands[::-1]),
         ):  # fmt: skip
             found = _own_bone(one) if isinstance(one, Path) else None
-            if found is None or found[0] is None or not isinstance(other, Literal) or isinstance(other.value, str):
+            number = _number(other, FRAME, None)
+            if found is None or found[0] is None or number is None or number.constant is None:
                 continue
-            compared = _comparison(operator, _of_sample(found[0]), _constant(other.value))
+            compared = _comparison(operator, _of_sample(found[0]), number)
             return None if compared is None else conjunction([*found[1], compared])
     return None
 
@@ -315,6 +327,8 @@ def _any(parts: list[Condition]) -> Condition:
         lambda ends: intervals.any_of([part.judge(ends) for part in parts]),
         frozenset[Sample]().union(*(part.samples for part in parts)),
         frozenset.intersection(*(part.strict for part in parts)),
+        logic="or",
+        parts=tuple(parts),
     )
 
 
@@ -337,6 +351,8 @@ def conjunction(parts: list[Condition]) -> Condition:
         frozenset[Sample]().union(*(part.samples for part in parts)),
         frozenset[Sample]().union(*(part.strict for part in parts)),
         tuple(bound for part in parts for bound in part.bounds),
+        logic="and",
+        parts=tuple(parts),
     )
 
 

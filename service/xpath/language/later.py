@@ -6,11 +6,16 @@
    the context; `every` is `empty(nodes[not(t)])`.
 4. `@a eq 'x'` is `@a = 'x'`: an element has no two attributes of a name.
 5. `a || b` is `concat(a, b)`.
-6. `a[p] except a[p][q]` is `a[p][not(q)]`, and `intersect` is `a[p][q]`, where q counts no positions.
+6. `max(frame_bone/@a) > 1` is `frame_bone/@a > 1`: some channel is, exactly if the greatest is. So for `>=`, and for
+   `min` and `<`, `<=`; and `max(frame_bone/@a) < 1` is `frame_bone/@a and not(frame_bone/@a >= 1)`: there is one, and
+   none that is not.
+7. `a[p] except a[p][q]` is `a[p][not(q)]`, and `intersect` is `a[p][q]`, where q counts no positions.
 """
 
 from __future__ import annotations
 
+from service.mcml.vocabulary import FRAME_BONE
+from service.motion.skeleton import CHANNEL_INDEX
 from service.xpath.language.functions import OF_CONTEXT
 from service.xpath.language.meaning import CONTEXT
 from service.xpath.language.positions import counts
@@ -34,6 +39,8 @@ from service.xpath.language.tree import (
 from service.xpath.language.types import item_type, type_of
 
 _GENERAL = frozenset(VALUE_COMPARISONS.values())
+_TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=": "=", "!=": "!="}
+_OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}
 FEW_ITEMS = 100
 """Of a range that becomes as many comparisons, which an index may answer."""
 MOST_ITEMS = 1000
@@ -53,7 +60,7 @@ def of_later(expression: Operation | Quantified) -> Expression:
     if operator in ("except", "intersect"):
         return _some_of(left, right, kept=operator == "intersect") or expression
     if operator in _GENERAL:
-        return _with_sequence(expression) or _with_range(expression) or expression
+        return _with_sequence(expression) or _with_range(expression) or _with_extreme(expression) or expression
     if operator in VALUE_COMPARISONS and _is_one_text(left) and _is_one_text(right):
         general = VALUE_COMPARISONS[operator]
         # Texts are less than others by their letters, which XPath 1.0 does not know.
@@ -100,6 +107,34 @@ def _with_range(comparison: Operation) -> Expression | None:
         if type_of(other) == "number":
             return _between(other, operand)
     return None
+
+
+def _with_extreme(comparison: Operation) -> Expression | None:
+    left, right = comparison.operands
+    for operator, one, other in ((comparison.operator, left, right), (_TURNED[comparison.operator], right, left)):
+        if not isinstance(one, Call) or one.function not in ("min", "max") or not _is_constant(other):
+            continue
+        path = one.arguments[0]
+        if not isinstance(path, Path) or path.absolute or path.start is not None or len(path.steps) != 2:
+            continue
+        bone, last = path.steps
+        if (bone.axis, bone.name, last.axis) != ("child", FRAME_BONE, "attribute") or last.name not in CHANNEL_INDEX:
+            continue
+        outward = (">", ">=") if one.function == "max" else ("<", "<=")
+        if operator in outward:
+            return Operation(operator, (path, other), comparison.span)
+        if operator in _OPPOSITE:
+            none = Call("not", (Operation(_OPPOSITE[operator], (path, other), comparison.span),))
+            return Operation("and", (Call("boolean", (path,)), none), comparison.span)
+    return None
+
+
+def _is_constant(expression: Expression) -> bool:
+    if isinstance(expression, Operation) and expression.operator == "negate":
+        return _is_constant(expression.operands[0])
+    return (
+        isinstance(expression, Literal) and isinstance(expression.value, float) and expression.value == expression.value
+    )
 
 
 def _between(value: Expression, ends: Operation) -> Operation:

@@ -85,9 +85,13 @@ class ColumnCache:
         """Whether there is an entry now."""
         return key in self._entries
 
+    def takes(self, size: int) -> bool:
+        """Whether an entry of so many bytes is kept."""
+        return size <= self._limit // 4
+
     def _keep(self, key: Hashable, entry: object, size: int) -> None:
         with self._lock:
-            if key in self._entries or size > self._limit // 4:
+            if key in self._entries or not self.takes(size):
                 return
             self._entries[key] = size, entry
             self._keys.append(key)

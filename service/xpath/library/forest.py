@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -15,6 +15,7 @@ from service.xpath.language.reach import HeadPart
 from service.xpath.library.bone_columns import BoneColumns
 from service.xpath.library.caches import Caches
 from service.xpath.library.groups import Group
+from service.xpath.library.stacks import StackedSamples, Stacks
 from service.xpath.library.zones import FEW_FRAMES, FRAMES, MANY_FRAMES, Table, joined, read_zones
 from service.xpath.nodes.frame_runs import IdRuns, LabelRuns
 from service.xpath.nodes.head_rows import HeadRows
@@ -119,6 +120,16 @@ class Forest:
     def has_samples(self, lead: str | None, name: str | None, channel: int) -> bool:
         """Whether they are at hand."""
         return self.caches.samples.holds((self.documents.number, (lead, name, channel)))
+
+    @cached_property
+    def stacks(self) -> Stacks:
+        """Where the samples of all tracks lie side by side."""
+        return self._kept("stacks", lambda: Stacks(self.tracks))
+
+    def stacked(self, channel: int, *, coded: bool) -> StackedSamples:
+        """The samples of a channel of all tracks, as far as they were read."""
+        make = partial(StackedSamples, self.stacks.size, len(self.tracks), coded=coded)
+        return self._sampled(("stacked", channel, coded), make)
 
     def has_bone(self, name: str | None) -> bool:
         """Whether they are at hand."""

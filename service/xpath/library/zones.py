@@ -105,7 +105,7 @@ class Table:
 
         These are tracks of one bone a document.
         """
-        keys, wanted = self._frames(), other._frames()
+        keys, wanted = self.frames, other.frames
         index = np.searchsorted(keys, wanted)
         found = np.append(keys, -1)[index] == wanted
         about = np.zeros((len(self.about), len(wanted)), np.int64)
@@ -115,7 +115,10 @@ class Table:
         greatest[:, found] = self.greatest[:, index[found]]
         return Table(other.places, about, least, greatest)
 
-    def _frames(self) -> Ints:
+    @cached_property
+    def frames(self) -> Ints:
+        """The stretch of frames of each track as one number (place << 32 | chunk); ascending where each document has
+        one bone."""
         return np.asarray((self.places << 32) | self.about[CHUNK_NUMBER], np.int64)
 
     def ends(self, channel: int, frames: Ints) -> Interval:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -20,6 +20,7 @@ from service.xpath.nodes.numbering import (
     FIRST_ATTRIBUTE,
     FIRST_CHANNEL,
     FRAME_SHIFT,
+    Bools,
     Ints,
     slots_of,
 )
@@ -172,6 +173,15 @@ class ShapeRuns:
             return int((self.counts * (self.offsets[self.shape + 1] - self.offsets[self.shape])).sum())
         shapes, _ = self._places(text)
         return int((self.counts * np.bincount(shapes, minlength=len(self.offsets) - 1)[self.shape]).sum())
+
+    @cached_property
+    def in_order(self) -> Bools:
+        """Which shapes have their frame_bones in the order of their bones' numbers."""
+        back = np.flatnonzero(np.diff(self.bones) <= 0) + 1
+        broken = np.searchsorted(self.offsets, np.setdiff1d(back, self.offsets), side="right") - 1
+        found = np.ones(len(self.offsets) - 1, bool)
+        found[broken] = False
+        return found
 
     def run_of(self, nodes: Ints) -> Ints:
         """The run in which each node's frame lies."""

@@ -1,0 +1,254 @@
+"""Conditions on frame_bones, answered for all bones of many frames at once.
+
+A comparison with a constant is decided by 16 bits a sample: where a track holds samples on both sides, those of the
+same code as the constant are looked up, and no others. A quarter of the memory of the samples, and exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.numerics.runs import find_equal
+from service.storage.encoding import channels_of
+from service.xpath.engine.vectors import RELATIONS, Condition
+from service.xpath.library.forest import Forest
+from service.xpath.library.intervals import Verdict
+from service.xpath.library.stacks import ABSENT, BEYOND, Coding, Stack, StackedSamples
+from service.xpath.library.zones import BITS, FRAMES, GAPS, rows_of
+from service.xpath.nodes.numbering import Bools, Floats, Ints
+
+TOGETHER = 2048
+"""Tracks that are decoded before anything else may happen."""
+
+
+@dataclass(frozen=True)
+class Some:
+    """Some frames of a stack. columns: where they are; None for all, in order."""
+
+    stack: Stack
+    columns: Ints | None = None
+
+    def __len__(self) -> int:
+        return self.stack.columns if self.columns is None else len(self.columns)
+
+    @cached_property
+    def _span(self) -> slice | None:
+        """The columns, if they follow one another."""
+        if self.columns is None:
+            return slice(0, self.stack.columns)
+        first, last = int(self.columns[0]), int(self.columns[-1])
+        follow = last - first == len(self.columns) - 1 and bool((np.diff(self.columns) == 1).all())
+        return slice(first, last + 1) if follow else None
+
+    @cached_property
+    def _unit_of(self) -> tuple[Ints, Ints]:
+        """The units of columns that do not follow one another, ascending, and of each column its unit among them."""
+        columns = np.arange(len(self)) if self.columns is None else self.columns
+        place = np.searchsorted(self.stack.offsets, columns, side="right") - 1
+        units, index = np.unique(place, return_inverse=True)
+        return units, index.reshape(-1)
+
+    @cached_property
+    def units(self) -> Ints:
+        """Those that the columns lie in, ascending."""
+        offsets, span = self.stack.offsets, self._span
+        if span is None:
+            return self._unit_of[0]
+        first = int(np.searchsorted(offsets, span.start, side="right")) - 1
+        return np.arange(first, int(np.searchsorted(offsets, span.stop, side="left")))
+
+    @cached_property
+    def tracks(self) -> Ints:
+        """(bones, units)."""
+        return self.stack.tracks[:, self.units]
+
+    def of(self, values: NDArray) -> NDArray:  # type: ignore[type-arg]
+        """(bones, frames): a channel of the group in these frames."""
+        view = self.stack.view(values)
+        return view[:, self.columns if self._span is None else self._span]
+
+    def spread(self, of_tracks: NDArray) -> NDArray:  # type: ignore[type-arg]
+        """What is said of tracks, (bones, units), as said of their frames."""
+        if self._span is None:
+            return of_tracks[:, self._unit_of[1]]
+        edges = np.clip(self.stack.offsets, self._span.start, self._span.stop)
+        return np.repeat(of_tracks, np.diff(edges)[self.units], axis=1)
+
+    def slots(self, places: Ints) -> tuple[Ints, Ints]:
+        """(unit, offset in its tracks) of frames by their places among these; the unit by its place in `units`."""
+        columns = places if self.columns is None else self.columns[places]
+        unit = np.searchsorted(self.stack.offsets, columns, side="right") - 1
+        return np.searchsorted(self.units, unit), columns - self.stack.offsets[unit]
+
+
+class StackedBones:
+    """All bones of a group. check: called often; raises when time is up."""
+
+    def __init__(self, forest: Forest, check: Callable[[], None]) -> None:
+        self.forest = forest
+        self.stacks = forest.stacks
+        self._check = check
+        self._table = forest.tracks
+        self.tracks_read = 0
+        self._verdicts: dict[int, tuple[Condition, Verdict]] = {}
+
+    def fits(self, *, coded: bool) -> bool:
+        """Whether samples of the group can be kept, as codes or as they are."""
+        return not self.stacks.is_padded and self.forest.caches.samples.takes(self.stacks.size * (2 if coded else 8))
+
+    def takes(self, condition: Condition) -> bool:
+        """Whether a condition asks for the samples of a frame_bone alone, and can be answered here."""
+        if any(name is not None for name, _ in condition.samples):
+            return False
+        return self.fits(coded=all(part.is_bound for part in _leaves(condition)))
+
+    def may(self, condition: Condition) -> bool:
+        """Whether any frame_bone may fulfil a condition, as zone maps tell."""
+        return bool(self._judge(condition).may.any())
+
+    def truth(self, condition: Condition, some: Some) -> Bools:
+        """(bones, frames): which frame_bones fulfil a condition; what it says of those that are not there, where it
+        asks for no sample, is left open."""
+        if condition.logic == "not":
+            return ~self.truth(condition.parts[0], some)
+        if condition.logic:
+            found = self.truth(condition.parts[0], some)
+            for part in condition.parts[1:]:
+                other = self.truth(part, some)
+                found = found & other if condition.logic == "and" else found | other
+            return found
+        verdict = self._judge(condition)
+        may, must = verdict.may[some.tracks], verdict.must[some.tracks]
+        unsure = may & ~must
+        if condition.is_bound:
+            return self._bound(condition, some, unsure, must)
+        if not unsure.any():
+            return np.asarray(some.spread(must))
+        block: dict[tuple[str | None, int], Floats] = {}
+        channels = sorted(channel for _, channel in condition.samples)
+        for channel, samples in zip(channels, self.filled(channels, some.tracks[unsure]), strict=True):
+            block[None, channel] = some.of(samples.values)
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            found = np.asarray(condition.holds(block), bool)
+        return np.asarray(found & some.spread(unsure) | some.spread(must))
+
+    def samples(self, channel: int, some: Some) -> Floats:
+        """(bones, frames), NaN where a frame has none."""
+        (held,) = self.filled([channel], some.tracks.ravel())
+        return np.asarray(some.of(held.values), np.float64)
+
+    def filled(self, channels: list[int], tracks: Ints) -> list[StackedSamples]:
+        """Channels, exactly, in which these tracks at least are filled."""
+        found = [self.forest.stacked(channel, coded=False) for channel in channels]
+        missing = np.zeros(len(self._table), bool)
+        for samples in found:
+            missing[tracks[~samples.filled[tracks]]] = True
+        for channel, some in self._read(channels, np.flatnonzero(missing)):
+            samples = found[channels.index(channel)]
+            starts = self.stacks.starts[[track for track, _ in some]].tolist()
+            for start, (_, values) in zip(starts, some, strict=True):
+                samples.values[start : start + len(values)] = values
+        for samples in found:
+            samples.filled[missing] = True
+        return found
+
+    def _judge(self, condition: Condition) -> Verdict:
+        """What zone maps say of each track of the group."""
+        found = self._verdicts.get(id(condition))
+        if found is None:
+            frames = self._table.about[FRAMES]
+            ends = {sample: self._table.ends(sample[1], frames) for sample in condition.samples}
+            found = self._verdicts[id(condition)] = condition, condition.judge(ends)
+        return found[1]
+
+    def _bound(self, condition: Condition, some: Some, unsure: Bools, must: Bools) -> Bools:
+        (((_, channel), operator, number),) = condition.bounds
+        tracks = some.tracks
+        coding = Coding(self._table.least[channel], self._table.greatest[channel])
+        codes = self._coded(channel, coding, tracks[unsure])
+        own = np.full(tracks.shape, BEYOND, np.uint16)
+        own[unsure] = coding.codes(np.full(int(unsure.sum()), number), tracks[unsure])
+        view = some.of(codes.values)
+        if operator in (">", ">="):
+            limit = np.where(must, np.uint16(ABSENT), own)
+            found = view > (limit if limit.size == 1 else some.spread(limit))
+        elif operator in ("<", "<="):
+            limit = np.where(unsure, own, np.where(must, np.uint16(BEYOND), np.uint16(ABSENT)))
+            found = view < some.spread(limit)
+            if self._has_gaps(channel):
+                found &= view != ABSENT
+        else:
+            found = np.zeros(view.shape, bool)
+        if unsure.any():
+            self._look_up(view == some.spread(own), condition, some, found)
+        return found
+
+    def _look_up(self, close: Bools, condition: Condition, some: Some, found: Bools) -> None:
+        """The samples that no code decides, compared as they are."""
+        bones, frames = np.nonzero(close)
+        if not len(bones):
+            return
+        (((_, channel), operator, number),) = condition.bounds
+        unit, offset = some.slots(frames)
+        tracks = some.tracks[bones, unit]
+        order = np.argsort(tracks, kind="stable")
+        numbers = np.empty(len(order))
+        runs = find_equal(tracks[order])
+        wanted = tracks[order[runs[:, 0]]]
+        place = dict(zip(wanted.tolist(), runs.tolist(), strict=True))
+        for _, tracks_read in self._read([channel], wanted):
+            for track, values in tracks_read:
+                start, stop = place[track]
+                numbers[order[start:stop]] = values[offset[order[start:stop]]]
+        found[bones, frames] = RELATIONS[operator](numbers, number)
+
+    def _has_gaps(self, channel: int) -> bool:
+        """Whether a frame_bone lacks the channel."""
+        about = self._table.about
+        bits = about[BITS] & ~about[GAPS]
+        return not bool((bits >> channel & 1).all())
+
+    def _coded(self, channel: int, coding: Coding, tracks: Ints) -> StackedSamples:
+        """The codes of a channel, in which these tracks at least are filled."""
+        codes = self.forest.stacked(channel, coded=True)
+        missing = np.unique(tracks[~codes.filled[tracks]])
+        for _, some in self._read([channel], missing):
+            numbers = np.array([track for track, _ in some])
+            lengths = np.array([len(values) for _, values in some])
+            found = coding.codes(np.concatenate([values for _, values in some]), np.repeat(numbers, lengths))
+            ends = np.cumsum(lengths).tolist()
+            for start, end, length in zip(self.stacks.starts[numbers].tolist(), ends, lengths.tolist(), strict=True):
+                codes.values[start : start + length] = found[end - length : end]
+            codes.filled[numbers] = True
+        return codes
+
+    def _read(self, channels: list[int], tracks: Ints) -> Iterator[tuple[int, list[tuple[int, Floats]]]]:
+        """Channels of tracks, some tracks at a time: (channel, (track, samples)) of those that have it."""
+        for at in range(0, len(tracks), TOGETHER):
+            self._check()
+            some = tracks[at : at + TOGETHER]
+            self.tracks_read += len(some)
+            rows = rows_of(self._table.about[:, some])
+            data = self.forest.caches.tracks.read(self.forest.tx, rows)
+            held = [channels_of(row[4]) for row in rows]
+            for channel in channels:
+                has = [channel in each for each in held]
+                found = [
+                    (track, values[each.index(channel)])
+                    for track, values, each, there in zip(some.tolist(), data, held, has, strict=True)
+                    if there
+                ]
+                if found:
+                    yield channel, found
+
+
+def _leaves(condition: Condition) -> Iterator[Condition]:
+    if not condition.logic:
+        yield condition
+    for part in condition.parts:
+        yield from _leaves(part)
