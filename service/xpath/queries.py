@@ -36,6 +36,8 @@ from service.xpath.language.tree import Call, Expression, Path
 from service.xpath.language.types import distinct_of, item_type, type_of
 from service.xpath.library.caches import Caches
 from service.xpath.library.listing import Scope
+from service.xpath.library.part_file import path_of
+from service.xpath.library.sidecar import Sidecar
 from service.xpath.limits import Limits
 from service.xpath.nodes.node import Node
 from service.xpath.nodes.numbering import MAX_DOCUMENTS
@@ -47,6 +49,8 @@ from service.xpath.xml.sequences import Sequences
 
 DEFAULT_LIMIT = 100
 MAX_ON_XML = 100_000
+LAST_SECONDS = 2.0
+"""That a process may take at its end to write what the next one reads."""
 
 
 class Queries:
@@ -57,9 +61,13 @@ class Queries:
         self.settings = settings
         self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
         self.saxon = Saxon(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
-        self.caches = Caches(settings.query_cache_mib << 20)
+        place = path_of(database, settings.cache_dir)
+        sidecar = None if place is None else Sidecar(place, settings.cache_disk_mib << 20)
+        self.caches = Caches(settings.query_cache_mib << 20, sidecar)
 
     def close(self) -> None:
+        if self.caches.sidecar is not None:
+            self.caches.sidecar.close(LAST_SECONDS)
         self.evaluator.close()
         self.saxon.close()
 
