@@ -7,11 +7,13 @@ from functools import cached_property
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
+import orjson
 
 from service.mcml.lexical import unescape
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.language.reach import HeadPart
+from service.xpath.library import sample_parts
 from service.xpath.library.bone_columns import BoneColumns
 from service.xpath.library.caches import Caches
 from service.xpath.library.groups import Group
@@ -50,6 +52,7 @@ class Forest:
         self.head_part = head_part
         self.keys = documents.keys
         self.frames = documents.frames
+        self._from_disk: dict[tuple[str | None, str | None, int], Floats] = {}
 
     def __len__(self) -> int:
         return len(self.documents)
@@ -157,11 +160,27 @@ class Forest:
 
     def samples(self, lead: str | None, name: str | None, channel: int, read: Callable[[], Floats]) -> Floats:
         """(tracks, CHUNK): the samples of a channel over the tracks of the leading bone. read: reads them."""
-        return self._sampled((lead, name, channel), read)
+        what = lead, name, channel
+
+        def make() -> Floats:
+            if what in self._from_disk:
+                return self._from_disk.pop(what)
+            made = read()
+            if self._disk is not None:
+                self._disk.keep(self.tx, self._samples(what), lambda: sample_parts.columns(made), made.nbytes)
+            return made
+
+        return self._sampled(what, make)
 
     def has_samples(self, lead: str | None, name: str | None, channel: int) -> bool:
-        """Whether they are at hand."""
-        return self.caches.samples.holds((self.documents.number, (lead, name, channel)))
+        """Whether they are at hand, or were kept on disk and are now."""
+        what = lead, name, channel
+        if what in self._from_disk or self.caches.samples.holds((self.documents.number, what)):
+            return True
+        found = None if self._disk is None else self._disk.read(self.tx, self._samples(what))
+        if found is not None:
+            self._from_disk[what] = sample_parts.samples_of(found)
+        return found is not None
 
     def reads_bone(self, name: str | None) -> bool:
         """Whether they are read."""
@@ -198,6 +217,9 @@ class Forest:
 
     def _key(self, what: str) -> tuple[bytes, str]:
         return self.documents.fingerprint, what
+
+    def _samples(self, what: tuple[str | None, str | None, int]) -> tuple[bytes, str]:
+        return self._key(f"samples {orjson.dumps(what).decode()}")
 
     def _sums(self, name: str | None) -> tuple[bytes, str]:
         return self._key("totals of all" if name is None else f"totals {name}")
