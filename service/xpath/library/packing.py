@@ -12,7 +12,7 @@ import orjson
 import zstandard
 from pcodec import ChunkConfig, standalone
 
-FEW = 256
+FEW = 4096
 """Bytes that are not worth being compressed."""
 PAYS = 0.7
 """Compressed to more than this share, an array is kept as it is: to read it takes no time then."""
