@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sqlite3
+import threading
 from contextlib import closing
 from pathlib import Path
 
@@ -20,6 +21,7 @@ BUSY_SECONDS = 5.0
 PAGE_BYTES = 32_768
 OFF = "none"
 
+_opening = threading.Lock()
 _SCHEMA = (
     "CREATE TABLE IF NOT EXISTS part (held BLOB NOT NULL, name TEXT NOT NULL, mark TEXT NOT NULL, "
     "used INTEGER NOT NULL, size INTEGER NOT NULL, checksum BLOB NOT NULL, data BLOB NOT NULL, UNIQUE (held, name))",
@@ -53,13 +55,15 @@ def why_not(path: Path) -> str:
 def opened(path: Path) -> sqlite3.Connection:
     """A connection to the file. Where it is not there, of another format or broken, it is made anew; OSError and
     sqlite3.OperationalError where that cannot be."""
-    try:
-        return _connected(path)
-    except sqlite3.OperationalError:
-        raise
-    except (sqlite3.DatabaseError, UnicodeDecodeError):
-        remove(path)
-        return _connected(path)
+    # Of two threads that find it broken, one makes it anew, and the other does not remove that again.
+    with _opening:
+        try:
+            return _connected(path)
+        except sqlite3.OperationalError:
+            raise
+        except (sqlite3.DatabaseError, UnicodeDecodeError):
+            remove(path)
+            return _connected(path)
 
 
 def _connected(path: Path) -> sqlite3.Connection:
@@ -72,8 +76,9 @@ def _connected(path: Path) -> sqlite3.Connection:
         if connection.execute("PRAGMA page_count").fetchone() == (0,):
             connection.execute(f"PRAGMA page_size={PAGE_BYTES}")
             connection.execute("PRAGMA auto_vacuum=INCREMENTAL")
-        # It may be lost at any time: nothing waits for the disk.
-        for pragma in ("journal_mode=WAL", "synchronous=OFF", "secure_delete=ON", "mmap_size=4294967296"):
+        # It may be lost at any time: nothing waits for the disk. Not mapped into memory: whoever truncates it would end
+        # the process.
+        for pragma in ("journal_mode=WAL", "synchronous=OFF", "secure_delete=ON"):
             connection.execute(f"PRAGMA {pragma}").fetchall()
         connection.execute("PRAGMA journal_size_limit=1048576")
         if connection.execute("PRAGMA user_version").fetchone() != (FORMAT,):
