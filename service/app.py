@@ -61,7 +61,7 @@ def create_app(
         store.require_schema()
         store.reserve.spend(store.sweep)
         store.reserve.keep()
-        finish_purges(store)
+        finish_purges(store, cache_dir=settings.cache_dir)
         app.state.runner.start()
         yield
         app.state.runner.stop()

@@ -24,6 +24,15 @@ def data_folder() -> Path:
     return Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share") / "mcml"
 
 
+def cache_folder() -> Path:
+    """The user's folder of what may be lost (XDG on Linux, the platform's own elsewhere)."""
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "mcml"
+    if sys.platform == "win32":
+        return data_folder() / "cache"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "mcml"
+
+
 def private_folder(folder: Path) -> Path:
     """The folder, made where it is not there; the data folder is for its owner alone."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -80,6 +89,11 @@ class Settings(BaseSettings):
     )
     query_memory_mib: int = Field(1024, ge=64, description="Most memory one projected XPath query may take")
     query_cache_mib: int = Field(512, ge=8, description="Memory for columns that XPath queries keep between them")
+    cache_dir: str = Field(
+        "",
+        description="Folder of what queries keep on disk; default: beside an SQLite store, else the user's; none: off",
+    )
+    cache_disk_mib: int = Field(1024, ge=1, description="Most that queries keep on disk")
     query_elements: int = Field(3_000_000, ge=1000, description="Most elements that a projected query may touch")
     job_workers: int = Field(0, ge=0, description="Jobs that run at a time; 0: one for every core but one, at most 4")
     job_memory_mib: int = Field(4096, ge=256, description="Most memory one job may take")

@@ -47,7 +47,7 @@ def purge(
     found = purgeable(store, wanted, deleted_before)
     done = 0
     if yes:
-        done = purge_documents(store, [one.uuid for one in found])
+        done = purge_documents(store, [one.uuid for one in found], cache_dir=settings.cache_dir)
     if as_json:
         print_json({"purged": done, "documents": [asdict(one) for one in found]})
         return

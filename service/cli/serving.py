@@ -132,6 +132,8 @@ EXTRAS = {"arrow": "pyarrow", "audio": "librosa", "plots": "matplotlib", "xpath2
 
 def doctor(database: DatabaseOption = None) -> None:
     """Say what this installation has, what it lacks, and how to mend it."""
+    from service.xpath.library.part_file import path_of, why_not
+
     settings = chosen_settings(database)
     faults = 0
 
@@ -176,6 +178,14 @@ def doctor(database: DatabaseOption = None) -> None:
                 "documents",
                 f"{count:,} in {sizes['total'] / 1e6:,.1f} MB, {sizes['uploads'] / 1e6:,.1f} MB of it uploads",
             )
+            place = path_of(store, settings.cache_dir)
+            trouble = "" if place is None else why_not(place)
+            if place is None:
+                line("query columns", "in memory alone: MCML_CACHE_DIR is none")
+            else:
+                size = f"{place.stat().st_size / 1e6:,.1f} MB in {place}" if not trouble else f"{place}: {trouble}"
+                remedy = "Queries serve from memory alone; let the folder be written, or name one in MCML_CACHE_DIR."
+                line("query columns", size, not trouble, remedy if trouble else "")
     path = settings.database_url.removeprefix("sqlite:///")
     if path != settings.database_url:
         folder = os.path.dirname(path) or "."

@@ -75,7 +75,13 @@ def prune(
     as_json: JsonOption = False,
 ) -> None:
     """Forget history: each document as it was so many days ago stays, and all after it."""
-    found = prune_history(open_database(chosen_settings(database)), older_than, do=yes)
+    settings = chosen_settings(database)
+    store = open_database(settings)
+    found = prune_history(store, older_than, do=yes)
+    if yes:
+        from service.xpath.library.part_file import forget
+
+        forget(store, settings.cache_dir)
     if as_json:
         print_json({"pruned": yes, **asdict(found)})
         return

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import orjson
@@ -23,6 +22,7 @@ from service.storage.seals import PRIME, Checked, checked, track_checksums, unso
 from service.storage.selected import listed_documents
 from service.storage.tables import (
     bone,
+    commit,
     content,
     document,
     frame_run,
@@ -48,8 +48,7 @@ KEYS_AT_A_TIME = 10_000
 """In one statement."""
 
 
-@dataclass(frozen=True, slots=True)
-class Listed:
+class Listed(NamedTuple):
     """A document at one revision: what a query needs to know of every one it is asked of."""
 
     key: int
@@ -153,6 +152,7 @@ _COUNTS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _COUNTS.items(
 _HOLDERS_OF_KEYS = {kind: query.where(_OF_KEYS) for kind, query in _HOLDERS.items()}
 _ZONE_WIDTH = 7 + len(CHANNEL_ENDS)
 _DOCUMENTS = {past: checked(listed_documents(past=past), document, content) for past in (False, True)}
+_COMMIT = select(commit.c.time, commit.c.author).where(commit.c.number == bindparam("number"))
 _CHANGED = select(revision.c.document).where(revision.c.commit > bindparam("number"))
 _DOCUMENTS_OF_KEYS = {past: query.where(OneOf(document.c.id, "keys")) for past, query in _DOCUMENTS.items()}
 
@@ -171,13 +171,18 @@ class Columns:
             found = self._tx.checked(_DOCUMENTS[past], {"at": self._tx.at})
         else:
             found = self._rows(_DOCUMENTS_OF_KEYS[past], keys)
-        listed = [Listed(*row) for row in found]
+        listed = list(map(Listed._make, found))
         return sorted(listed, key=lambda one: (one.name, one.key))
 
     def changed_since(self, number: int) -> list[int]:
         """The documents of which there are revisions after a commit."""
         # Not DISTINCT, for which SQLite would read all revisions in the order of documents.
         return sorted({row[0] for row in self._tx.rows(_CHANGED, {"number": number})})
+
+    def commit_facts(self, number: int) -> str:
+        """What tells a commit from the one of the same number in another store, "" where there is none."""
+        rows = self._tx.rows(_COMMIT, {"number": number})
+        return " ".join(map(str, rows[0])) if rows else ""
 
     def timelines(self, keys: Sequence[int]) -> list[Any]:
         """Rows (document, first, slot, count) in order of document and position."""

@@ -33,11 +33,13 @@ from service.xpath.language.hints import unknown_names
 from service.xpath.language.labels import without_index
 from service.xpath.language.parse import Query, parse
 from service.xpath.language.rules import normal
-from service.xpath.language.scopes import asks_each, asks_scope, is_node_set, spans_documents
+from service.xpath.language.scopes import asks_each, asks_scope, is_node_set
 from service.xpath.language.tree import Call, Expression
 from service.xpath.language.types import distinct_of, item_type, type_of
 from service.xpath.library.caches import Caches
 from service.xpath.library.listing import Scope
+from service.xpath.library.part_file import path_of
+from service.xpath.library.sidecar import Sidecar
 from service.xpath.limits import Limits
 from service.xpath.nodes.node import Node
 from service.xpath.nodes.numbering import MAX_DOCUMENTS
@@ -45,12 +47,12 @@ from service.xpath.nodes.pairs import TooWideError
 from service.xpath.xml.evaluate import Evaluator
 from service.xpath.xml.projected import Projected
 from service.xpath.xml.saxon import Saxon
-from service.xpath.xml.sequences import Sequences
+from service.xpath.xml.sequences import Sequences, require_alone, require_time
 
 DEFAULT_LIMIT = 100
 MAX_ON_XML = 100_000
-SAXON_SECONDS = 0.003
-"""That Saxon takes for a small document, at least."""
+LAST_SECONDS = 2.0
+"""That a process may take at its end to write what the next one reads."""
 
 
 class Queries:
@@ -61,9 +63,13 @@ class Queries:
         self.settings = settings
         self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
         self.saxon = Saxon(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
-        self.caches = Caches(settings.query_cache_mib << 20)
+        place = path_of(database, settings.cache_dir)
+        sidecar = None if place is None else Sidecar(place, settings.cache_disk_mib << 20)
+        self.caches = Caches(settings.query_cache_mib << 20, sidecar)
 
     def close(self) -> None:
+        if self.caches.sidecar is not None:
+            self.caches.sidecar.close(LAST_SECONDS)
         self.evaluator.close()
         self.saxon.close()
 
@@ -341,7 +347,7 @@ class _Asking:
         if page.request.as_ == "runs":
             return page.of_runs(self.tx, source.runs())
         if page.request.as_ == "json" and source.documents and page.request.per is None:
-            self._require_time(len(source.documents) if source.is_aggregate else 0)
+            require_time(len(source.documents) if source.is_aggregate else 0, self.limits)
             whole = source.aggregate()
             if whole is not None:
                 return self._of_aggregate(*whole, page)
@@ -354,27 +360,10 @@ class _Asking:
         answer = page.of_items(self.tx, items, more=len(found.items) > page.limit)
         return answer if items else answer.model_copy(update={"type": "nodes" if found.nodes else "values"})
 
-    def _require_time(self, documents: int) -> None:
-        """Refuses before it begins what takes Saxon longer than the query may."""
-        seconds = documents * SAXON_SECONDS
-        if seconds > self.limits.seconds_left:
-            raise LimitError(
-                f"Only Saxon evaluates this, document by document: about {seconds:.0f} s for {documents:,} of them.",
-                remedy="Ask fewer documents, or write it without casts, comparisons of nodes and functions of Saxon "
-                "(docs/xpath.md); nodes alone, with as=ndjson, xml or csv, stream within MCML_SAXON_SECONDS.",
-                code="query-needs-saxon",
-            )
-
     def require_documents_alone(self) -> None:
         """Refuses what must be evaluated on all documents together, which XML is not."""
-        if self.per == "document" or len(self.scope.documents()) < 2 or not spans_documents(self.query.tree):
-            return
-        raise QueryError(
-            "This is asked of all documents together, and holds what is only evaluated on one document at a time.",
-            remedy="Ask with per=document, or one document; or write it without casts, comparisons of nodes, and loops "
-            "in loops over nodes.",
-            code="needs-one-document",
-        )
+        if self.per != "document":
+            require_alone(self.query.tree, len(self.scope.documents()))
 
     def _of_aggregate(self, function: str, value: object, page: Page) -> QueryAnswer:
         if isinstance(value, list):

@@ -7,6 +7,7 @@ import io
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from random import Random
 from typing import Any
 
@@ -137,15 +138,19 @@ def pages_of(engine: Queries, text: str) -> Iterator[list[tuple[str, str, str]]]
             return
 
 
-def run(database: Database, count: int, skeletons: int, rounds: int, asked: int, seed: int) -> None:
+def run(
+    database: Database, count: int, skeletons: int, rounds: int, asked: int, seed: int, folder: str = "none"
+) -> None:
+    """folder: where columns are kept on disk."""
     made = Many(database, count, skeletons, seed)
     random = Random(seed)
-    engine = Queries(database, Settings(query_seconds=600))
+    engine = Queries(database, Settings(query_seconds=600, cache_dir=folder))
     differences: list[str] = []
     with opened(engine), ThreadPoolExecutor(3) as threads:
         for _ in range(rounds):
             if random.random() < 0.5:
-                engine.caches = Caches(random.choice(LIMITS))
+                # As in a fresh process; what was kept on disk is there.
+                engine.caches = Caches(random.choice(LIMITS), engine.caches.sidecar)
             texts = questions(made, random, asked)
             texts += [of_any_attribute(random, tree) for tree in random.sample(list(made.trees.values()), 3)]
             seeds = [Random(random.random()) for _ in texts]
@@ -176,6 +181,7 @@ def opened(engine: Queries) -> Iterator[None]:
 def small_groups(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(groups, "DOCUMENTS", 12)
     monkeypatch.setattr(groups, "MOST_DOCUMENTS", 40)
+    monkeypatch.setattr(groups, "LASTING", 1)
     monkeypatch.setattr(group_scan, "FIRST_UNITS", 4)
     monkeypatch.setattr(group_scan, "MANY_TRACKS", 4)
     monkeypatch.setattr(frame_bones, "FEW", 4)
@@ -190,8 +196,13 @@ def test_answers_are_libxml2s(database: Database, skeletons: int) -> None:
 
 
 @pytest.mark.usefixtures("small_groups")
+def test_answers_are_libxml2s_with_columns_on_disk(database: Database, tmp_path: Path) -> None:
+    run(database, count=90, skeletons=2, rounds=4, asked=8, seed=3, folder=str(tmp_path))
+
+
+@pytest.mark.usefixtures("small_groups")
 @pytest.mark.fuzz(seeds=4)
 @pytest.mark.timeout(7200)
 @pytest.mark.parametrize("skeletons", [2, 500])
-def test_answers_are_libxml2s_many_times(database: Database, skeletons: int, seed: int) -> None:
-    run(database, count=600, skeletons=skeletons, rounds=40, asked=12, seed=seed)
+def test_answers_are_libxml2s_many_times(database: Database, skeletons: int, seed: int, tmp_path: Path) -> None:
+    run(database, count=600, skeletons=skeletons, rounds=40, asked=12, seed=seed, folder=str(tmp_path))

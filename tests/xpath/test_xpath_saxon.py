@@ -274,7 +274,7 @@ def test_nodes_of_several_documents_stream(queries: Queries) -> None:
 def test_what_would_take_too_long_is_refused_before_it_begins(
     queries: Queries, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.xpath.queries.SAXON_SECONDS", 60)
+    monkeypatch.setattr("service.xpath.xml.sequences.SAXON_SECONDS", 60)
     monkeypatch.setattr(queries.saxon, "items", None)
     with pytest.raises(LimitError, match="about 120 s for 2") as caught:
         queries.answer(QueryRequest(q="count(//frame[. is .])"))

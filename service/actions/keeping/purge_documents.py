@@ -9,6 +9,7 @@ from datetime import UTC, datetime, timedelta
 from service.errors import NotFoundError
 from service.storage.database import Database
 from service.storage.words import in_words
+from service.xpath.library.part_file import forget
 
 
 @dataclass(frozen=True)
@@ -52,16 +53,22 @@ def purgeable(database: Database, uuids: Sequence[str], deleted_days: float | No
 
 
 def purge_documents(
-    database: Database, uuids: Sequence[str], author: str = "local", progress: Callable[[str], None] | None = None
+    database: Database,
+    uuids: Sequence[str],
+    author: str = "local",
+    progress: Callable[[str], None] | None = None,
+    cache_dir: str = "",
 ) -> int:
     """Remove documents for good, and those whose purge was interrupted; answers how many. NotFoundError.
+
+    cache_dir: where queries keep columns on disk, as the setting has it; those of what is purged go, too.
 
     Each step is a short transaction, so others go on working; a kill in between leaves a document that no read sees,
     and the next purge, or the next server that starts, goes on with it.
     """
     for uuid in uuids:
         database.reserve.spend(lambda uuid=uuid: _begin(database, uuid, author))  # type: ignore[misc]
-    return finish_purges(database, author, progress)
+    return finish_purges(database, author, progress, cache_dir)
 
 
 def _begin(database: Database, uuid: str, author: str) -> None:
@@ -71,7 +78,12 @@ def _begin(database: Database, uuid: str, author: str) -> None:
         tx.purging.begin(stored.key)
 
 
-def finish_purges(database: Database, author: str = "local", progress: Callable[[str], None] | None = None) -> int:
+def finish_purges(
+    database: Database,
+    author: str = "local",
+    progress: Callable[[str], None] | None = None,
+    cache_dir: str = "",
+) -> int:
     """Remove what is left of documents that are being purged; answers how many there were."""
     with database.read() as tx:
         begun = tx.purging.unfinished()
@@ -84,6 +96,7 @@ def finish_purges(database: Database, author: str = "local", progress: Callable[
     if begun:
         database.reserve.spend(lambda: _settle(database))
         database.reserve.keep()
+        forget(database, cache_dir)
     return len(begun)
 
 

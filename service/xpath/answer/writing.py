@@ -135,7 +135,7 @@ def _frames(forest: Forest, nodes: Ints) -> Iterator[bytes]:
         return
     for place, some, block in frames.by_document(forest, nodes):
         before = [openings[place] % position for position in frames_of(some).tolist()]
-        names = forest.layouts[place].names
+        names = forest.shapes.names_of(place)
         yield from write_frames(block, names, layout=Layout.COMPACT, before=before, after=_CLOSING)
 
 

@@ -68,10 +68,10 @@ class ColumnSource:
         """Those that can hold nodes of the answer, in its order."""
         return self.frames.documents
 
-    def forests(self) -> Iterator[Forest]:
+    def forests(self, *, counted: bool = False) -> Iterator[Forest]:
         """The documents in groups. Of what a question narrows, the first are small: often the first page is all that is
-        wanted."""
-        head_part = head_of(self.tree)
+        wanted. counted: only how many nodes there are is asked."""
+        head_part = head_of(self.tree, counted=counted)
         for group in self.frames.groups:
             yield Forest(self.tx, group, self._caches, head_part=head_part)
 
@@ -137,7 +137,7 @@ class ColumnSource:
             return len(self.documents)
         if self._one_a_skeleton:
             return sum(int(self._times(forest)[documents_of(nodes)].sum()) for forest, nodes in self.examples())
-        return sum(len(nodes) for _, nodes in self.chunks())
+        return sum(len(nodes) for forest in self.forests(counted=True) for _, nodes in self._chunks(forest))
 
     def items(self) -> Iterator[tuple[Forest, Items]]:
         """The sequence of each document, some documents at a time."""

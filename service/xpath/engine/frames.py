@@ -35,7 +35,7 @@ def each(forest: Forest, nodes: Ints, before: Sequence[bytes] = (), after: bytes
         documents_of(nodes).tolist(), shapes.tolist(), block_of.tolist(), (slots % CHUNK).tolist(), strict=True
     )
     for place, number, unit, offset in numbered:
-        shape, names, block = forest.shapes.numbered_shapes[number], forest.layouts[place].names, blocks[unit]
+        shape, names, block = forest.shapes.numbered_shapes[number], forest.shapes.names_of(place), blocks[unit]
         # Equal ones are the same object, which is found faster than what is equal.
         kind = kinds.setdefault((id(shape), id(names)), len(kinds))
         if kind == len(held):

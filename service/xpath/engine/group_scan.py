@@ -14,8 +14,8 @@ from service.xpath.engine.axes import step as axis_step
 from service.xpath.engine.scan_plan import ScanPlan
 from service.xpath.engine.stacked import Some, StackedBones
 from service.xpath.engine.vectors import Sample
-from service.xpath.library.bone_columns import BoneColumns, summary
-from service.xpath.library.forest import Forest
+from service.xpath.library.bone_columns import summary
+from service.xpath.library.forest import Bone, Forest
 from service.xpath.library.intervals import Interval
 from service.xpath.library.track_values import MOST_TRACKS, track_values
 from service.xpath.library.zones import BONE, CHUNK_NUMBER, FRAMES, Table
@@ -56,7 +56,7 @@ class GroupScan:
         """Whether the zone maps that the condition needs are at hand."""
         return all(self.forest.has_bone(name) for name in self._names)
 
-    def ends(self, sample: Sample) -> BoneColumns:
+    def ends(self, sample: Sample) -> Bone:
         return self._bones[self.plan.lead if sample[0] is None else sample[0]]
 
     def most(self, sample: Sample, sign: float) -> float:
@@ -94,8 +94,8 @@ class GroupScan:
         """
         columns = self.ends(sample)
         known = self.plan.condition.is_presence and self._labelled is None
-        if known and sample[1] in columns.totals:
-            return columns.totals[sample[1]]
+        if known and (found := columns.total(sample[1])) is not None:
+            return found
         units = self._units()
         whole = np.zeros(len(units), bool)
         total = count = 0.0
@@ -110,7 +110,7 @@ class GroupScan:
             values = block[sample][self._holds(some, block)]
             total, count = total + float(values.sum()), count + len(values)
         if known:
-            columns.totals[sample[1]] = total, int(count)
+            columns.keep_total(sample[1], (total, int(count)))
         return total, int(count)
 
     def most_of_hits(self, sample: Sample, sign: float, best: float) -> float:
@@ -147,7 +147,7 @@ class GroupScan:
         return [self.plan.lead, *sorted(others)]
 
     @cached_property
-    def _bones(self) -> dict[str | None, BoneColumns]:
+    def _bones(self) -> dict[str | None, Bone]:
         self._check()
         return {name: self.forest.bone(name) for name in self._names}
 

@@ -74,13 +74,13 @@ def projection(tree: Expression) -> Projection:
     return analysis.least()
 
 
-def head_of(tree: Expression) -> HeadPart:
-    """What of the head the value depends on, or is made of."""
+def head_of(tree: Expression, *, counted: bool = False) -> HeadPart:
+    """What of the head the value depends on, or is made of. counted: only how many nodes there are is asked."""
     analysis = _Analysis()
     result = analysis.types(tree, frozenset({DOCUMENT}))
     analysis.use(result)
     # Who takes the nodes, such as sum(), may take their text, and that of these is the header's too.
-    if result & {DOCUMENT, MCML}:
+    if result & {DOCUMENT, MCML} and not counted:
         return HeadPart.ALL
     if analysis.sees_only(_STRUCTURE):
         return HeadPart.MOTION

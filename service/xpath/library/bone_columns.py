@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Protocol
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -24,8 +25,6 @@ class BoneColumns:
         self._own = 0 if shared else table.nbytes
         self._facing: WeakKeyDictionary[BoneColumns, Table] = WeakKeyDictionary()
         self._sums: dict[int, Floats] = {}
-        self.totals: dict[int, tuple[float, int]] = {}
-        """Of each channel the sum of all samples of frames that are there, and how many; what was asked for."""
 
     def __len__(self) -> int:
         return len(self.table)
@@ -49,7 +48,17 @@ class BoneColumns:
         return self._sums[channel]
 
 
-def summary(columns: list[BoneColumns], channel: int) -> Interval:
+class Ends(Protocol):
+    """What the samples of each channel of a bone lie between."""
+
+    @property
+    def least(self) -> Floats: ...
+
+    @property
+    def greatest(self) -> Floats: ...
+
+
+def summary(columns: Sequence[Ends], channel: int) -> Interval:
     """What the samples of a channel lie between, in each of several groups; whether each frame has one is not said."""
     low = np.array([each.least[channel] for each in columns])
     high = np.array([each.greatest[channel] for each in columns])

@@ -81,6 +81,11 @@ class ColumnCache:
         self._keep(key, entry, size(entry) + OVERHEAD)
         return entry
 
+    def find(self, key: Hashable) -> Any | None:
+        """The entry, None where there is none now."""
+        held = self._entries.get(key)
+        return None if held is None else held[1]
+
     def holds(self, key: Hashable) -> bool:
         """Whether there is an entry now."""
         return key in self._entries

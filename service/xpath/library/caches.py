@@ -11,6 +11,7 @@ from service.storage.database import Transaction
 from service.xpath.library.cache import OVERHEAD, Cache, ColumnCache
 from service.xpath.library.head_parts import Heads
 from service.xpath.library.listing import Listing
+from service.xpath.library.sidecar import Sidecar
 from service.xpath.library.tracks import BlockKey, Tracks
 from service.xpath.library.zones import Zones, read_zones
 from service.xpath.nodes.frame_runs import Ids, Labels, read_ids, read_labels
@@ -61,12 +62,14 @@ class Caches:
     samples; the rest takes a little beside them.
 
     listing: which documents there are. heads, layouts, labels, ids, zones: of documents. columns: of groups of
-    documents. samples: of bones of groups. tracks: decoded. blocks: all tracks over a chunk.
+    documents. samples: of bones of groups. tracks: decoded. blocks: all tracks over a chunk. sidecar: what is kept on
+    disk, too; None where nothing is.
     """
 
-    def __init__(self, limit: int = COLUMNS) -> None:
+    def __init__(self, limit: int = COLUMNS, sidecar: Sidecar | None = None) -> None:
         small = min(8 << 20, limit // 16)
-        self.listing = Listing()
+        self.sidecar = sidecar
+        self.listing = Listing(sidecar)
         self.heads = Heads(small)
         self.layouts = DocumentCache[Layout](read_layouts, 2 * small)
         self.labels = DocumentCache[Labels](read_labels, small)

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
+import orjson
 
 from service.mcml.lexical import unescape
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.language.reach import HeadPart
+from service.xpath.library import sample_parts
 from service.xpath.library.bone_columns import BoneColumns
 from service.xpath.library.caches import Caches
 from service.xpath.library.groups import Group
+from service.xpath.library.packing import Packed
+from service.xpath.library.sidecar import Sidecar
 from service.xpath.library.stacks import StackedSamples, Stacks
-from service.xpath.library.zones import FEW_FRAMES, FRAMES, MANY_FRAMES, Table, joined, read_zones
+from service.xpath.library.summaries import BoneEnds, Totals
+from service.xpath.library.zones import FEW_FRAMES, FRAMES, MANY_FRAMES, Table, joined, read_zones, table_of
 from service.xpath.nodes.frame_runs import IdRuns, LabelRuns
 from service.xpath.nodes.head_rows import HeadRows
 from service.xpath.nodes.layouts import Layout, ShapeRuns
@@ -31,6 +36,7 @@ class _Sized(Protocol):
 
 
 Column = TypeVar("Column", bound=_Sized)
+Rows = TypeVar("Rows", HeadRows, ShapeRuns, LabelRuns, IdRuns)
 
 
 class Forest:
@@ -47,6 +53,7 @@ class Forest:
         self.head_part = head_part
         self.keys = documents.keys
         self.frames = documents.frames
+        self._from_disk: dict[tuple[str | None, str | None, int], Floats] = {}
 
     def __len__(self) -> int:
         return len(self.documents)
@@ -58,7 +65,9 @@ class Forest:
     @cached_property
     def head(self) -> HeadRows:
         part = self.head_part
-        return self._kept(("head", part), lambda: HeadRows(self.caches.heads.read(self.tx, self.documents, part)))
+        return self._lasting(
+            HeadRows, f"head {part.name}", lambda: self.caches.heads.read(self.tx, self.documents, part)
+        )
 
     @cached_property
     def layouts(self) -> list[Layout]:
@@ -66,15 +75,15 @@ class Forest:
 
     @cached_property
     def shapes(self) -> ShapeRuns:
-        return self._kept("shapes", lambda: ShapeRuns(self.layouts))
+        return self._lasting(ShapeRuns, "shapes", lambda: self.layouts)
 
     @cached_property
     def labels(self) -> LabelRuns:
-        return self._kept("labels", lambda: LabelRuns(self.caches.labels.read(self.tx, self.documents)))
+        return self._lasting(LabelRuns, "labels", lambda: self.caches.labels.read(self.tx, self.documents))
 
     @cached_property
     def ids(self) -> IdRuns:
-        return self._kept("ids", lambda: IdRuns(self.caches.ids.read(self.tx, self.documents)))
+        return self._lasting(IdRuns, "ids", lambda: self.caches.ids.read(self.tx, self.documents))
 
     @cached_property
     def timeline(self) -> Timeline:
@@ -96,11 +105,48 @@ class Forest:
     @cached_property
     def tracks(self) -> Table:
         """All tracks with their zone maps."""
-        return self._kept("tracks", lambda: joined(self.caches.zones.read(self.tx, self.documents)))
 
-    def bone(self, name: str | None) -> BoneColumns:
+        def make() -> Table:
+            read = lambda: joined(self.caches.zones.read(self.tx, self.documents))  # noqa: E731
+            made = self._on_disk("tracks", read, Table.columns, table_of)
+            if self._disk is not None and self.ends is None:
+                shapes = self.shapes
+                self._disk.keep(self.tx, self._key("ends"), lambda: BoneEnds(made, shapes).stored(), shapes.nbytes)
+            return made
+
+        return self._kept("tracks", make)
+
+    def bone(self, name: str | None) -> Bone:
         """The tracks of the bone of a name, as XML has it, or of all bones."""
+        return Bone(self, name)
+
+    def bone_columns(self, name: str | None) -> BoneColumns:
+        """The same, read."""
         return self._kept(("bone", name), lambda: BoneColumns(self._tracks_of(name), shared=name is None))
+
+    @cached_property
+    def ends(self) -> BoneEnds | None:
+        """What the samples of every bone lie between, None where it is not kept on disk."""
+        if self._disk is None:
+            return None
+        known: BoneEnds | None = self.caches.columns.find((self.documents.number, "ends"))
+        if known is not None:
+            return known
+        found = self._disk.read(self.tx, self._key("ends"))
+        return None if found is None else self._kept("ends", lambda: BoneEnds.restored(found))
+
+    def totals(self, name: str | None) -> Totals:
+        """Sums of the samples of the bones of a name: those that were asked for."""
+        return self._kept(
+            ("totals", name), lambda: Totals(None if self._disk is None else self._disk.read(self.tx, self._sums(name)))
+        )
+
+    def add_total(self, name: str | None, channel: int, total: tuple[float, int]) -> None:
+        """Keep the sum of all samples of a channel of frames that are there, and how many they are."""
+        known = self.totals(name)
+        known[channel] = total
+        if self._disk is not None:
+            self._disk.keep(self.tx, self._sums(name), known.columns, known.nbytes)
 
     def here(self, name: str | None) -> Bools:
         """(tracks, CHUNK): over which slots of these tracks the documents have a frame."""
@@ -115,11 +161,31 @@ class Forest:
 
     def samples(self, lead: str | None, name: str | None, channel: int, read: Callable[[], Floats]) -> Floats:
         """(tracks, CHUNK): the samples of a channel over the tracks of the leading bone. read: reads them."""
-        return self._sampled((lead, name, channel), read)
+        what = lead, name, channel
+
+        def make() -> Floats:
+            if what in self._from_disk:
+                return self._from_disk.pop(what)
+            made = read()
+            if self._disk is not None:
+                self._disk.keep(self.tx, self._samples(what), lambda: sample_parts.columns(made), made.nbytes)
+            return made
+
+        return self._sampled(what, make)
 
     def has_samples(self, lead: str | None, name: str | None, channel: int) -> bool:
-        """Whether they are at hand."""
-        return self.caches.samples.holds((self.documents.number, (lead, name, channel)))
+        """Whether they are at hand, or were kept on disk and are now."""
+        what = lead, name, channel
+        if what in self._from_disk or self.caches.samples.holds((self.documents.number, what)):
+            return True
+        found = None if self._disk is None else self._disk.read(self.tx, self._samples(what))
+        if found is not None:
+            self._from_disk[what] = sample_parts.samples_of(found)
+        return found is not None
+
+    def reads_bone(self, name: str | None) -> bool:
+        """Whether they are read."""
+        return self.caches.columns.holds((self.documents.number, ("bone", name)))
 
     @cached_property
     def stacks(self) -> Stacks:
@@ -132,12 +198,17 @@ class Forest:
         return self._sampled(("stacked", channel, coded), make)
 
     def has_bone(self, name: str | None) -> bool:
-        """Whether they are at hand."""
-        return self.caches.columns.holds((self.documents.number, ("bone", name)))
+        """Whether what they lie between is at hand."""
+        return self.reads_bone(name) or self.ends is not None
 
     def _tracks_of(self, name: str | None) -> Table:
         if name is None:
             return self.tracks
+        if len(self) > 1:
+            return self._on_disk(f"bone {name}", lambda: self._chosen(name), Table.columns, table_of)
+        return self._chosen(name)
+
+    def _chosen(self, name: str) -> Table:
         numbers = self.shapes.numbers_of(unescape(name))
         if len(self) == 1 and not self.has_tracks():
             return joined([read_zones(self.tx, self.documents, numbers.tolist())[self.keys[0]]])
@@ -151,5 +222,86 @@ class Forest:
     def _sampled(self, what: object, make: Callable[[], Column]) -> Column:
         return self.caches.samples.get((self.documents.number, what), make, lambda column: column.nbytes)
 
+    @cached_property
+    def _disk(self) -> Sidecar | None:
+        return self.caches.sidecar if self.documents.lasting else None
+
+    def _key(self, what: str) -> tuple[bytes, str]:
+        return self.documents.fingerprint, what
+
+    def _samples(self, what: tuple[str | None, str | None, int]) -> tuple[bytes, str]:
+        return self._key(f"samples {orjson.dumps(what).decode()}")
+
+    def _sums(self, name: str | None) -> tuple[bytes, str]:
+        return self._key("totals of all" if name is None else f"totals {name}")
+
+    def _on_disk(
+        self,
+        what: str,
+        make: Callable[[], Column],
+        columns: Callable[[Column], Mapping[str, Any]],
+        restored: Callable[[Packed], Column],
+    ) -> Column:
+        if self._disk is None:
+            return make()
+        return self._disk.part(self.tx, self._key(what), make, columns, restored)
+
+    def _lasting(self, kind: type[Rows], what: str, read: Callable[[], Any]) -> Rows:
+        """Rows of a kind made of what is read, kept in memory and on disk."""
+        return self._kept(what, lambda: self._on_disk(what, lambda: kind(read()), kind.stored, kind.restored))
+
     def _kept(self, what: object, make: Callable[[], Column]) -> Column:
         return self.caches.columns.get((self.documents.number, what), make, lambda column: column.nbytes)
+
+
+class Bone:
+    """The tracks of the bones of a name for one question: what they lie between may be known without them."""
+
+    def __init__(self, forest: Forest, name: str | None) -> None:
+        self._forest = forest
+        self._name = name
+
+    def __len__(self) -> int:
+        return len(self.columns)
+
+    @cached_property
+    def columns(self) -> BoneColumns:
+        return self._forest.bone_columns(self._name)
+
+    @property
+    def table(self) -> Table:
+        """The tracks with their zone maps."""
+        return self.columns.table
+
+    @property
+    def least(self) -> Floats:
+        """The least of all samples of each channel, NaN where there are none."""
+        return self._ends[0]
+
+    @property
+    def greatest(self) -> Floats:
+        """The greatest."""
+        return self._ends[1]
+
+    def total(self, channel: int) -> tuple[float, int] | None:
+        """The sum of all samples of a channel of frames that are there, and how many; None where nobody asked."""
+        return self._forest.totals(self._name).get(channel)
+
+    def keep_total(self, channel: int, total: tuple[float, int]) -> None:
+        """Keep it."""
+        self._forest.add_total(self._name, channel, total)
+
+    def facing(self, lead: Bone) -> Table:
+        """For each track of another bone the one of the same frames."""
+        return self.columns.facing(lead.columns)
+
+    def sums(self, channel: int, make: Callable[[Table], Floats]) -> Floats:
+        """The sum of the samples of each track. make: works it out."""
+        return self.columns.sums(channel, make)
+
+    @cached_property
+    def _ends(self) -> tuple[Floats, Floats]:
+        ends = None if self._forest.reads_bone(self._name) else self._forest.ends
+        if ends is None:
+            return self.columns.least, self.columns.greatest
+        return ends.of(None if self._name is None else unescape(self._name))

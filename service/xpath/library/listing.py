@@ -10,11 +10,19 @@ from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.language.hints import Kind, compared_names, not_found
 from service.xpath.language.tree import Expression
+from service.xpath.library import groups, listing_columns
 from service.xpath.library.cache import Cache
 from service.xpath.library.groups import FEW_DOCUMENTS, Group, Groups
+from service.xpath.library.sidecar import Sidecar
 
 STATES = 4
 """States of the store whose documents are kept: the present one, and some that pages or streams still read."""
+
+FEW = 100
+"""Commits, after which what changed is read in a few milliseconds."""
+
+LISTING = b"", "documents"
+"""The part beside the store that has them."""
 
 KNOWN_NAMES = 10_000
 """Texts for which it is kept whether names equal them."""
@@ -41,11 +49,14 @@ class State:
 class Listing:
     """The documents of the store; after a commit those that it changed are read anew. Threads may share it."""
 
-    def __init__(self) -> None:
+    def __init__(self, sidecar: Sidecar | None = None) -> None:
+        """sidecar: where the documents are kept on disk."""
+        self._sidecar = sidecar
         # By the newest commit as well as the one that is read: a deleted document that comes back was never away.
         self._states = Cache[tuple[int, int], State](STATES, lambda _: 1)
         self._groups = Groups()
         self._last: State | None = None
+        self._written = -FEW
 
     def state(self, tx: Transaction) -> State:
         """What a transaction sees."""
@@ -58,15 +69,39 @@ class Listing:
             last = self._last
             # Only of the newest state it is known what changed since another; what was purged leaves no trace.
             is_newest, state.whole_since = tx.at >= tx.newest_commit(), tx.pruning.whole_since()
+            if last is None and is_newest:
+                last = self._kept(tx)
             is_known = last is not None and last.commit <= state.commit and last.whole_since == state.whole_since
             if is_newest and is_known and last is not None and last.whole is not None:
                 state.whole = _changed(tx, last.whole, last.commit)
             else:
                 state.whole = tx.columns.documents()
+            if is_newest:
+                self._keep(tx, state)
             state.documents.update({listed.key: listed for listed in state.whole})
             if is_newest and (last is None or last.commit <= state.commit):
                 self._last = state
         return state.whole
+
+    def _kept(self, tx: Transaction) -> State | None:
+        """What another process left."""
+        found = None if self._sidecar is None else self._sidecar.read(tx, LISTING)
+        if found is None:
+            return None
+        columns = listing_columns.restored(found)
+        self._written = int(found["commit"])
+        return State(self._written, columns, whole_since=tx.pruning.whole_since())
+
+    def _keep(self, tx: Transaction, state: State) -> None:
+        """Leave it for other processes, unless what they have is nearly the same: they read what changed since."""
+        whole, commit = state.whole or [], state.commit
+        if (
+            self._sidecar is not None
+            and len(whole) >= groups.LASTING
+            and not self._written <= commit < self._written + FEW
+        ):
+            self._written = commit
+            self._sidecar.keep(tx, LISTING, lambda: listing_columns.columns(whole, commit), 100 * len(whole))
 
     def groups(self, tx: Transaction, state: State, project: int | None) -> list[Group]:
         """The same, of a project or all, in groups."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from service.storage.database import Transaction
 from service.xpath.library.intervals import Interval
 from service.xpath.library.tracks import Row
 from service.xpath.nodes.numbering import Floats, Ints
+from service.xpath.nodes.stored import Columns
 
 MANY_FRAMES = 1 << 19
 """Documents of more frames have zone maps that are too large to be kept."""
@@ -80,6 +82,10 @@ class Table:
         """About how much memory it takes."""
         return self.places.nbytes + self.about.nbytes + self.least.nbytes + self.greatest.nbytes
 
+    def columns(self) -> dict[str, Any]:
+        """As it is kept on disk."""
+        return {name: getattr(self, name) for name in ("places", "about", "least", "greatest")}
+
     def __getitem__(self, which: Ints | slice) -> Table:
         return Table(self.places[which], self.about[:, which], self.least[:, which], self.greatest[:, which])
 
@@ -127,6 +133,11 @@ class Table:
         gaps = (self.about[GAPS] >> channel & 1).astype(bool)
         always = some & ~gaps & (self.about[FRAMES] >= frames)
         return Interval(self.least[channel], self.greatest[channel], some, always)
+
+
+def table_of(columns: Columns) -> Table:
+    """The table that had these columns."""
+    return Table(columns["places"], columns["about"], columns["least"], columns["greatest"])
 
 
 def joined(zones: Sequence[Zones]) -> Table:

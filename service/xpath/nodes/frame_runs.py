@@ -6,6 +6,8 @@ import json
 from bisect import insort
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,8 +15,9 @@ from service.mcml.lexical import escape
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.encoding import is_plain_integer
-from service.xpath.nodes.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, NAME_WIDTH, NAMES_FROM, Ints, slots_of
+from service.xpath.nodes.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, NAME_WIDTH, NAMES_FROM, Bools, Ints, slots_of
 from service.xpath.nodes.pairs import expand
+from service.xpath.nodes.stored import Stored
 from service.xpath.nodes.texts import to_number
 
 
@@ -58,28 +61,48 @@ def _labels(spans: Sequence[tuple[int, int, str]], frames: int) -> Labels:
     return Labels(starts, names)
 
 
-class LabelRuns:
+class LabelRuns(Stored):
     """Runs of frames that carry the same motion names; every frame is in one.
 
-    names: of all runs one after the other, each its place in `stored`, and in `texts` as XML has it.
+    names: of all runs one after the other, each its place in `stored_names`, and in `texts` as XML has it.
     """
+
+    STORED = ("starts", "lengths", "names", "stored_names")
+
+    starts: Ints
+    lengths: Ints
+    names: Ints
+    stored_names: list[str]
 
     def __init__(self, labels: Sequence[Labels]) -> None:
         codes: dict[str, int] = {}
         places = np.repeat(np.arange(len(labels)), [len(each.starts) for each in labels])
         starts = np.array([start for each in labels for start in each.starts], np.int64)
-        self._of_runs = [names for each in labels for names in each.names]
-        self.starts: Ints = (places << (DOCUMENT_SHIFT - FRAME_SHIFT)) | starts
-        self.lengths: Ints = np.array([len(names) for names in self._of_runs], np.int64)
-        self.offsets: Ints = np.concatenate([[0], np.cumsum(self.lengths)])
-        numbers = [codes.setdefault(name, len(codes)) for names in self._of_runs for name in names]
-        self.names: Ints = np.array(numbers, np.int64)
-        self.texts = [escape(name) for name in codes]
+        of_runs = [names for each in labels for names in each.names]
+        self.starts = (places << (DOCUMENT_SHIFT - FRAME_SHIFT)) | starts
+        self.lengths = np.array([len(names) for names in of_runs], np.int64)
+        self.names = np.array([codes.setdefault(name, len(codes)) for names in of_runs for name in names], np.int64)
+        self.stored_names = list(codes)
 
     @property
     def nbytes(self) -> int:
         """About how much memory it takes."""
         return 100 * len(self.starts) + 80 * len(self.names)
+
+    @cached_property
+    def offsets(self) -> Ints:
+        """Where in `names` those of each run begin."""
+        return np.concatenate([[0], np.cumsum(self.lengths)])
+
+    @cached_property
+    def texts(self) -> list[str]:
+        """All names, as XML has them."""
+        return [escape(name) for name in self.stored_names]
+
+    @cached_property
+    def _of_runs(self) -> list[tuple[str, ...]]:
+        names = [self.stored_names[code] for code in self.names.tolist()]
+        return [tuple(names[start:stop]) for start, stop in pairwise(self.offsets.tolist())]
 
     def run_of(self, nodes: Ints) -> Ints:
         return np.asarray(np.searchsorted(self.starts, nodes >> FRAME_SHIFT, side="right") - 1)
@@ -141,26 +164,42 @@ def read_ids(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Ids]:
     return {key: Ids(np.array(found, np.int64).reshape(-1, 4), texts[key]) for key, found in runs.items()}
 
 
-class IdRuns:
+class IdRuns(Stored):
     """Frame ids, as arithmetic where they are integers of equal steps."""
+
+    STORED = ("_keys", "_first", "_step", "_count", "others")
+
+    _keys: Ints
+    _first: Ints
+    _step: Ints
+    _count: Ints
+    others: list[tuple[int, list[str]]]
+    """The ids of runs that are no integers, by the number of the run."""
 
     def __init__(self, ids: Sequence[Ids]) -> None:
         lengths = [len(each.runs) for each in ids]
         offsets = np.cumsum(lengths) - lengths
         runs = np.concatenate([np.empty((0, 4), np.int64), *(each.runs for each in ids)])
         first, self._first, self._step, self._count = runs.T
-        self._keys: Ints = (np.repeat(np.arange(len(ids)), lengths) << (DOCUMENT_SHIFT - FRAME_SHIFT)) | first
-        self._texts = {
-            offset + number: texts
+        self._keys = (np.repeat(np.arange(len(ids)), lengths) << (DOCUMENT_SHIFT - FRAME_SHIFT)) | first
+        self.others = [
+            (offset + number, texts)
             for offset, each in zip(offsets.tolist(), ids, strict=True)
             for number, texts in each.texts.items()
-        }
-        self._is_text = np.isin(np.arange(len(runs)), list(self._texts))
+        ]
 
     @property
     def nbytes(self) -> int:
         """About how much memory it takes."""
-        return 50 * len(self._keys) + 64 * sum(map(len, self._texts.values()))
+        return 50 * len(self._keys) + 64 * sum(len(texts) for _, texts in self.others)
+
+    @cached_property
+    def _texts(self) -> dict[int, list[str]]:
+        return dict(self.others)
+
+    @cached_property
+    def _is_text(self) -> Bools:
+        return np.isin(np.arange(len(self._keys)), list(self._texts))
 
     def find(self, wanted: str | float) -> Ints:
         """The frame elements whose id is a text, or has this number; ascending."""

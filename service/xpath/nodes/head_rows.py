@@ -21,6 +21,7 @@ from service.xpath.nodes.numbering import (
     slots_of,
 )
 from service.xpath.nodes.pairs import expand
+from service.xpath.nodes.stored import Stored
 from service.xpath.nodes.texts import Strings
 
 Some: TypeAlias = NDArray[np.signedinteger[Any]]
@@ -30,12 +31,23 @@ MCML_ROW = 1
 """Behind the document node."""
 
 
-class HeadRows:
+class HeadRows(Stored):
     """The heads of a group as one table: kinds, names, parents and ends by row, those of a document from its start on,
     its motion from `motions` on.
 
     parts: of each document, in order: the document node and `mcml` first, the motion last.
     """
+
+    STORED = ("starts", "motions", "kinds", "names", "parents", "ends", "codes", "values")
+
+    starts: Ints
+    motions: Ints
+    kinds: NDArray[np.int8]
+    names: NDArray[np.int16]
+    parents: Some
+    ends: Some
+    codes: Some
+    values: list[str]
 
     def __init__(self, parts: Sequence[tuple[Subtree, ...]]) -> None:
         every = [part for some in parts for part in some]
@@ -44,10 +56,9 @@ class HeadRows:
         counts = np.array([len(some) for some in parts], np.int64)
         firsts = np.cumsum(counts) - counts
         places: Ints = np.concatenate([[0], ends]).astype(np.int64)
-        self.texts = _texts(every)
-        """The strings of all attributes, texts and namespace nodes, "" for other rows."""
-        self.starts: Ints = np.append(places[firsts], places[-1])
-        self.motions: Ints = places[firsts + counts - 1]
+        self.codes, self.values = _texts(every)
+        self.starts = np.append(places[firsts], places[-1])
+        self.motions = places[firsts + counts - 1]
         self.kinds = _joined([part.kinds for part in every], np.int8)
         self.names = _joined([part.names for part in every], np.int16)
         document = np.repeat(np.arange(len(parts)), counts)
@@ -56,12 +67,14 @@ class HeadRows:
         # axis leaves it out.
         above = np.repeat(self.starts[document] + MCML_ROW, sizes)
         above[self.starts[:-1]] = self.starts[:-1]
-        self.parents: Some = np.where(within < 0, above, within + np.repeat(places[:-1], sizes)).astype(np.int32)
+        self.parents = np.where(within < 0, above, within + np.repeat(places[:-1], sizes)).astype(np.int32)
         last = _joined([part.ends for part in every], np.int64) + np.repeat(places[:-1], sizes)
         for row in (0, MCML_ROW):
             last[self.starts[:-1] + row] = self.starts[1:] - 1
-        self.ends: Some = last.astype(np.int32)
-        self._documents = np.repeat(np.arange(len(parts), dtype=np.int16), np.diff(self.starts))
+        self.ends = last.astype(np.int32)
+        self._begin()
+
+    def _begin(self) -> None:
         self._heads: dict[int, Head] = {}
         self._named: dict[int, Ints] = {}
         self._by_parent: dict[int, tuple[Ints, Ints]] = {}
@@ -69,7 +82,16 @@ class HeadRows:
     @property
     def nbytes(self) -> int:
         """About how much memory it takes."""
-        return 17 * len(self.kinds) + 100 * len(self.texts.values) + 24 * len(self.starts)
+        return 17 * len(self.kinds) + 100 * len(self.values) + 24 * len(self.starts)
+
+    @cached_property
+    def texts(self) -> Strings:
+        """The strings of all attributes, texts and namespace nodes, "" for other rows."""
+        return Strings(self.codes, self.values)
+
+    @cached_property
+    def _documents(self) -> Some:
+        return np.repeat(np.arange(len(self.motions), dtype=np.int16), np.diff(self.starts))
 
     def rows(self, nodes: Ints) -> Ints:
         documents, slots = documents_of(nodes), slots_of(nodes)
@@ -138,7 +160,7 @@ def _joined(parts: list[np.ndarray], kind: type) -> np.ndarray:
     return np.concatenate([*parts, np.empty(0, kind)]).astype(kind, copy=False)
 
 
-def _texts(parts: Sequence[Subtree]) -> Strings:
+def _texts(parts: Sequence[Subtree]) -> tuple[Some, list[str]]:
     places: dict[str, int] = {}
     known: dict[int, Some] = {}
     for part in parts:
@@ -147,4 +169,4 @@ def _texts(parts: Sequence[Subtree]) -> Strings:
             codes = np.array([places.setdefault(text, len(places)) for text in own.values], np.int32)
             known[id(part)] = codes[own.codes]
     found: Any = _joined([known[id(part)] for part in parts], np.int32)
-    return Strings(found, list(places))
+    return found, list(places)

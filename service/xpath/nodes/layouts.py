@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
@@ -25,6 +26,7 @@ from service.xpath.nodes.numbering import (
     slots_of,
 )
 from service.xpath.nodes.pairs import expand
+from service.xpath.nodes.stored import Stored
 
 Same = TypeVar("Same", tuple[str, ...], Shape)
 
@@ -110,30 +112,71 @@ def _same(found: Same) -> Same:
     return found
 
 
-class ShapeRuns:
+class ShapeRuns(Stored):
     """The layouts of a batch of documents as one table.
 
-    numbered_shapes: all of them. bones, bits: of all one after the other, those of shape s from offsets[s].
+    bones, bits: of all shapes one after the other, those of shape s from offsets[s].
     """
 
+    STORED = (
+        "of_document", "offsets", "bones", "bits", "slots", "counts", "places", "keys", "shape", "namings", "naming_of",
+    )  # fmt: skip
+
+    of_document: Ints
+    offsets: Ints
+    bones: Ints
+    bits: Ints
+    slots: Ints
+    counts: Ints
+    places: Ints
+    keys: Ints
+    shape: Ints
+    namings: list[tuple[list[str], list[int]]]
+    """The different names and numbers of bones that documents have."""
+    naming_of: Ints
+    """Of each document, which of these."""
+
     def __init__(self, layouts: Sequence[Layout]) -> None:
-        self._layouts = layouts
+        namings: dict[tuple[tuple[str, ...], tuple[int, ...]], int] = {}
+        naming_of = [namings.setdefault((each.names, tuple(each.numbers.values())), len(namings)) for each in layouts]
+        self.namings = [(list(names), list(numbers)) for names, numbers in namings]
+        self.naming_of = np.array(naming_of, np.int64)
         # Shapes are numbered through, document by document.
         shapes = np.array([len(layout.lengths) for layout in layouts], np.int64)
-        self._of_document: Ints = np.repeat(np.arange(len(layouts)), shapes)
-        self.numbered_shapes = [shape for layout in layouts for shape in layout.shapes]
-        self.offsets: Ints = np.concatenate([[0], np.cumsum(_joined([layout.lengths for layout in layouts]))])
+        self.of_document = np.repeat(np.arange(len(layouts)), shapes)
+        self.offsets = np.concatenate([[0], np.cumsum(_joined([layout.lengths for layout in layouts]))])
         self.bones = _joined([layout.bones for layout in layouts])
         self.bits = _joined([layout.bits for layout in layouts])
         runs = np.concatenate([np.empty((0, 4), np.int64), *(layout.runs for layout in layouts)])
         first, self.slots, self.counts, shape = runs.T
-        self.places: Ints = np.repeat(np.arange(len(layouts)), [len(layout.runs) for layout in layouts])
-        self.keys: Ints = (self.places << (DOCUMENT_SHIFT - FRAME_SHIFT)) | first
-        self.shape: Ints = shape + (np.cumsum(shapes) - shapes)[self.places]
+        self.places = np.repeat(np.arange(len(layouts)), [len(layout.runs) for layout in layouts])
+        self.keys = (self.places << (DOCUMENT_SHIFT - FRAME_SHIFT)) | first
+        self.shape = shape + (np.cumsum(shapes) - shapes)[self.places]
+        self._begin()
+
+    def _begin(self) -> None:
         self._by_bone: tuple[Ints, Ints] | None = None
         self._names: tuple[list[str], Ints] | None = None
         self._numbers: dict[str, Ints] = {}
         self._named: dict[str, tuple[Ints, Ints]] = {}
+
+    @cached_property
+    def numbered_shapes(self) -> list[Shape]:
+        """All shapes; equal ones are one object."""
+        pairs = list(zip(self.bones.tolist(), self.bits.tolist(), strict=True))
+        return [_same(tuple(pairs[start:stop])) for start, stop in pairwise(self.offsets.tolist())]
+
+    @cached_property
+    def _names_by_number(self) -> list[tuple[str, ...]]:
+        return [_same(tuple(names)) for names, _ in self.namings]
+
+    @cached_property
+    def _numbers_by_name(self) -> list[dict[str, int]]:
+        return [_numbers_of(tuple(names), tuple(numbers)) for names, numbers in self.namings]
+
+    def names_of(self, place: int) -> tuple[str, ...]:
+        """The names of the bones of a document by their numbers, as they are stored."""
+        return self._names_by_number[int(self.naming_of[place])]
 
     @property
     def texts(self) -> list[str]:
@@ -148,23 +191,24 @@ class ShapeRuns:
     def _read_names(self) -> tuple[list[str], Ints]:
         if self._names is None:
             codes: dict[str, int] = {}
-            by_bone = [codes.setdefault(name, len(codes)) for layout in self._layouts for name in layout.names]
-            widths = np.array([len(layout.names) for layout in self._layouts], np.int64)
-            documents = np.repeat(self._of_document, np.diff(self.offsets))
-            names = np.array(by_bone, np.int64)[(np.cumsum(widths) - widths)[documents] + self.bones]
+            by_bone = [codes.setdefault(name, len(codes)) for names, _ in self.namings for name in names]
+            widths = np.array([len(names) for names, _ in self.namings], np.int64)
+            namings = np.repeat(self.naming_of[self.of_document], np.diff(self.offsets))
+            names = np.array(by_bone, np.int64)[(np.cumsum(widths) - widths)[namings] + self.bones]
             self._names = [escape(name) for name in codes], names
         return self._names
 
     @property
     def nbytes(self) -> int:
         """About how much memory it takes, with what is worked out when it is asked for."""
-        arrays = (self._of_document, self.offsets, self.slots, self.counts, self.places, self.keys, self.shape)
-        return 32 * len(self.bones) + sum(array.nbytes for array in arrays) + 100 * len(self._layouts)
+        arrays = (self.of_document, self.offsets, self.slots, self.counts, self.places, self.keys, self.shape)
+        return 32 * len(self.bones) + sum(array.nbytes for array in arrays) + 100 * len(self.naming_of)
 
     def numbers_of(self, name: str) -> Ints:
         """The number of the bone of a stored name in each document, -1 where there is none."""
         if name not in self._numbers:
-            self._numbers[name] = np.array([layout.numbers.get(name, -1) for layout in self._layouts], np.int64)
+            by_naming = np.array([numbers.get(name, -1) for numbers in self._numbers_by_name], np.int64)
+            self._numbers[name] = by_naming[self.naming_of]
         return self._numbers[name]
 
     def counted(self, text: str) -> int:
@@ -221,7 +265,7 @@ class ShapeRuns:
         """(shape, number in it) of the bones of a name."""
         if text not in self._named:
             wanted = self.numbers_of(unescape(text))
-            matching = np.flatnonzero(self.bones == np.repeat(wanted[self._of_document], np.diff(self.offsets)))
+            matching = np.flatnonzero(self.bones == np.repeat(wanted[self.of_document], np.diff(self.offsets)))
             shape = np.searchsorted(self.offsets, matching, side="right") - 1
             self._named[text] = shape, matching - self.offsets[shape]
         return self._named[text]

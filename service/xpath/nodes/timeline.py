@@ -45,6 +45,10 @@ class Timeline:
         within = first - self._starts[piece]
         whole = within + CHUNK <= self._count[piece]
         found = np.ones((len(places), CHUNK), bool)
-        part = np.flatnonzero(~whole)
+        # Most documents are one piece, which ends in their last chunk.
+        alone = np.append(self._starts, np.iinfo(np.int64).max)[piece + 1] >= first + CHUNK
+        ending = np.flatnonzero(alone & ~whole)
+        found[ending] = np.arange(CHUNK) < (self._count[piece] - within)[ending, None]
+        part = np.flatnonzero(~alone & ~whole)
         found[part] = self.positions(places[part, None], slots_of_chunks(chunks[part])) > 0
         return found

@@ -6,12 +6,14 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from service.errors import LimitError, QueryError
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.language.functions import AGGREGATES
 from service.xpath.language.labels import without_index
 from service.xpath.language.parse import Query
-from service.xpath.language.tree import Call, Literal, Written
+from service.xpath.language.scopes import spans_documents
+from service.xpath.language.tree import Call, Expression, Literal, Written
 from service.xpath.language.types import type_of
 from service.xpath.language.unparse import unparse
 from service.xpath.limits import Limits
@@ -21,6 +23,8 @@ from service.xpath.xml.projected import Xml, runs_of_nodes
 from service.xpath.xml.saxon import Items, Saxon
 
 Atomic = float | str | bool
+SAXON_SECONDS = 0.003
+"""That Saxon takes for a small document, at least."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +146,29 @@ class Sequences:
             offset=offset,
             limit=limit,
             limits=self.limits,
+        )
+
+
+def require_time(documents: int, limits: Limits) -> None:
+    """LimitError, before anything begins, for what takes Saxon longer than the query may."""
+    seconds = documents * SAXON_SECONDS
+    if seconds > limits.seconds_left:
+        raise LimitError(
+            f"Only Saxon evaluates this, document by document: about {seconds:.0f} s for {documents:,} of them.",
+            remedy="Ask fewer documents, or write it without casts, comparisons of nodes and functions of Saxon "
+            "(docs/xpath.md); nodes alone, with as=ndjson, xml or csv, stream within MCML_SAXON_SECONDS.",
+            code="query-needs-saxon",
+        )
+
+
+def require_alone(tree: Expression, documents: int) -> None:
+    """QueryError for what is asked of several documents together, and cannot be of each alone."""
+    if documents > 1 and spans_documents(tree):
+        raise QueryError(
+            "This is asked of all documents together, and holds what is only evaluated on one document at a time.",
+            remedy="Ask with per=document, or one document; or write it without casts, comparisons of nodes, and "
+            "loops in loops over nodes.",
+            code="needs-one-document",
         )
 
 
