@@ -36,7 +36,7 @@ QUESTIONS = (
     f"min(//{LEG}/@Rx)",
     f"avg(//{LEG}/@Rx)",
     f"sum(//{LEG}/@Rx)",
-    f"//frame[{LEG}/@Rx > {OTHER}/@Rx]/@id/string()",
+    f"//frame[number({LEG}/@Rx) > number({OTHER}/@Rx)]/@id/string()",
     "//frame[100]/@id/string()",
     "//frame[frame_bone[@name='Root']/@Ty > 120]/@id/string()",
     "count(//frame[frame_bone/@Rx > 170])",
@@ -45,7 +45,7 @@ QUESTIONS = (
     "count(//frame[position() mod 10 = 1][frame_bone[@name='left_low_leg']/@Rx > 30])",
     "count(//frame[@id='7'])",
     "for $m in /mcml return count($m//frame)",
-    "string-join(distinct-values(//bone/name), ',')",
+    "string-join(sort(distinct-values(//bone/name)), ',')",
 )
 FIRST = 100
 
