@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -317,16 +316,8 @@ class _Asking:
         self.explain.plan.append(f"{call.function} of {'the different ones' if different else 'them'}")
         if call.function == "distinct-values":
             return page.of_values(self.tx, aggregates.distinct(source))
-        if call.function == "string-join":
-            return QueryAnswer(type="string", value=aggregates.joined(call, source))
-        if call.function in aggregates.TRUTH_AGGREGATES:
-            return QueryAnswer(type="boolean", value=aggregates.exists(source) == (call.function == "exists"))
-        if different is not None:
-            return QueryAnswer(type="number", value=plain(float(len(aggregates.distinct(source)))))
-        found = aggregates.number(call.function, source)
-        if call.function in ("min", "max", "avg") and found is not None and math.isnan(found):
-            raise NotOnColumnsError
-        return QueryAnswer(type="number", value=None if found is None else plain(found))
+        found = aggregates.value(call, source)
+        return QueryAnswer(type=_kind(call), value=None if found is None else plain(found))
 
     def on_xml(self, limit: int | None) -> list[Node]:
         """The nodes of the whole expression, evaluated on documents as XML. LimitError for too many."""
@@ -386,4 +377,4 @@ class _Asking:
 
 
 def _kind(tree: Expression) -> Kind:
-    return type_of(tree)  # type: ignore[return-value]
+    return type_of(tree)  # type: ignore[return-value]  # of a value

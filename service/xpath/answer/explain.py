@@ -6,7 +6,7 @@ from service.mcml.addresses import address_attribute
 from service.motion.skeleton import CHANNELS
 from service.xpath.engine.column_source import ColumnSource
 from service.xpath.engine.scan import Scan
-from service.xpath.engine.vectors import Sample
+from service.xpath.language.conditions import Sample
 from service.xpath.language.unparse import unparse
 
 
@@ -53,5 +53,5 @@ def _names(group: tuple[str, ...]) -> str:
 
 
 def _sample(sample: Sample) -> str:
-    bone, channel = sample
-    return address_attribute(bone, CHANNELS[channel]) if bone is not None else f"@{CHANNELS[channel]}"
+    channel = CHANNELS[sample.channel]
+    return address_attribute(sample.bone, channel) if sample.bone is not None else f"@{channel}"

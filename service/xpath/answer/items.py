@@ -59,7 +59,7 @@ def run_items(tx: Transaction, caches: Caches, runs: Sequence[Run]) -> list[RunI
 
 def node_item(node: Node) -> NodeItem:
     return NodeItem.model_construct(
-        kind=node.kind,  # type: ignore[arg-type]
+        kind=node.kind,  # type: ignore[arg-type]  # one of them
         document=node.stored.uuid,
         revision=node.stored.revision,
         address=node.address,

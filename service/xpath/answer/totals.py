@@ -36,10 +36,10 @@ def sample_of(request: QueryRequest) -> tuple[str, int] | None:
     if plan is None:
         return None
     bounded = [sample for sample, _, _ in plan.condition.bounds]
-    for name, channel in filter(None, [plan.sample, *bounded, *sorted(plan.condition.strict, key=str)]):
-        bone = plan.bone if name is None else name
+    for sample in filter(None, [plan.sample, *bounded, *sorted(plan.condition.strict, key=str)]):
+        bone = plan.bone if sample.bone is None else sample.bone
         if bone is not None:
-            return bone, channel
+            return bone, sample.channel
     return None
 
 

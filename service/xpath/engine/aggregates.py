@@ -9,6 +9,7 @@ import numpy as np
 
 from service.errors import LimitError
 from service.xpath.engine.column_source import ColumnSource
+from service.xpath.engine.functions import NotOnColumnsError
 from service.xpath.engine.scan import Scan
 from service.xpath.engine.values import MAX_TEXT, numbers, strings
 from service.xpath.language.tree import Call, Expression, Literal
@@ -33,8 +34,23 @@ def aggregated(tree: Expression) -> Call | None:
     return None
 
 
-def number(function: str, source: Scan | ColumnSource) -> float | None:
-    """`count`, `sum`, `min`, `max` or `avg`; None for the least, greatest or mean of nothing."""
+def value(call: Call, source: Scan | ColumnSource) -> float | str | bool | None:
+    """The value of a call that is `aggregated`, but of distinct-values; None for the least, greatest or mean of
+    nothing. source: of the nodes. NotOnColumnsError for the least and its like of texts that are no numbers."""
+    if call.function == "string-join":
+        return joined(call, source)
+    if call.function in TRUTH_AGGREGATES:
+        return exists(source) == (call.function == "exists")
+    if distinct_of(call) is not None:
+        return float(len(distinct(source)))
+    found = _number(call.function, source)
+    if found is not None and math.isnan(found) and call.function in ("min", "max", "avg"):
+        raise NotOnColumnsError
+    return found
+
+
+def _number(function: str, source: Scan | ColumnSource) -> float | None:
+    """`count`, `sum`, `min`, `max` or `avg`."""
     if function == "count":
         return float(source.count())
     sample = source.plan.sample if isinstance(source, Scan) else None

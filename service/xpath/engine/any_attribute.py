@@ -7,7 +7,7 @@ are compared a text at a time, ids as the numbers that they are. So no node is m
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +15,11 @@ import orjson
 
 from service.motion.skeleton import CHANNELS
 from service.xpath.engine import values
+from service.xpath.engine.comparisons import compare_numbers
+from service.xpath.engine.condition import Condition
+from service.xpath.engine.kernel import Columns
 from service.xpath.engine.stacked import Some, StackedBones
-from service.xpath.engine.vectors import RELATIONS, TURNED, Condition, condition
+from service.xpath.language.conditions import TURNED, sample
 from service.xpath.language.rules import ANY
 from service.xpath.language.tree import Expression, Literal, Operation, Path
 from service.xpath.library.forest import Forest
@@ -33,6 +36,8 @@ from service.xpath.nodes.numbering import (
 )
 from service.xpath.nodes.texts import Strings, to_number
 
+RELATIONS = frozenset(TURNED) - {"!="}
+
 
 @dataclass(frozen=True)
 class AnyAttribute:
@@ -48,7 +53,7 @@ class AnyAttribute:
         return self.of_numbers(np.array([to_number(text) for text in texts], np.float64))
 
     def of_numbers(self, numbers: Floats) -> Bools:
-        return np.asarray(RELATIONS[self.operator](numbers, self.value), bool)
+        return compare_numbers(self.operator, numbers, float(self.value))
 
     def of_strings(self, strings: Strings, which: Ints) -> Bools:
         """The same of some strings, each different one compared once."""
@@ -94,12 +99,13 @@ def _compared(operator: str, other: Expression) -> AnyAttribute | None:
     return AnyAttribute(operator, sign * other.value) if math.isfinite(other.value) else None
 
 
-def attributes(forest: Forest, asked: AnyAttribute, check: Callable[[], None]) -> Ints | None:
+def attributes(columns: Columns, asked: AnyAttribute) -> Ints | None:
     """All attributes that fulfil it, in order; None where the samples are too many to be looked at together."""
+    forest = columns.forest
     frames = forest.frames
     if not forest.has_tracks(len(frames)):
         return None
-    bones = StackedBones(forest, check)
+    bones = StackedBones(columns)
     if not bones.fits(coded=True):
         return None
     rows = np.flatnonzero(forest.head.kinds == IS_ATTRIBUTE)
@@ -108,7 +114,7 @@ def attributes(forest: Forest, asked: AnyAttribute, check: Callable[[], None]) -
     found.append(every[_ids(forest, asked, every)] + FIRST_ATTRIBUTE)
     texts = forest.shapes.texts
     for name in np.flatnonzero(asked.of_texts(texts)).tolist():
-        check()
+        columns.check()
         found.append(forest.shapes.named(every, texts[name])[1] + FIRST_ATTRIBUTE)
     for channel in range(len(CHANNELS)):
         compared = _condition(asked, channel)
@@ -134,10 +140,7 @@ def _ids(forest: Forest, asked: AnyAttribute, frames: Ints) -> Bools:
 
 def _condition(asked: AnyAttribute, channel: int) -> Condition | None:
     number = asked.number
-    if number is None:
-        return None
-    compared = Operation(asked.operator, (Path(()), Literal(number)))
-    return condition(compared, "@frame_bone", (None, channel))
+    return None if number is None else Condition(Operation(asked.operator, (sample(None, channel), Literal(number))))
 
 
 def _samples(bones: StackedBones, compared: Condition, channel: int) -> Ints:

@@ -177,7 +177,7 @@ class ColumnSource:
         if not (isinstance(tree, Path) and tree.absolute):
             yield columns.nodes(tree, columns.documents()).flat()[0].nodes
             return
-        found = None if self._any is None else attributes(columns.forest, self._any, self._check)
+        found = None if self._any is None else attributes(columns, self._any)
         if found is not None:
             yield found
             return

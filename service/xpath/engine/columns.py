@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import partial, reduce
 from types import MappingProxyType
 
 import numpy as np
@@ -41,7 +41,14 @@ from service.xpath.language.tree import (
     free_variables,
     predicates_of,
 )
-from service.xpath.language.types import depends_on_position, is_integer, is_of_document, item_type, type_of
+from service.xpath.language.types import (
+    depends_on_position,
+    is_integer,
+    is_of_document,
+    is_of_variables,
+    item_type,
+    type_of,
+)
 from service.xpath.library.forest import Forest
 from service.xpath.nodes.items import Items
 from service.xpath.nodes.nodesets import NodeSets, ordered, positions_of, shared_nodes, union
@@ -64,7 +71,7 @@ class Columns:
         self.check = check
         self._is_later = is_later
         self._neighbours = Neighbours(self)
-        self._bones = FrameBones(forest, check)
+        self._bones = FrameBones(self)
 
     def documents(self) -> Context:
         """Every document node as context."""
@@ -283,6 +290,8 @@ class Columns:
         """The value of what does not depend on the context node but by its document, where that saves anything."""
         if len(context) < 2 or isinstance(expression, Literal | Variable) or not is_of_document(expression):
             return None
+        if is_of_variables(expression):
+            return Bound(self.value(expression, context.part(0, 1)), np.zeros(len(context), np.int64)).now()
         documents, index = np.unique(documents_of(context.nodes), return_inverse=True)
         if len(documents) == len(context):
             return None
@@ -322,6 +331,10 @@ class Columns:
 
     def _logic(self, operator: str, operands: tuple[Expression, ...], context: Context) -> Bools:
         """Operands one after the other, each only for the candidates that are not decided."""
+        if all(map(is_of_variables, operands)):
+            # To choose among what is at hand takes longer than to look at all of it.
+            combine = np.logical_and if operator == "and" else np.logical_or
+            return reduce(combine, [self.truth(operand, context) for operand in operands])
         result = np.full(len(context), operator == "and")
         open_ = np.arange(len(context))
         for operand in operands:

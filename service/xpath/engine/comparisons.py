@@ -16,6 +16,7 @@ from service.xpath.library.forest import Forest
 from service.xpath.nodes.items import Items
 from service.xpath.nodes.nodesets import NodeSets
 from service.xpath.nodes.numbering import Bools, Floats, Ints
+from service.xpath.nodes.samples import Samples
 from service.xpath.nodes.texts import Strings, combine, joined, unified
 
 RELATIONS: dict[str, Callable[..., Bools]] = {
@@ -31,6 +32,10 @@ def compare(forest: Forest, operator: str, left: Value, right: Value) -> Bools:
     """The comparison for each context node."""
     if isinstance(left, Items) or isinstance(right, Items):
         return _sequences(forest, operator, items_of(left), items_of(right))
+    if isinstance(left, Samples):
+        return _sample_and_other(forest, operator, left, right)
+    if isinstance(right, Samples):
+        return _sample_and_other(forest, _TURNED[operator], right, left)
     if isinstance(left, NodeSets) and isinstance(right, NodeSets):
         return _two_sets(forest, operator, left, right)
     if isinstance(left, NodeSets):
@@ -38,6 +43,11 @@ def compare(forest: Forest, operator: str, left: Value, right: Value) -> Bools:
     if isinstance(right, NodeSets):
         return _set_and_value(forest, _TURNED[operator], right, left)
     return _two_values(forest, operator, left, right)
+
+
+def compare_numbers(operator: str, left: Floats, right: Floats | float) -> Bools:
+    """Two numbers each."""
+    return np.asarray(_ALL[operator](left, right), bool)
 
 
 def compare_items(forest: Forest, operator: str, left: Value, right: Value) -> Value:
@@ -118,7 +128,7 @@ def _set_and_value(forest: Forest, operator: str, sets: NodeSets, value: Value) 
     """Some node of each set against the value of its context node."""
     kind = functions.kind_of(value)
     if kind == "boolean":
-        return _two_values(forest, operator, sets.exist(), value)  # type: ignore[arg-type]
+        return _two_values(forest, operator, sets.exist(), value)  # type: ignore[arg-type]  # it is no node set
     if operator in RELATIONS:
         # The extreme decides: some node is less than the bound exactly if the least is.
         found = values.numbers(forest, sets.nodes)
@@ -133,6 +143,25 @@ def _set_and_value(forest: Forest, operator: str, sets: NodeSets, value: Value) 
         one, other = unified(strings, functions.as_strings(forest, value))
         equal = one[place] == other[flat.groups]
     return flat.any(equal if operator == "=" else ~equal)
+
+
+def _sample_and_other(forest: Forest, operator: str, left: Samples, right: Value) -> Bools:
+    """A node set of one sample or none against what has one item at most."""
+    kind = functions.kind_of(right)
+    if isinstance(right, NodeSets):
+        raise functions.NotOnColumnsError
+    if kind == "boolean":
+        return _two_values(forest, operator, left.exist, right)  # type: ignore[arg-type]  # it is no node set
+    if operator in RELATIONS:
+        return np.asarray(RELATIONS[operator](left.numbers, functions.as_numbers(forest, right)), bool)
+    if isinstance(right, Samples):
+        equal, there = left.equal(right), left.exist & right.exist
+    elif kind == "number":
+        equal, there = np.asarray(left.numbers == right), left.exist
+    else:
+        one, other = unified(functions.as_strings(forest, left), functions.as_strings(forest, right))
+        equal, there = one == other, left.exist
+    return there & (equal if operator == "=" else ~equal)
 
 
 def _two_sets(forest: Forest, operator: str, left: NodeSets, right: NodeSets) -> Bools:

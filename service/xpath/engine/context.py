@@ -11,10 +11,11 @@ import numpy as np
 from service.xpath.nodes.items import Items
 from service.xpath.nodes.nodesets import NodeSets
 from service.xpath.nodes.numbering import Bools, Floats, Ints
+from service.xpath.nodes.samples import Samples
 from service.xpath.nodes.texts import Strings
 
-Value: TypeAlias = NodeSets | Floats | Bools | Strings | Items
-"""For each context a node set, or one value, or a sequence."""
+Value: TypeAlias = NodeSets | Samples | Floats | Bools | Strings | Items
+"""For each context a node set, a sample or none, one value, or a sequence."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,20 +15,21 @@ import numpy as np
 from service.mcml.vocabulary import FRAME_BONE
 from service.motion.skeleton import CHANNEL_INDEX
 from service.xpath.engine.axes import are_frames
+from service.xpath.engine.condition import Condition
 from service.xpath.engine.context import Context, Value
 from service.xpath.engine.functions import arithmetic
+from service.xpath.engine.kernel import Columns
 from service.xpath.engine.sequences import some_of
 from service.xpath.engine.stacked import Some, StackedBones
-from service.xpath.engine.vectors import (
-    Condition,
+from service.xpath.language.conditions import (
     any_bone_condition,
     attribute_conditions,
     bone_conditions,
     conjunction,
     present,
+    sample,
 )
 from service.xpath.language.tree import Call, Expression, Operation, Path, Variable
-from service.xpath.library.forest import Forest
 from service.xpath.nodes.items import Items
 from service.xpath.nodes.nodesets import NodeSets
 from service.xpath.nodes.numbering import Bools, Floats, Ints, documents_of
@@ -51,11 +52,11 @@ class Asked:
 
 
 class FrameBones:
-    """The answers for frames of a forest. check: called often; raises when time is up."""
+    """The answers for frames of the documents of some columns."""
 
-    def __init__(self, forest: Forest, check: Callable[[], None]) -> None:
-        self._forest = forest
-        self._check = check
+    def __init__(self, columns: Columns) -> None:
+        self._columns = columns
+        self._forest = columns.forest
         self._known: dict[Expression, Asked | None] = {}
         self._bones: StackedBones | None = None
 
@@ -74,7 +75,7 @@ class FrameBones:
             return None
         if not self._forest.has_tracks(len(np.unique(documents_of(nodes)))):
             return None
-        bones = self._bones = self._bones or StackedBones(self._forest, self._check)
+        bones = self._bones = self._bones or StackedBones(self._columns)
         takes = question.condition is None or bones.takes(question.condition)
         if not takes or not (question.function in ("any", "count") or bones.fits(coded=False)):
             return None
@@ -85,7 +86,7 @@ class FrameBones:
         for number in np.unique(stack[is_regular]).tolist():
             own = np.flatnonzero(is_regular & (stack == number))
             for at in range(0, len(own), TOGETHER):
-                self._check()
+                self._columns.check()
                 index = own[at : at + TOGETHER]
                 some = Some(bones.stacks.stacks[number], column[index])
                 numbers[index], exist[index] = _reduced(bones, question, some)
@@ -110,7 +111,7 @@ def asked(expression: Expression) -> Asked | None:
     """What an expression asks of the frame_bones of a frame; None where it is something else."""
     if isinstance(expression, Path | Operation):
         condition = any_bone_condition(expression)
-        return None if condition is None else Asked("any", condition)
+        return None if condition is None else Asked("any", Condition.of(condition))
     if not isinstance(expression, Call) or expression.function not in FUNCTIONS or len(expression.arguments) != 1:
         return None
     path = expression.arguments[0]
@@ -125,10 +126,10 @@ def asked(expression: Expression) -> Asked | None:
         if attribute is None or attribute[0] not in CHANNEL_INDEX:
             return None
         channel = CHANNEL_INDEX[attribute[0]]
-        conditions += [*attribute[1], present((None, channel))]
+        conditions += [*attribute[1], present(sample(None, channel))]
     elif expression.function != "count":
         return None
-    return Asked(expression.function, conjunction(conditions) if conditions else None, channel or 0)
+    return Asked(expression.function, Condition.of(conjunction(conditions)) if conditions else None, channel or 0)
 
 
 def start_of(expression: Expression) -> Variable | None:
@@ -175,4 +176,4 @@ def _put(value: Value, index: Ints, numbers: Floats, exist: Bools) -> None:
         exist[index[value.groups]] = True
         numbers[index[value.groups]] = value.column  # type: ignore[assignment]  # numbers
     else:
-        numbers[index] = value.exist() if isinstance(value, NodeSets) else value  # type: ignore[assignment]
+        numbers[index] = value.exist() if isinstance(value, NodeSets) else value  # type: ignore[assignment]  # no text

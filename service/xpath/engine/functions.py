@@ -15,6 +15,7 @@ from service.xpath.library.forest import Forest
 from service.xpath.nodes.items import Column, Items
 from service.xpath.nodes.nodesets import NodeSets
 from service.xpath.nodes.numbering import Bools, Floats, Ints, code_names
+from service.xpath.nodes.samples import Samples, sample_texts
 from service.xpath.nodes.texts import Strings, combine, compact, constant, of_numbers, of_texts
 
 
@@ -27,7 +28,7 @@ COMPARISONS = ("=", "!=", "<", "<=", ">", ">=")
 
 def kind_of(value: Value) -> str:
     """ "nodes", "string", "boolean" or "number"; "sequence" of items that are no nodes."""
-    if isinstance(value, NodeSets):
+    if isinstance(value, NodeSets | Samples):
         return "nodes"
     if isinstance(value, Items):
         return "sequence"
@@ -42,6 +43,8 @@ def as_strings(forest: Forest, value: Value) -> Strings:
         return _scattered(value.count, groups, as_strings(forest, _single(column)))
     if isinstance(value, NodeSets):
         return _of_first(forest, value)
+    if isinstance(value, Samples):
+        return _scattered(len(value), np.flatnonzero(value.exist), sample_texts(value.numbers[value.exist]))
     if isinstance(value, Strings):
         return value
     if value.dtype == np.bool_:
@@ -75,7 +78,9 @@ def as_numbers(forest: Forest, value: Value) -> Floats:
         return result
     if isinstance(value, Strings):
         return value.numbers()
-    return np.asarray(value.astype(np.float64))
+    if isinstance(value, Samples):
+        return value.numbers
+    return np.asarray(value.astype(np.float64, copy=False))
 
 
 def as_booleans(value: Value) -> Bools:
@@ -88,6 +93,8 @@ def as_booleans(value: Value) -> Bools:
         return result
     if isinstance(value, NodeSets):
         return value.exist()
+    if isinstance(value, Samples):
+        return value.exist
     if isinstance(value, Strings):
         return value.test(bool)
     return np.asarray(value if value.dtype == np.bool_ else (value != 0) & ~np.isnan(value), bool)

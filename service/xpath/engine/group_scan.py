@@ -11,9 +11,12 @@ import numpy as np
 from service.mcml.vocabulary import FRAME, FRAME_BONE
 from service.storage.schema import CHUNK
 from service.xpath.engine.axes import step as axis_step
+from service.xpath.engine.columns import Columns
+from service.xpath.engine.kernel import fulfilled
 from service.xpath.engine.scan_plan import ScanPlan
 from service.xpath.engine.stacked import Some, StackedBones
-from service.xpath.engine.vectors import Sample
+from service.xpath.language.conditions import Sample, sample
+from service.xpath.language.tree import Variable
 from service.xpath.library.bone_columns import summary
 from service.xpath.library.forest import Bone, Forest
 from service.xpath.library.intervals import Interval
@@ -32,7 +35,7 @@ FEW = 6
 """Of so many tracks one is decoded alone rather than all side by side."""
 
 Ranges = dict[int, list[tuple[int, int]]]
-Block = dict[Sample, Floats]
+Block = dict[Variable, Floats]
 
 
 class GroupScan:
@@ -45,6 +48,7 @@ class GroupScan:
         self.tracks_read = 0
         self._labelled = labelled
         self._check = check
+        self._columns = Columns(forest, check)
 
     @property
     def lead(self) -> Table:
@@ -57,12 +61,12 @@ class GroupScan:
         return all(self.forest.has_bone(name) for name in self._names)
 
     def ends(self, sample: Sample) -> Bone:
-        return self._bones[self.plan.lead if sample[0] is None else sample[0]]
+        return self._bones[self.plan.lead if sample.bone is None else sample.bone]
 
     def most(self, sample: Sample, sign: float) -> float:
         """The greatest sample of a channel (sign 1), or the least one's negative (-1); minus infinity for none."""
         held = self.ends(sample)
-        found = float((held.greatest if sign > 0 else -held.least)[sample[1]])
+        found = float((held.greatest if sign > 0 else -held.least)[sample.channel])
         return found if found == found else -np.inf
 
     def nodes(self) -> Iterator[Ints]:
@@ -94,15 +98,15 @@ class GroupScan:
         """
         columns = self.ends(sample)
         known = self.plan.condition.is_presence and self._labelled is None
-        if known and (found := columns.total(sample[1])) is not None:
+        if known and (found := columns.total(sample.channel)) is not None:
             return found
         units = self._units()
         whole = np.zeros(len(units), bool)
         total = count = 0.0
-        if sample[0] in (None, self.plan.lead):
+        if sample.bone in (None, self.plan.lead):
             whole = units.must & self._whole(units)
         if whole.any():
-            sums = columns.sums(sample[1], lambda table: self._sums(table, sample[1]))
+            sums = columns.sums(sample.channel, lambda table: self._sums(table, sample.channel))
             total = float(sums[units.numbers[whole]].sum())
             count = float(units.lead.about[FRAMES][whole].sum())
         for some in self._parts(units[np.flatnonzero(~whole)]):
@@ -110,7 +114,7 @@ class GroupScan:
             values = block[sample][self._holds(some, block)]
             total, count = total + float(values.sum()), count + len(values)
         if known:
-            columns.keep_total(sample[1], (total, int(count)))
+            columns.keep_total(sample.channel, (total, int(count)))
         return total, int(count)
 
     def most_of_hits(self, sample: Sample, sign: float, best: float) -> float:
@@ -143,7 +147,7 @@ class GroupScan:
     @cached_property
     def _names(self) -> list[str | None]:
         """The leading bone first."""
-        others = {name for name, _ in self.plan.condition.samples if name is not None} - {self.plan.lead}
+        others = {each.bone for each in self.plan.condition.samples if each.bone is not None} - {self.plan.lead}
         return [self.plan.lead, *sorted(others)]
 
     @cached_property
@@ -159,7 +163,7 @@ class GroupScan:
             return None
         if plan.attribute not in (None, "id") or (plan.target == FRAME_BONE and not plan.one_each):
             return None
-        bones = StackedBones(self.forest, self._check)
+        bones = StackedBones(self._columns)
         return bones if bones.takes(plan.condition) else None
 
     def _stacked_count(self, bones: StackedBones) -> int:
@@ -237,12 +241,12 @@ class GroupScan:
             else:
                 wanted = self._channels(name)
                 values = track_values(self.forest, units.lead if name == self.plan.lead else units.others[name], wanted)
-                block |= {(name, channel): found for channel, found in zip(wanted, values, strict=True)}
+                block |= {sample(name, channel): found for channel, found in zip(wanted, values, strict=True)}
         return block
 
     def _channels(self, name: str | None) -> tuple[int, ...]:
         """Those of a bone that the condition reads."""
-        return tuple(sorted(channel for bone, channel in self.plan.condition.samples if bone == name))
+        return tuple(sorted(each.channel for each in self.plan.condition.samples if each.bone == name))
 
     def _side_by_side(self, name: str | None) -> Block:
         """The samples of a bone in all tracks of the leading bone, or over the same frames: channels that are not kept
@@ -256,7 +260,10 @@ class GroupScan:
         def values(channel: int) -> Floats:
             return read[channel] if channel in read else track_values(self.forest, table, (channel,))[0]
 
-        return {(name, each): self.forest.samples(self.plan.lead, name, each, partial(values, each)) for each in wanted}
+        return {
+            sample(name, each): self.forest.samples(self.plan.lead, name, each, partial(values, each))
+            for each in wanted
+        }
 
     def _sums(self, table: Table, channel: int) -> Floats:
         parts = []
@@ -267,8 +274,7 @@ class GroupScan:
 
     def _fulfil(self, block: Block) -> Bools:
         """Which frames fulfil the condition, by their samples."""
-        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            return np.asarray(self.plan.condition.holds(block), bool)
+        return fulfilled(self._columns, self.plan.condition.tree, block)
 
     def _holds(self, units: _Units, block: Block) -> Bools:
         """Which frames of some units fulfil the condition and are asked for."""
@@ -302,7 +308,7 @@ class GroupScan:
 
 def part_ends(parts: Sequence[GroupScan], sample: Sample) -> Interval:
     """What the samples of a channel lie between in each of several groups."""
-    return summary([part.ends(sample) for part in parts], sample[1])
+    return summary([part.ends(sample) for part in parts], sample.channel)
 
 
 @dataclass(frozen=True)
@@ -324,8 +330,7 @@ class _Units:
         return _Units(self.lead[which], others, self.must[which], self.numbers[which])
 
     def ends(self, sample: Sample) -> Interval:
-        name, channel = sample
-        return self.others.get(name, self.lead).ends(channel, self.lead.about[FRAMES])
+        return self.others.get(sample.bone, self.lead).ends(sample.channel, self.lead.about[FRAMES])
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.engine.group_scan import GroupScan, part_ends
 from service.xpath.engine.scan_plan import ScanPlan
-from service.xpath.engine.vectors import Sample
+from service.xpath.language.conditions import Sample
 from service.xpath.language.labels import ranges_of
 from service.xpath.language.reach import HeadPart
 from service.xpath.library.caches import Caches

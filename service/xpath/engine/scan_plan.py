@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION
 from service.motion.skeleton import CHANNEL_INDEX
-from service.xpath.engine.vectors import (
-    Condition,
+from service.xpath.engine.condition import Condition
+from service.xpath.language.conditions import (
     Sample,
     any_bone_condition,
     attribute_conditions,
@@ -19,6 +19,7 @@ from service.xpath.engine.vectors import (
     condition,
     conjunction,
     present,
+    sample,
 )
 from service.xpath.language.labels import motion_name_groups
 from service.xpath.language.tree import Expression, Path
@@ -49,7 +50,7 @@ class ScanPlan:
     def sample(self) -> Sample | None:
         """The sample that is asked for, where the target is a channel that every hit has."""
         channel = CHANNEL_INDEX.get(self.attribute or "")
-        found = None if channel is None or self.target == FRAME else (self.bone, channel)
+        found = None if channel is None or self.target == FRAME else sample(self.bone, channel)
         return found if found in self.condition.strict else None
 
     @property
@@ -57,7 +58,7 @@ class ScanPlan:
         """Whether every frame (or track) that fulfils the condition gives exactly one node."""
         if self.target == FRAME:
             return self.attribute in (None, "id") and not self.any_bone
-        own = any(name == self.bone for name, _ in self.condition.strict)
+        own = any(each.bone == self.bone for each in self.condition.strict)
         return own and (self.attribute in (None, "name") or self.sample is not None)
 
 
@@ -69,7 +70,7 @@ def plan_scan(tree: Expression) -> ScanPlan | None:
     if ways != [("child", MCML), ("child", MOTION), ("child", FRAME)] or any(s.predicates for s in tree.steps[:2]):
         return None
     names: list[tuple[str, ...]] = []
-    conditions: list[Condition] = []
+    conditions: list[Expression] = []
     steps = tree.steps[3:]
     of_any = False
     for predicate in tree.steps[2].predicates:
@@ -98,16 +99,16 @@ def plan_scan(tree: Expression) -> ScanPlan | None:
         attribute, on_attribute = compiled_attribute
         conditions += on_attribute
     if target == FRAME_BONE and attribute in CHANNEL_INDEX:
-        conditions.append(present((bone, CHANNEL_INDEX[attribute])))
+        conditions.append(present(sample(bone, CHANNEL_INDEX[attribute])))
     if not conditions:
         return None
-    whole = conjunction(conditions)
+    whole = Condition.of(conjunction(conditions))
     if not whole.strict:
         return None
     lead = None
-    if not any(name is None for name, _ in whole.samples):
-        bounded = [name for (name, _), _, _ in whole.bounds if name is not None and (name, _) in whole.strict]
-        lead = next(iter([*bounded, *sorted(name for name, _ in whole.strict if name is not None)]))
-    elif not any(name is None for name, _ in whole.strict):
+    if not any(each.bone is None for each in whole.samples):
+        bounded = [each.bone for each, _, _ in whole.bounds if each in whole.strict]
+        lead = next(iter([*bounded, *sorted(each.bone or "" for each in whole.strict)]))
+    elif not any(each.bone is None for each in whole.strict):
         return None
     return ScanPlan(whole, lead, tuple(names), target, bone, attribute)

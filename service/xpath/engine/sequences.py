@@ -17,6 +17,7 @@ from service.xpath.nodes.items import Column, Items
 from service.xpath.nodes.nodesets import NodeSets
 from service.xpath.nodes.numbering import Bools, Floats, Ints
 from service.xpath.nodes.pairs import bounded
+from service.xpath.nodes.samples import Samples
 from service.xpath.nodes.texts import Strings, of_numbers, of_texts
 
 
@@ -27,6 +28,8 @@ def items_of(value: Value) -> Items:
     if isinstance(value, NodeSets):
         flat, _ = value.flat()
         return Items(flat.groups, flat.nodes, flat.count)
+    if isinstance(value, Samples):
+        raise NotOnColumnsError
     return Items(np.arange(len(value)), value, len(value))
 
 

@@ -6,17 +6,21 @@ same code as the constant are looked up, and no others. A quarter of the memory 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from service.numerics.runs import find_equal
 from service.storage.encoding import channels_of
-from service.xpath.engine.vectors import RELATIONS, Condition
-from service.xpath.library.forest import Forest
+from service.xpath.engine.comparisons import compare_numbers
+from service.xpath.engine.condition import Condition
+from service.xpath.engine.kernel import Columns, fulfilled
+from service.xpath.language.conditions import Sample, sample
+from service.xpath.language.tree import Expression, Variable
 from service.xpath.library.intervals import Verdict
 from service.xpath.library.stacks import ABSENT, BEYOND, Coding, Stack, StackedSamples
 from service.xpath.library.zones import BITS, FRAMES, GAPS, rows_of
@@ -67,12 +71,12 @@ class Some:
         """(bones, units)."""
         return self.stack.tracks[:, self.units]
 
-    def of(self, values: NDArray) -> NDArray:  # type: ignore[type-arg]
+    def of(self, values: NDArray[Any]) -> NDArray[Any]:
         """(bones, frames): a channel of the group in these frames."""
         view = self.stack.view(values)
         return view[:, self.columns if self._span is None else self._span]
 
-    def spread(self, of_tracks: NDArray) -> NDArray:  # type: ignore[type-arg]
+    def spread(self, of_tracks: NDArray[Any]) -> NDArray[Any]:
         """What is said of tracks, (bones, units), as said of their frames."""
         if self._span is None:
             return of_tracks[:, self._unit_of[1]]
@@ -87,15 +91,15 @@ class Some:
 
 
 class StackedBones:
-    """All bones of a group. check: called often; raises when time is up."""
+    """All bones of the group of some columns."""
 
-    def __init__(self, forest: Forest, check: Callable[[], None]) -> None:
-        self.forest = forest
-        self.stacks = forest.stacks
-        self._check = check
-        self._table = forest.tracks
+    def __init__(self, columns: Columns) -> None:
+        self.forest = columns.forest
+        self.stacks = self.forest.stacks
+        self._columns = columns
+        self._table = self.forest.tracks
         self.tracks_read = 0
-        self._verdicts: dict[int, tuple[Condition, Verdict]] = {}
+        self._verdicts: dict[Expression, Verdict] = {}
 
     def fits(self, *, coded: bool) -> bool:
         """Whether samples of the group can be kept, as codes or as they are."""
@@ -103,9 +107,9 @@ class StackedBones:
 
     def takes(self, condition: Condition) -> bool:
         """Whether a condition asks for the samples of a frame_bone alone, and can be answered here."""
-        if any(name is not None for name, _ in condition.samples):
+        if any(sample.bone is not None for sample in condition.samples):
             return False
-        return self.fits(coded=all(part.is_bound for part in _leaves(condition)))
+        return self.fits(coded=all(leaf.bound is not None for leaf in condition.leaves.values()))
 
     def may(self, condition: Condition) -> bool:
         """Whether any frame_bone may fulfil a condition, as zone maps tell."""
@@ -114,28 +118,28 @@ class StackedBones:
     def truth(self, condition: Condition, some: Some) -> Bools:
         """(bones, frames): which frame_bones fulfil a condition; what it says of those that are not there, where it
         asks for no sample, is left open."""
-        if condition.logic == "not":
-            return ~self.truth(condition.parts[0], some)
-        if condition.logic:
-            found = self.truth(condition.parts[0], some)
-            for part in condition.parts[1:]:
-                other = self.truth(part, some)
-                found = found & other if condition.logic == "and" else found | other
-            return found
+        known: dict[Variable, Bools] = {}
+
+        def decided(leaf: Expression) -> Expression:
+            variable = Variable(str(len(known)), "boolean")
+            known[variable] = self._leaf(condition.leaves[leaf], some)
+            return variable
+
+        return fulfilled(self._columns, condition.combining(decided), known)
+
+    def _leaf(self, condition: Condition, some: Some) -> Bools:
+        """The same of one comparison."""
         verdict = self._judge(condition)
         may, must = verdict.may[some.tracks], verdict.must[some.tracks]
         unsure = may & ~must
-        if condition.is_bound:
-            return self._bound(condition, some, unsure, must)
+        if condition.bound is not None:
+            return self._bound(condition.bound, some, unsure, must)
         if not unsure.any():
             return np.asarray(some.spread(must))
-        block: dict[tuple[str | None, int], Floats] = {}
-        channels = sorted(channel for _, channel in condition.samples)
-        for channel, samples in zip(channels, self.filled(channels, some.tracks[unsure]), strict=True):
-            block[None, channel] = some.of(samples.values)
-        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            found = np.asarray(condition.holds(block), bool)
-        return np.asarray(found & some.spread(unsure) | some.spread(must))
+        channels = sorted(sample.channel for sample in condition.samples)
+        read = zip(channels, self.filled(channels, some.tracks[unsure]), strict=True)
+        block: dict[Variable, Floats] = {sample(None, channel): some.of(found.values) for channel, found in read}
+        return np.asarray(fulfilled(self._columns, condition.tree, block) & some.spread(unsure) | some.spread(must))
 
     def samples(self, channel: int, some: Some) -> Floats:
         """(bones, frames), NaN where a frame has none."""
@@ -159,16 +163,15 @@ class StackedBones:
 
     def _judge(self, condition: Condition) -> Verdict:
         """What zone maps say of each track of the group."""
-        found = self._verdicts.get(id(condition))
+        found = self._verdicts.get(condition.tree)
         if found is None:
             frames = self._table.about[FRAMES]
-            ends = {sample: self._table.ends(sample[1], frames) for sample in condition.samples}
-            found = self._verdicts[id(condition)] = condition, condition.judge(ends)
-        return found[1]
+            ends = {sample: self._table.ends(sample.channel, frames) for sample in condition.samples}
+            found = self._verdicts[condition.tree] = condition.judge(ends)
+        return found
 
-    def _bound(self, condition: Condition, some: Some, unsure: Bools, must: Bools) -> Bools:
-        (((_, channel), operator, number),) = condition.bounds
-        tracks = some.tracks
+    def _bound(self, bound: tuple[Sample, str, float], some: Some, unsure: Bools, must: Bools) -> Bools:
+        (channel, operator, number), tracks = (bound[0].channel, *bound[1:]), some.tracks
         coding = Coding(self._table.least[channel], self._table.greatest[channel])
         codes = self._coded(channel, coding, tracks[unsure])
         own = np.full(tracks.shape, BEYOND, np.uint16)
@@ -185,15 +188,15 @@ class StackedBones:
         else:
             found = np.zeros(view.shape, bool)
         if unsure.any():
-            self._look_up(view == some.spread(own), condition, some, found)
+            self._look_up(view == some.spread(own), bound, some, found)
         return found
 
-    def _look_up(self, close: Bools, condition: Condition, some: Some, found: Bools) -> None:
+    def _look_up(self, close: Bools, bound: tuple[Sample, str, float], some: Some, found: Bools) -> None:
         """The samples that no code decides, compared as they are."""
         bones, frames = np.nonzero(close)
         if not len(bones):
             return
-        (((_, channel), operator, number),) = condition.bounds
+        sample, operator, number = bound
         unit, offset = some.slots(frames)
         tracks = some.tracks[bones, unit]
         order = np.argsort(tracks, kind="stable")
@@ -201,11 +204,11 @@ class StackedBones:
         runs = find_equal(tracks[order])
         wanted = tracks[order[runs[:, 0]]]
         place = dict(zip(wanted.tolist(), runs.tolist(), strict=True))
-        for _, tracks_read in self._read([channel], wanted):
+        for _, tracks_read in self._read([sample.channel], wanted):
             for track, values in tracks_read:
                 start, stop = place[track]
                 numbers[order[start:stop]] = values[offset[order[start:stop]]]
-        found[bones, frames] = RELATIONS[operator](numbers, number)
+        found[bones, frames] = compare_numbers(operator, numbers, number)
 
     def _has_gaps(self, channel: int) -> bool:
         """Whether a frame_bone lacks the channel."""
@@ -230,7 +233,7 @@ class StackedBones:
     def _read(self, channels: list[int], tracks: Ints) -> Iterator[tuple[int, list[tuple[int, Floats]]]]:
         """Channels of tracks, some tracks at a time: (channel, (track, samples)) of those that have it."""
         for at in range(0, len(tracks), TOGETHER):
-            self._check()
+            self._columns.check()
             some = tracks[at : at + TOGETHER]
             self.tracks_read += len(some)
             rows = rows_of(self._table.about[:, some])
@@ -245,10 +248,3 @@ class StackedBones:
                 ]
                 if found:
                     yield channel, found
-
-
-def _leaves(condition: Condition) -> Iterator[Condition]:
-    if not condition.logic:
-        yield condition
-    for part in condition.parts:
-        yield from _leaves(part)

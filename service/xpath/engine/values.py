@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import orjson
 
 from service.motion.skeleton import CHANNELS
 from service.numerics.runs import find_equal
@@ -32,6 +31,7 @@ from service.xpath.nodes.numbering import (
     in_frames,
     slots_of,
 )
+from service.xpath.nodes.samples import sample_texts
 from service.xpath.nodes.texts import Strings, compact, constant, joined, of_texts
 
 MANY = 1024
@@ -73,7 +73,7 @@ def strings(forest: Forest, nodes: Ints) -> Strings:
     def add(which: Bools, function: object) -> None:
         index = np.flatnonzero(which)
         if len(index):
-            parts.append((index, function(forest, nodes[index])))  # type: ignore[operator]
+            parts.append((index, function(forest, nodes[index])))  # type: ignore[operator]  # all are called so
 
     add(~framed, _of_head)
     bones = framed & (slots >= BONES)
@@ -164,10 +164,7 @@ def _requests(
 
 
 def _sample_texts(forest: Forest, nodes: Ints) -> Strings:
-    # As bits, for 0.0 and -0.0 are two strings.
-    bits, codes = np.unique(samples(forest, nodes).view(np.int64), return_inverse=True)
-    text = orjson.dumps(bits.view(np.float64), option=orjson.OPT_SERIALIZE_NUMPY).decode()
-    return Strings(codes.reshape(-1).astype(np.int64), text[1:-1].split(",") if len(bits) else [])
+    return sample_texts(samples(forest, nodes))
 
 
 def _bone_names(forest: Forest, nodes: Ints) -> Strings:

@@ -139,20 +139,8 @@ class Whole:
         return _sequence(items_of(sequences.call(self.nowhere, call.function, values)))
 
     def _aggregate(self, call: Call) -> Expression:
-        different = distinct_of(call)
-        source = self._source(different or call.arguments[0])
-        if call.function == "string-join":
-            return _literal(aggregates.joined(call, source))
-        if different is not None:
-            return _literal(float(len(aggregates.distinct(source))))
-        if call.function in aggregates.TRUTH_AGGREGATES:
-            return _literal(aggregates.exists(source) == (call.function == "exists"))
-        found = aggregates.number(call.function, source)
-        if found is None:
-            return Sequence(())
-        if found != found and call.function in ("min", "max", "avg"):
-            raise NotOnColumnsError
-        return _literal(found)
+        found = aggregates.value(call, self._source(distinct_of(call) or call.arguments[0]))
+        return Sequence(()) if found is None else _literal(found)
 
     def _truth(self, expression: Quantified) -> Expression:
         test = For(expression.variable, expression.source, Call("boolean", (expression.body,)))

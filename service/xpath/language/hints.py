@@ -132,4 +132,4 @@ def _by_letters(name: str, known: set[str]) -> list[str]:
 
 
 def _holds(steps: object, step: Step) -> bool:
-    return any(step.name in state for state in steps)  # type: ignore[attr-defined]
+    return any(step.name in state for state in steps)  # type: ignore[attr-defined]  # an automaton

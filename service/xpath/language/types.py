@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from service.xpath.language.functions import OF_CONTEXT, SAFE_FUNCTIONS
 from service.xpath.language.tree import (
     OF_NODES,
@@ -134,6 +136,23 @@ def distinct_of(call: Call) -> Expression | None:
     is_distinct = isinstance(inner, Call) and inner.function == "distinct-values" and len(inner.arguments) == 1
     takes = call.function in ("count", "string-join")
     return inner.arguments[0] if takes and is_distinct and isinstance(inner, Call) else None
+
+
+@lru_cache(maxsize=4096)
+def is_of_variables(expression: Expression) -> bool:
+    """Whether the value is arithmetic, comparisons and logic of variables and constants, and never an error."""
+    if isinstance(expression, Literal | Variable):
+        return True
+    if isinstance(expression, Call):
+        signature = SAFE_FUNCTIONS[expression.function]
+        is_simple = signature.of_numbers is not None or expression.function in ("boolean", "not", "number")
+        return is_simple and all(map(is_of_variables, expression.arguments))
+    if not isinstance(expression, Operation) or expression.operator not in _OF_TWO:
+        return False
+    return all(map(is_of_variables, expression.operands))
+
+
+_OF_TWO = frozenset({"and", "or", "=", "!=", "<", "<=", ">", ">=", "+", "-", "*", "div", "mod", "negate"})
 
 
 def is_of_document(expression: Expression) -> bool:

@@ -40,7 +40,7 @@ _numbers = count()
 class Group(list[Listed]):
     """Documents in order of the answer. Two groups are equal only if they are the same object."""
 
-    __hash__ = object.__hash__  # type: ignore[assignment]
+    __hash__ = object.__hash__  # type: ignore[assignment]  # lists have none
 
     def __init__(self, documents: Iterable[Listed]) -> None:
         super().__init__(documents)

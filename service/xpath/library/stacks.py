@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +43,7 @@ class Stack:
     def columns(self) -> int:
         return int(self.offsets[-1])
 
-    def view(self, values: NDArray) -> NDArray:  # type: ignore[type-arg]
+    def view(self, values: NDArray[Any]) -> NDArray[Any]:
         """(bones, columns): the matrix among the samples of the group."""
         return values[self.begin : self.begin + self.width * self.columns].reshape(self.width, self.columns)
 
@@ -129,7 +129,7 @@ class StackedSamples:
     """
 
     def __init__(self, size: int, tracks: int, *, coded: bool) -> None:
-        self.values: NDArray = np.full(size, LOWEST, np.uint16) if coded else np.full(size, np.nan)  # type: ignore[type-arg]
+        self.values: NDArray[Any] = np.full(size, LOWEST, np.uint16) if coded else np.full(size, np.nan)
         self.filled: Bools = np.zeros(tracks, bool)
 
     @property

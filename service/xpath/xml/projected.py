@@ -55,7 +55,7 @@ class Projected:
         count and sum as the outermost function are one number over all documents.
         """
         each = [(stored, self._scalar(stored)) for stored in self.documents]
-        kind: Literal["number", "string", "boolean"] = self.type  # type: ignore[assignment]
+        kind: Literal["number", "string", "boolean"] = self.type  # type: ignore[assignment]  # no nodes here
         tree = self.query.tree
         if isinstance(tree, Call) and tree.function in ("count", "sum"):
             return kind, float(sum(float(value) for _, value in each)), []
