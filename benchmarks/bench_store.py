@@ -20,7 +20,7 @@ from benchmarks.basex_client import BaseXClient
 from benchmarks.library import clips, load, load_together, longer, served, write_plain
 from benchmarks.timing import median_seconds, report
 from service.actions.editing.edit_element import Change
-from service.actions.reading.read_clip import read_clip
+from service.clips.read_clip import read_clip
 from service.mcml.writer import write_document
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter

@@ -31,6 +31,7 @@ from service.mcml.vocabulary import (
     UNITS,
 )
 from service.motion.clip import ClipHead, SourcePart
+from service.motion.skeleton import Skeleton
 
 __all__ = ["Element", "addresses", "check_counts", "from_head", "header_of", "joint_names", "leaf", "refresh_counts"]
 __all__ += ["mcml_element", "to_head", "write_header"]
@@ -57,11 +58,12 @@ def mcml_element(header: Element, skeleton: Iterable[Element]) -> Element:
     return Element(MCML, {"version": LANGUAGE_VERSION}, "", [header, *skeleton])
 
 
-def to_head(document: Element, frame_time: str | None = None) -> ClipHead:
+def to_head(document: Element, frame_time: str | None = None, skeleton: Skeleton | None = None) -> ClipHead:
     """What a document's header, root and skeleton say of its clip.
 
     document: an `mcml` element that is valid (`service.mcml.dtd`), with or without its motion.
-    frame_time: text of motion/frametime; taken from the motion if the element has one.
+    frame_time: text of motion/frametime; taken from the motion if the element has one. skeleton: what its root and
+    skeleton say, where that is known.
     Whatever a hand-written document leaves out gets the default that docs/mcml.md lists.
     Raises DocumentError with the address of the element that makes no sense.
     """
@@ -73,10 +75,10 @@ def to_head(document: Element, frame_time: str | None = None) -> ClipHead:
     if frame_time is not None:
         frame_time = frame_time.strip(WHITE_SPACE)
         _need_decimal(frame_time, "/mcml/motion/frametime")
-    file_format = header.attributes.get("format") or _guess_format(fields)
+    file_format = format_of(header)
     return ClipHead(
         format=file_format,
-        skeleton=read_skeleton(document, file_format),
+        skeleton=read_skeleton(document, file_format) if skeleton is None else skeleton,
         fields=fields,
         frame_time=frame_time,
         number_style=header.attributes.get("number_style", DEFAULT_STYLE),
@@ -222,6 +224,11 @@ def _read_sources(header: Element) -> tuple[SourcePart, ...]:
         )
         for part in dict.fromkeys([*stated, *sections, *comments])
     )
+
+
+def format_of(header: Element) -> str:
+    """The format that a header names, or that its file type is of."""
+    return header.attributes.get("format") or _guess_format(_read_fields(header))
 
 
 def _guess_format(fields: dict[str, str]) -> str:

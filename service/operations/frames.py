@@ -26,10 +26,10 @@ from service.actions.exporting.write_tables import (
     plain_blocks,
     write_columns,
 )
-from service.actions.reading.read_clip import StoredClip, read_clip
 from service.actions.reading.read_numbers import Numbers, Space, chosen_bones, read_numbers
 from service.actions.reading.read_origin import origin_of
 from service.actions.reading.reduce_frames import reduce_frames
+from service.clips.read_clip import StoredClip, read_clip
 from service.errors import DocumentError, RequestError
 from service.motion.skeleton import CHANNELS, Array
 from service.operations.arguments import (

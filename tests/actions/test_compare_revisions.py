@@ -13,7 +13,7 @@ from service.actions.editing.change_document import add_labels, change_document
 from service.actions.editing.change_frames import delete_frames, insert_frames, write_values
 from service.actions.editing.edit_element import Change
 from service.actions.reading.compare_revisions import compare_revisions
-from service.actions.reading.read_clip import read_clip
+from service.clips.read_clip import read_clip
 from service.motion.skeleton import CHANNELS
 from service.operations.arguments import at_revision
 from service.storage.database import Database

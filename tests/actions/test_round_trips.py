@@ -13,8 +13,8 @@ from service.actions.exporting.convert_files import convert_files
 from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.actions.importing.import_motion import import_files
 from service.actions.reading.import_options import ImportOptions
-from service.actions.reading.read_clip import read_clip
 from service.actions.reading.read_element import read_element
+from service.clips.read_clip import read_clip
 from service.errors import ConversionError, NotFoundError
 from service.formats import FORMATS
 from service.formats.format import ReadOptions, SourceFile

@@ -16,7 +16,7 @@ from service.actions.editing.reshape_motion import Whole, read_whole
 from service.actions.importing.store_clip import store_stream
 from service.actions.reading.edit_header import seconds_of
 from service.actions.reading.preview_motion import Window, preview_motion
-from service.actions.reading.read_clip import read_clip
+from service.clips.read_clip import read_clip
 from service.errors import DocumentError
 from service.motion.clip import ClipHead, ClipStream, FrameBlock
 from service.motion.composing import Piece, compose, layered

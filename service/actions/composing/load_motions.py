@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from service.actions.composing.fit_skeleton import are_markers, match_joints, upright, with_body
 from service.actions.editing.reshape_motion import Whole, read_whole
 from service.actions.reading.edit_header import seconds_of
-from service.actions.reading.read_clip import read_clip
 from service.analysis.interface import Motion, Progress, silent
+from service.clips.read_clip import read_clip
 from service.errors import DocumentError
 from service.motion.clip import ClipStream, FrameBlock
 from service.motion.conventions import convert

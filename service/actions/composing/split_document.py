@@ -6,7 +6,7 @@ from itertools import pairwise
 
 from schemas.compose import SplitPart, SplitParts, SplitRequest
 from service.actions.importing.store_clip import store_stream
-from service.actions.reading.read_clip import read_clip
+from service.clips.read_clip import read_clip
 from service.errors import LimitError, NotFoundError
 from service.settings import Settings
 from service.storage.database import Database, Transaction

@@ -9,7 +9,7 @@ from schemas.frames import AdjustFrames, MirrorFrames, ResampleFrames, SmoothFra
 from service.actions.editing.edit_element import Change, apply_change
 from service.actions.editing.splice_frames import check_range, splice_frames
 from service.actions.reading.edit_header import seconds_of
-from service.actions.reading.read_clip import read_clip
+from service.clips.read_clip import read_clip
 from service.errors import DocumentError
 from service.mcml.elements import header_of
 from service.motion.clip import ClipHead, FrameBlock

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 import orjson
 
-from service.actions.reading.read_clip import StoredClip, read_clip
+from service.clips.read_clip import StoredClip, read_clip
 from service.errors import ConversionError, Notice, UnsupportedError
 from service.formats import FORMATS
 from service.formats.format import SourceFile

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from service.actions.reading.list_children import children_of_frames
-from service.actions.reading.read_clip import StoredClip, read_clip
+from service.clips.read_clip import StoredClip, read_clip
 from service.errors import NotFoundError
 from service.mcml.addresses import MOTION, address_child, address_frame, number_steps
 from service.mcml.elements import Element

@@ -13,7 +13,7 @@ from service.actions.exporting.export_motion import skeleton_file
 from service.actions.reading.gather_files import Clip
 from service.actions.reading.import_options import ImportOptions
 from service.actions.reading.open_clip import open_clip
-from service.actions.reading.read_clip import read_clip
+from service.clips.read_clip import read_clip
 from service.errors import FormatError, McmlError, NotFoundError
 from service.formats.format import SourceFile
 from service.motion.clip import ClipStream, FrameBlock

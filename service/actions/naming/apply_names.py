@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from schemas.names import Rename
 from service.actions.editing.edit_element import edit_head
-from service.actions.reading.read_clip import read_clip
 from service.actions.reading.shared_skeleton import moving_root
+from service.clips.read_clip import read_clip
 from service.mcml import joint_names
 from service.mcml.element import Element, addresses
 from service.mcml.lexical import escape

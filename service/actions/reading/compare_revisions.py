@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from schemas.revisions import BoneDifference, Difference, ElementDifference, FrameRange, LabelDifference
-from service.actions.reading.read_clip import read_clip
+from service.clips.read_clip import read_clip
 from service.mcml.elements import Element, addresses
 from service.motion.hub import HubReader
 from service.motion.rotations import inverse, multiply

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from service.actions.reading.read_clip import read_clip
+from service.clips.read_clip import read_clip
 from service.mcml.elements import to_head
 from service.motion.carriers import carriers
 from service.motion.clip import ClipHead, FrameBlock, full_shape

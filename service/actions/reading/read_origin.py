@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from service.actions.reading.read_clip import StoredClip, read_clip
+from service.clips.read_clip import StoredClip, read_clip
 from service.motion.clip import FrameBlock
 from service.motion.kinematics import Walker, unseen
 from service.motion.skeleton import Array, Convention, Skeleton
 from service.motion.units import reading_of
+from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 
@@ -36,7 +37,7 @@ def origin_of(tx: Transaction, source: StoredClip) -> Array:
     return origin
 
 
-def first_pose(tx: Transaction, stored: StoredDocument) -> tuple[StoredClip, Array]:
+def first_pose(tx: Transaction, stored: StoredDocument | Listed) -> tuple[StoredClip, Array]:
     """Frame 1 of a document that has frames, and (J, 3) where its joints are in it; NaN where a point was not seen."""
     source = read_clip(tx, stored, first=1, last=1, labelled=False)
     skeleton = source.clip.head.skeleton

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from service.actions.reading.read_clip import read_clip
 from service.actions.reading.read_numbers import chosen_bones
+from service.clips.read_clip import read_clip
 from service.motion.skeleton import CHANNELS, Array
 from service.numerics.runs import find_true
 from service.storage.database import Transaction

@@ -20,10 +20,13 @@ from service.xpath.engine.axes import REVERSE, are_frames, frames_at, named_bone
 from service.xpath.engine.comparisons import compare, compare_items
 from service.xpath.engine.context import Bound, Context, Value, own_set
 from service.xpath.engine.frame_bones import FrameBones, start_of
+from service.xpath.engine.motion_windows import MotionWindows
+from service.xpath.engine.motions import Motions
 from service.xpath.engine.neighbours import Neighbours
 from service.xpath.engine.sequences import items_of, texts
 from service.xpath.language.functions import OF_CONTEXT, SAFE_FUNCTIONS
 from service.xpath.language.labels import bone_name
+from service.xpath.language.motion_functions import MOTION_FUNCTIONS
 from service.xpath.language.positions import frame_distance, frame_place, is_beyond, is_window
 from service.xpath.language.tree import (
     VALUE_COMPARISONS,
@@ -72,6 +75,8 @@ class Columns:
         self._is_later = is_later
         self._neighbours = Neighbours(self)
         self._bones = FrameBones(self)
+        self.motions = Motions(self)
+        self._windows = MotionWindows(self, self.motions)
 
     def documents(self) -> Context:
         """Every document node as context."""
@@ -143,6 +148,9 @@ class Columns:
             return self._neighbours.beyond(expression, context.nodes)
         if shared and isinstance(expression, Path) and is_window(expression) and are_frames(context.nodes):
             return np.asarray(self._neighbours.window(expression, context.nodes) > 0)
+        around = self._windows.counts(expression, context) if isinstance(expression, Path | Filter | Call) else None
+        if around is not None:
+            return np.asarray(around > 0)
         if shared and isinstance(expression, Path) and expression.start is None:
             together = self._bones.value(expression, context, None, partial(self.truth, expression))
             if together is not None:
@@ -360,6 +368,11 @@ class Columns:
             known = self._neighbours.counted(arguments[0], context)
             if known is not None:
                 return known
+        if name in MOTION_FUNCTIONS:
+            return self.motions.value(call, context)
+        around = self._windows.value(call, context)
+        if around is not None:
+            return around
         if not arguments and name in OF_CONTEXT:
             return functions.call(self.forest, name, [own_set(context)], len(context))
         if name == "sort":

@@ -10,16 +10,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache, partial
+from itertools import groupby
+from operator import itemgetter
 
 import numpy as np
 
 from service.errors import LimitError, QueryError
 from service.storage.database import Transaction
 from service.xpath.engine import aggregates, sequences
+from service.xpath.engine.best_runs import BestRuns
 from service.xpath.engine.column_source import ColumnSource
 from service.xpath.engine.columns import Columns
 from service.xpath.engine.context import Bound, Context
-from service.xpath.engine.functions import NotOnColumnsError, as_booleans
+from service.xpath.engine.functions import NotOnColumnsError, as_booleans, as_numbers
 from service.xpath.engine.loops import as_contexts, each_alone
 from service.xpath.engine.parts import Part, Parts, at, listed, rank_of, values_of
 from service.xpath.engine.scan import Scan
@@ -28,9 +31,10 @@ from service.xpath.engine.source import Nth, Source
 from service.xpath.language.functions import SAFE_FUNCTIONS
 from service.xpath.language.labels import without_index
 from service.xpath.language.meaning import ITEM
+from service.xpath.language.motion_functions import TOP
 from service.xpath.language.reach import HeadPart
 from service.xpath.language.rules import normal
-from service.xpath.language.scopes import asks_each, asks_scope, begins_paths, is_node_set, put
+from service.xpath.language.scopes import asks_each, asks_scope, begins_paths, begins_with_top, is_node_set, put
 from service.xpath.language.tree import (
     Call,
     Each,
@@ -182,7 +186,7 @@ class Whole:
         self._check()
         if isinstance(expression, Path) and expression.start is not None and not is_node_set(expression):
             yield from self._onward(expression.start, expression.steps)
-        elif type_of(expression) == "nodes":
+        elif type_of(expression) == "nodes" and not begins_with_top(expression):
             yield from (Part(forest, nodes) for forest, nodes in self.nodes(expression).chunks())
         elif isinstance(expression, Sequence):
             for item in expression.items:
@@ -286,6 +290,9 @@ class Whole:
     def _call(self, call: Call) -> Iterator[Part]:
         """A function that gives a sequence."""
         name, arguments = call.function, call.arguments
+        if name == TOP:
+            yield from self._top(call)
+            return
         if name == "distinct-values" and is_node_set(arguments[0]):
             texts = aggregates.distinct(self._source(arguments[0]))
             yield Part(self.nowhere, Strings(np.arange(len(texts)), texts))
@@ -307,6 +314,17 @@ class Whole:
             yield from at(parts, np.asarray(chosen).astype(np.int64))
         else:
             raise NotOnColumnsError
+
+    def _top(self, call: Call) -> Iterator[Part]:
+        """The best runs of all documents, the best one first."""
+        wanted, frames, *keys = call.arguments
+        count = float(as_numbers(self.nowhere, value_of(self.constant(wanted)))[0])
+        best = BestRuns(int(count) if count >= 1 else 0)
+        for forest, chunks in groupby(self.nodes(frames).chunks(), itemgetter(0)):
+            nodes = np.concatenate([nodes for _, nodes in chunks])
+            columns = self._columns(forest)
+            best.add(columns, nodes, keys[0] if keys else None)
+        yield from (Part(forest, nodes) for forest, nodes in best.runs())
 
     def _sorted(self, parts: list[Part], arguments: tuple[Expression, ...]) -> Iterator[Part]:
         keys: list[Part] = []

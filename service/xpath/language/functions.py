@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from service.xpath.language import regular
+from service.xpath.language.motion_functions import MOTION_FUNCTIONS
 
 Numbers = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -20,8 +21,9 @@ Numbers = np.ndarray[Any, np.dtype[np.float64]]
 @dataclass(frozen=True, slots=True)
 class Signature:
     """result: "nodes", "number", "string", "boolean", "strings" or "sequence". least, most: arguments; most None: any
-    number. takes_items: the first argument is a node set or sequence. of_node: it is a node. items: type of the items
-    of a sequence. selects: these are items of the first argument. is_integer: the number is one of XPath's integers.
+    number. takes_items: the first argument, or that at `place`, is a node set or sequence. of_node: it is a node.
+    items: type of the items of a sequence. selects: these are items of that argument. is_integer: the number is one of
+    XPath's integers.
     is_later: came after XPath 1.0. is_quick: no text takes it long. of_texts: the value for texts, one for each
     argument. of_numbers: the same for arrays of numbers.
     """
@@ -30,6 +32,7 @@ class Signature:
     least: int
     most: int | None
     takes_items: bool = False
+    place: int = 0
     of_node: bool = False
     items: str = ""
     selects: bool = False
@@ -146,6 +149,18 @@ FUNCTIONS = {
     "math:atan": _of_number(np.arctan),
     "math:pow": _later("number", 2, 2, of_numbers=np.power),
     "math:atan2": _later("number", 2, 2, of_numbers=np.arctan2),
+    # -- bodies in motion ----------------------------------------------------------------------------------------------
+    **{
+        name: Signature(
+            one.result,
+            one.least,
+            len(one.parameters),
+            takes_items=one.selects is not None,
+            place=one.selects or 0,
+            selects=one.selects is not None,
+        )
+        for name, one in MOTION_FUNCTIONS.items()
+    },
 }
 """Functions that run on columns."""
 

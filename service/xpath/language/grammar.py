@@ -35,7 +35,7 @@ from service.xpath.language.tree import (
 ANY_NODE = Step("descendant-or-self", "node()")
 _COMPARISONS = frozenset({"=", "!=", "<", "<=", ">", ">=", *VALUE_COMPARISONS})
 _OPERATORS = frozenset(LEVELS) - {"negate", "|", "intersect", "except", "!", "/"}
-_PREFIXES = ("fn", "math")
+_PREFIXES = ("fn", "math", "mo")
 
 
 class ArityError(QueryError):

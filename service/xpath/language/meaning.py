@@ -9,6 +9,7 @@ from service.errors import Place, QueryError, VocabularyError
 from service.mcml.motion_names import canonical
 from service.mcml.vocabulary import MOTION_NAME
 from service.xpath.language.functions import OF_CONTEXT
+from service.xpath.language.motion_functions import TOP
 from service.xpath.language.tree import (
     Call,
     Each,
@@ -136,6 +137,10 @@ def from_document(expression: Expression) -> Expression:
         return expression
     if isinstance(expression, Call) and not expression.arguments and expression.function in OF_CONTEXT:
         return replace(expression, arguments=(Path((), absolute=True),))
+    if isinstance(expression, Call) and expression.function == TOP:
+        # Its key is asked of frames.
+        arguments = tuple(from_document(each) if n < 2 else each for n, each in enumerate(expression.arguments))
+        return replace(expression, arguments=arguments)
     return with_children(expression, from_document)
 
 

@@ -11,6 +11,7 @@ from service.errors import LimitError, Place, QueryError
 from service.xpath.language.functions import SAFE_FUNCTIONS
 from service.xpath.language.grammar import ArityError, read
 from service.xpath.language.meaning import bind, from_document, with_stored_names
+from service.xpath.language.motion_functions import MOTION_FUNCTIONS
 from service.xpath.language.tree import (
     OF_NODES,
     VALUE_COMPARISONS,
@@ -137,7 +138,8 @@ def _check_types(tree: Expression) -> None:
         elif isinstance(part, Call):
             _check_functions(part)
             signature = SAFE_FUNCTIONS[part.function]
-            needed = part.arguments[: signature.of_node or (signature.takes_items and not is_later)]
+            if signature.of_node or (signature.takes_items and (not is_later or part.function in MOTION_FUNCTIONS)):
+                needed = part.arguments[signature.place : signature.place + 1]
         for operand in needed:
             if item_type(operand) not in ("nodes", "any"):
                 raise QueryError(

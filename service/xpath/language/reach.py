@@ -14,6 +14,7 @@ from functools import cache, lru_cache
 from service.mcml.content import declarations
 from service.mcml.vocabulary import FRAME, FRAME_BONE, HEADER, MCML, MOTION, MOTION_NAME, ROOT, SKELETON
 from service.xpath.language.functions import SAFE_FUNCTIONS
+from service.xpath.language.motion_functions import MOTION_FUNCTIONS, WINDOW
 from service.xpath.language.tree import (
     OF_NODES,
     Binder,
@@ -189,8 +190,13 @@ class _Analysis:
                 self.use(types)
             else:
                 self._value(types)
-        if SAFE_FUNCTIONS[call.function].selects:
-            return found[0]
+        signature = SAFE_FUNCTIONS[call.function]
+        if call.function in MOTION_FUNCTIONS:
+            self.use(frozenset({FRAME}))
+        if signature.selects:
+            return found[signature.place]
+        if call.function == WINDOW:
+            return frozenset({FRAME})
         # There are no attributes of type ID in MCML, so id() selects nothing; what it reaches is kept all the same.
         return _everything() if call.function == "id" else frozenset()
 

@@ -14,7 +14,8 @@ can reach (`projection.reach`). Rules, in the order in which they are tried:
 8. `following-sibling::x/y = 'k'`, for a comparison with a constant, is `boolean(following-sibling::x[y = 'k'])`; so
    for the other sibling axes, `following` and `preceding`, and where the first predicate of x is a window of frames
    (`positions.window_of`). The same operand of a union is evaluated once.
-9. What came after XPath 1.0, as `later.py` says.
+9. `mo:window(a, b)/y = 'k'` is `boolean(mo:window(a, b)[y = 'k'])`, in the same way.
+10. What came after XPath 1.0, as `later.py` says.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from functools import cache
 from service.mcml.content import declarations
 from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
 from service.xpath.language.later import of_later
+from service.xpath.language.motion_functions import WINDOW
 from service.xpath.language.positions import BEYOND, counts, window_of
 from service.xpath.language.reach import DOCUMENT, Types, parent_types, reach, types_of
 from service.xpath.language.tree import (
@@ -116,7 +118,12 @@ def _operation(operation: Operation, context: Types) -> Expression:
     if operation.operator in COMPARISONS and len(operands) == 2:
         for place, path in enumerate(operands):
             other = operands[1 - place]
-            if not isinstance(path, Path) or not isinstance(other, Literal) or path.absolute or path.start is not None:
+            if not isinstance(other, Literal):
+                continue
+            in_window = _in_window(operation, path, other, place)
+            if in_window is not None:
+                return Call("boolean", (in_window,), operation.span)
+            if not isinstance(path, Path) or path.absolute or path.start is not None:
                 continue
             first, rest = path.steps[0] if path.steps else None, path.steps[1:]
             if first is None or first.axis not in BEYOND or (counts(first) and window_of(first) is None):
@@ -126,6 +133,27 @@ def _operation(operation: Operation, context: Types) -> Expression:
             held = first.where((*first.predicates, Operation(operation.operator, sides)))
             return Call("boolean", (Path((held,)),), operation.span)
     return Operation(operation.operator, operands, operation.span)
+
+
+def _in_window(operation: Operation, path: Expression, other: Expression, place: int) -> Expression | None:
+    """Rule 9: the window with the comparison as predicate."""
+    if isinstance(path, Path) and path.start is not None and path.steps:
+        start: Expression = path.start
+        inner: Expression = Path(path.steps)
+    elif isinstance(path, Each) and path.is_step and not free_variables(path.body):
+        start, inner = path.source, path.body
+    else:
+        return None
+    window = start.operand if isinstance(start, Filter) else start
+    if not isinstance(window, Call) or window.function != WINDOW or depends_on_position(inner):
+        return None
+    if type_of(inner) not in ("nodes", "number", "boolean", "string"):
+        return None
+    sides = (inner, other) if place == 0 else (other, inner)
+    asked = Operation(operation.operator, sides)
+    if isinstance(start, Filter):
+        return Filter(start.operand, (*start.predicates, asked), start.span)
+    return Filter(start, (asked,), start.span)
 
 
 def after(types: Types, step: Step) -> Types:

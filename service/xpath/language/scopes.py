@@ -12,6 +12,7 @@ from dataclasses import replace
 from service.xpath.language.functions import AGGREGATES, SAFE_FUNCTIONS
 from service.xpath.language.labels import without_index
 from service.xpath.language.meaning import ITEM
+from service.xpath.language.motion_functions import TOP
 from service.xpath.language.tree import (
     OF_NODES,
     Binder,
@@ -51,11 +52,21 @@ def asks_scope(expression: Expression) -> bool:
 def is_node_set(expression: Expression) -> bool:
     """Whether it gives nodes of each document that those of other documents do not change: no `(…)[n]` around it, which
     counts over all of them, and no path from a sequence."""
+    if begins_with_top(expression):
+        return False
     if isinstance(expression, Path) and expression.start is not None and type_of(expression.start) != "nodes":
         return False
     if isinstance(expression, Filter) and isinstance(expression.operand, Path | Filter):
         return is_node_set(expression.operand) and without_index(expression)[1] is None
     return type_of(expression) == "nodes" and without_index(expression)[1] is None
+
+
+def begins_with_top(expression: Expression) -> bool:
+    """Whether it is, or goes on from, the best runs of all documents."""
+    if isinstance(expression, Path | Filter):
+        inner = expression.start if isinstance(expression, Path) else expression.operand
+        return inner is not None and begins_with_top(inner)
+    return isinstance(expression, Call) and expression.function == TOP
 
 
 def asks_each(expression: Expression, *, in_sequence: bool = True) -> bool:
@@ -70,9 +81,10 @@ def asks_each(expression: Expression, *, in_sequence: bool = True) -> bool:
     if isinstance(expression, Filter):
         return asks_each(expression.operand, in_sequence=in_sequence)
     if isinstance(expression, Call):
-        takes = SAFE_FUNCTIONS[expression.function].takes_items
+        signature = SAFE_FUNCTIONS[expression.function]
+        taken = signature.place if signature.takes_items else None
         return any(
-            asks_each(argument, in_sequence=takes and place == 0) for place, argument in enumerate(expression.arguments)
+            asks_each(argument, in_sequence=place == taken) for place, argument in enumerate(expression.arguments)
         )
     if isinstance(expression, Operation):
         inside = in_sequence and expression.operator in OF_NODES
@@ -104,7 +116,7 @@ def spans_documents(expression: Expression, *, is_whole: bool = True) -> bool:
     if isinstance(expression, Filter):
         return type_of(expression.operand) != "nodes" and asks_scope(expression.operand)
     if isinstance(expression, Call) and SAFE_FUNCTIONS[expression.function].takes_items:
-        inner = expression.arguments[0]
+        inner = expression.arguments[SAFE_FUNCTIONS[expression.function].place]
         if not asks_scope(inner):
             return False
         return not (is_whole and expression.function in AGGREGATES) or spans_documents(inner, is_whole=False)

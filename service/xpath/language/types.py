@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from service.xpath.language.functions import OF_CONTEXT, SAFE_FUNCTIONS
+from service.xpath.language.motion_functions import MOTION_FUNCTIONS, OF_DOCUMENT
 from service.xpath.language.tree import (
     OF_NODES,
     Call,
@@ -79,8 +80,8 @@ def item_type(expression: Expression) -> str:
         signature = SAFE_FUNCTIONS[expression.function]
         if signature.items:
             return signature.items
-        if signature.selects and expression.arguments:
-            return item_type(expression.arguments[0])
+        if signature.selects and len(expression.arguments) > signature.place:
+            return item_type(expression.arguments[signature.place])
     found = type_of(expression)
     return found if found in ("nodes", "number", "string", "boolean") else "any"
 
@@ -168,8 +169,11 @@ def is_of_document(expression: Expression) -> bool:
     if isinstance(expression, Written | Later):
         return False
     if isinstance(expression, Call):
-        own = expression.function in ("position", "last", "lang") or (
-            not expression.arguments and expression.function in OF_CONTEXT
+        is_of_frame = expression.function in MOTION_FUNCTIONS and expression.function not in OF_DOCUMENT
+        own = (
+            is_of_frame
+            or expression.function in ("position", "last", "lang")
+            or (not expression.arguments and expression.function in OF_CONTEXT)
         )
         return not own and all(is_of_document(argument) for argument in expression.arguments)
     return all(is_of_document(operand) for operand in expression.operands)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Generic, Protocol, TypeVar
 
+from service.clips.bodies import Body, read_bodies
 from service.storage.blocks import Block
 from service.storage.columns import Listed
 from service.storage.database import Transaction
@@ -62,8 +63,8 @@ class Caches:
     samples; the rest takes a little beside them.
 
     listing: which documents there are. heads, layouts, labels, ids, zones: of documents. columns: of groups of
-    documents. samples: of bones of groups. tracks: decoded. blocks: all tracks over a chunk. sidecar: what is kept on
-    disk, too; None where nothing is.
+    documents. samples: of bones of groups. bodies: of documents, in space. tracks: decoded. blocks: all tracks over a
+    chunk. sidecar: what is kept on disk, too; None where nothing is.
     """
 
     def __init__(self, limit: int = COLUMNS, sidecar: Sidecar | None = None) -> None:
@@ -77,5 +78,6 @@ class Caches:
         self.zones = DocumentCache[Zones](read_zones, 3 * small)
         self.columns = ColumnCache(limit // 2)
         self.samples = ColumnCache(limit // 2)
+        self.bodies = DocumentCache[Body](read_bodies, 4 * small)
         self.tracks = Tracks(4 * small, 5 * small)
         self.blocks = Cache[BlockKey, Block](3 * small, lambda block: block.values.nbytes + OVERHEAD)

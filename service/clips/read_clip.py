@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 from service.errors import NotFoundError
-from service.mcml.elements import Element, refresh_counts, to_head
+from service.mcml.elements import Element, format_of, mcml_attributes, refresh_counts, to_head
+from service.mcml.vocabulary import MCML
 from service.motion.clip import ClipStream, FrameBlock
+from service.motion.skeleton import Skeleton
+from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.motion_names import names_of_frames
+
+Skeletons: TypeAlias = dict[tuple[int, str], Skeleton]
+"""By the key of the skeleton in the store, and the format whose conventions it has."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +27,7 @@ class StoredClip:
     Lives as long as the transaction it was read in.
     """
 
-    stored: StoredDocument
+    stored: StoredDocument | Listed
     document: Element
     names: tuple[str, ...]
     clip: ClipStream
@@ -30,16 +37,18 @@ class StoredClip:
 
 def read_clip(
     tx: Transaction,
-    stored: StoredDocument,
+    stored: StoredDocument | Listed,
     *,
     first: int = 1,
     last: int | None = None,
     step: int = 1,
     labelled: bool = True,
+    skeletons: Skeletons | None = None,
 ) -> StoredClip:
     """Frames first to last (positions from 1, inclusive; default all). NotFoundError outside the document.
 
-    labelled: with their motion names.
+    labelled: with their motion names. skeletons: those of documents that were read before, of which the document then
+    has no elements; this one's is added.
     """
     last = stored.frames if last is None else last
     if stored.frames and not 1 <= first <= last <= stored.frames:
@@ -48,8 +57,16 @@ def read_clip(
             remedy="Frame numbers are positions, from 1, both ends included.",
         )
     frames = len(range(first, last + 1, step))
-    document = refresh_counts(tx.heads.document(stored), frames)
-    head = to_head(document, stored.frame_time)
+    header = tx.heads.header(stored.key)
+    form = stored.skeleton, format_of(header)
+    known = None if skeletons is None else skeletons.get(form)
+    elements = tx.heads.skeleton(stored.skeleton) if known is None else []
+    document = Element(MCML, mcml_attributes(stored.version), "", [header, *elements])
+    if known is None:
+        document = refresh_counts(document, frames)
+    head = to_head(document, stored.frame_time, known)
+    if skeletons is not None:
+        skeletons[form] = head.skeleton
     if step > 1 and stored.frame_time is not None:
         head = replace(head, frame_time=repr(float(stored.frame_time) * step))
     columns = head.skeleton.columns()

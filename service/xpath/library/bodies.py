@@ -1,0 +1,134 @@
+"""Quantities of bodies in motion over a group of documents, as columns with a number for every frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from difflib import get_close_matches
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from service.clips.bodies import Body
+from service.errors import QueryError
+from service.motion.bodies.poses import JOINTS, NEEDS, at_rate, motion_distances, pose_distances, pose_features
+from service.motion.bodies.quantities import compute, joints_of
+from service.storage.columns import Listed
+from service.xpath.library.forest import Forest
+from service.xpath.nodes.numbering import Floats, Ints, documents_of, frames_of
+
+Column = TypeVar("Column", bound=NDArray[Any])
+Made = TypeVar("Made")
+POSE = len(JOINTS), 3
+TOGETHER = 32
+"""Documents whose bodies are read before anything else may happen."""
+
+
+class Bodies:
+    """Of the documents of a forest. check: called often; raises when time is up."""
+
+    def __init__(self, forest: Forest, check: Callable[[], None]) -> None:
+        self._forest = forest
+        self._check = check
+
+    @cached_property
+    def offsets(self) -> Ints:
+        """Where in a column the frames of each document begin; behind the last, how many there are."""
+        return np.concatenate([[0], np.cumsum(self._forest.frames)]).astype(np.int64)
+
+    @cached_property
+    def seconds(self) -> Floats:
+        """Seconds a frame of each document, NaN where unknown."""
+
+        def of_body(body: Body) -> float:
+            return np.nan if body.frame_time is None else body.frame_time
+
+        return self._column(("seconds",), lambda: np.array(self._each(of_body), np.float64))
+
+    def rows(self, nodes: Ints) -> Ints:
+        """Where in a column the frame is that each node is, or lies in; -1 for nodes of heads."""
+        frames = frames_of(nodes)
+        return np.where(frames > 0, self.offsets[documents_of(nodes)] + frames - 1, -1)
+
+    def quantity(self, name: str, arguments: tuple[str, ...]) -> Floats:
+        """A column of the quantity of a name."""
+
+        def of_body(body: Body) -> Floats:
+            return compute(name, arguments, body.stretch(joints_of(name, arguments, body.names)))
+
+        return self._column((name, *arguments), lambda: np.concatenate([np.empty(0), *self._each(of_body)]))
+
+    def distances(self, document: str, first: float, last: float | None) -> Floats:
+        """A column of how unlike the pose of a frame of a document poses are; with `last`, how unlike the stretch that
+        ends in each frame is the one from there to that frame. document: an id, or a name that only one has. QueryError
+        where there is no such one, or no such frame."""
+        listed = self._named(document)
+        end = first if last is None else last
+        if not (first == int(first) and end == int(end) and 1 <= first <= end <= listed.frames):
+            raise QueryError(f"{listed.name!r} has no such frames.", remedy=f"Its frames are 1 to {listed.frames}.")
+        body = self._forest.caches.bodies.read(self._forest.tx, [listed])[0]
+        poses = pose_features(body.stretch(NEEDS))[int(first) - 1 : int(end)]
+
+        def make() -> Floats:
+            if last is None:
+                return pose_distances(self.features().astype(np.float64), poses)[:, 0]
+            return self._motion_distances(poses, body.frame_time)
+
+        return self._column(("distance", listed.uuid, listed.revision, first, last), make)
+
+    def features(self) -> NDArray[np.float32]:
+        """(frames, 20, 3) the poses, as `poses` compares them."""
+
+        def of_body(body: Body) -> NDArray[np.float32]:
+            return pose_features(body.stretch(NEEDS)).astype(np.float32)
+
+        nothing = np.empty((0, *POSE), np.float32)
+        return self._column(("features",), lambda: np.concatenate([nothing, *self._each(of_body)]))
+
+    def _motion_distances(self, motion: Floats, frame_time: float | None) -> Floats:
+        """Of documents at one frame rate together, with gaps between them that nothing crosses."""
+        features = self.features()
+        found = np.full(len(features), np.nan)
+        if frame_time is None:
+            return found
+        gap = np.full((2, *POSE), np.nan)
+        for seconds in np.unique(self.seconds[self.seconds > 0]).tolist():
+            asked = motion if seconds == frame_time else at_rate(motion, frame_time, seconds)
+            rows = [
+                np.arange(self.offsets[one], self.offsets[one + 1]) for one in np.flatnonzero(self.seconds == seconds)
+            ]
+            self._check()
+            distances = motion_distances(np.concatenate([part for own in rows for part in (features[own], gap)]), asked)
+            at = 0
+            for own in rows:
+                found[own] = distances[at : at + len(own)]
+                at += len(own) + len(gap)
+        return found
+
+    def _named(self, text: str) -> Listed:
+        listing = self._forest.caches.listing
+        whole = listing.whole(self._forest.tx, listing.state(self._forest.tx))
+        found = [one for one in whole if one.uuid == text] or [one for one in whole if one.name == text]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            ids = ", ".join(one.uuid for one in found[:5])
+            raise QueryError(f"{len(found)} documents are named {text!r}.", remedy=f"Name it by its id: {ids}.")
+        near = get_close_matches(text, [one.name for one in whole], 3)
+        raise QueryError(
+            f"There is no document {text!r}.",
+            remedy=f"Did you mean {' or '.join(map(repr, near))}?" if near else "Give its id, or its name.",
+        )
+
+    def _column(self, key: tuple[object, ...], make: Callable[[], Column]) -> Column:
+        samples = self._forest.caches.samples
+        return samples.get((self._forest.documents.number, *key), make, lambda column: column.nbytes)
+
+    def _each(self, function: Callable[[Body], Made]) -> list[Made]:
+        found: list[Made] = []
+        documents = self._forest.documents
+        for at in range(0, len(documents), TOGETHER):
+            self._check()
+            found += map(function, self._forest.caches.bodies.read(self._forest.tx, documents[at : at + TOGETHER]))
+        return found
