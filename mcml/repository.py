@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -105,13 +105,16 @@ class Repository:
         project: str | None = None,
         documents: list[str] | None = None,
         revision: int | None = None,
+        per: Literal["document"] | None = None,
         **variables: str,
     ) -> Query:
         """A question; it is asked when its answer is wanted: `runs()`, `nodes()`, `value()`, `count()`, `to_pandas()`.
 
-        documents: ids; default all. revision: of the one document, as it left it. variables: for $name in it.
+        documents: ids; default all. revision: of the one document, as it left it. per: "document" asks each by itself.
+        variables: for $name in it.
         """
-        asked = {"project": project, "document": documents or [], "revision": revision, "variables": variables}
+        asked: dict[str, Any] = {"project": project, "document": documents or [], "revision": revision, "per": per}
+        asked["variables"] = variables
         return Query(self._client, expression, asked)
 
     def import_(self, *paths: str | PathLike[str], progress: Told | None = None, **options: Any) -> Imported:
@@ -150,18 +153,23 @@ class Query:
             yield from (item for item in page.items or () if isinstance(item, NodeItem))
 
     def value(self) -> Any:
-        """The number, text or truth that it is; for one that is asked of each document, those by the documents' ids."""
+        """The number, text or truth that it is; for one that is asked of each document, those by the documents' ids.
+
+        Several values, such as those of distinct-values(), are a list.
+        """
         pages = list(self._pages("json"))
         if pages[0].value is not None:
             return pages[0].value
+        if pages[0].type in ("strings", "values"):
+            return [item.value for page in pages for item in page.items or () if not isinstance(item, RunItem)]
         return {
             item.document: item.value for page in pages for item in page.items or () if isinstance(item, ScalarItem)
         }
 
     def count(self) -> int:
         """How many nodes it finds."""
-        asked = QueryRequest(q=f"count({self._expression})", **self._asked)
-        return int(self._client.call("post_query", request=asked).value)
+        found = Query(self._client, f"count({self._expression})", self._asked).value()
+        return int(sum(found.values()) if isinstance(found, dict) else found)
 
     def to_pandas(self) -> Any:
         """A DataFrame of its nodes: document, revision, kind, address, value. Needs pandas."""

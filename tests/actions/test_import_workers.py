@@ -49,8 +49,10 @@ MIXED = {name: CLIPS[name] for name in list(CLIPS)[:6]} | {
 
 @pytest.fixture(autouse=True)
 def nobody_is_left() -> Iterator[None]:
+    # The cluster of all tests has a process of its own, where a test needed it before.
+    before = set(multiprocessing.active_children())
     yield
-    assert multiprocessing.active_children() == []
+    assert set(multiprocessing.active_children()) <= before
 
 
 def opened(template: Path, path: Path) -> Iterator[Database]:

@@ -71,6 +71,11 @@ def test_questions(repo: mcml.Repository) -> None:
     assert asked.count() == 13
     assert len(list(asked.nodes())) == 13
     assert repo.xpath("count(//frame)").value() == 30
+    frames = repo.xpath("count(//frame)", per="document").value()
+    assert frames == {item.id: len(item) for item in repo.documents()}
+    assert repo.xpath("//frame", per="document").count() == 30
+    assert repo.xpath("1 to 5").value() == [1, 2, 3, 4, 5]
+    assert repo.xpath("distinct-values(//motion_name)").value() == ["walk"]
     table = repo.xpath("//bone/name").to_pandas()
     assert set(table["value"]) == {"<name>Spine</name>", "<name>Head</name>"}
     with pytest.raises(mcml.Error) as refused:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from typing import Any
+from urllib.parse import quote
 
 import pytest
 
@@ -61,6 +62,92 @@ def test_examples_find_something_and_become_lines_for_scripts(open_studio: Serve
     found: dict[str, Any] = {}
     exec(line.split("\nfor ")[0], found)
     assert [(run.first, run.last) for run in found["found"].runs()] == [(10, 25)]
+
+
+@pytest.fixture
+def asked(open_studio: Served, visit_of: Any) -> Any:
+    """asked(question, **of_the_visitor): the console with its answer, over two clips of 60 and 40 frames."""
+    for name, frames in (("first.bvh", 60), ("second.bvh", 40)):
+        open_studio.upload(name, walk(frames), label="kick")
+
+    def ask(question: str, more: str = "", **visitor: Any) -> Any:
+        visit = visit_of(open_studio, **visitor)
+        visit.wanted = {422}  # that an answer has no runs
+        return visit.open(f"/xpath?q={quote(question)}{more}")
+
+    return ask
+
+
+@pytest.mark.parametrize(
+    ("question", "said", "values"),
+    [
+        ("for $d in //header return string($d/filename)", "2 values", ["first.bvh", "second.bvh"]),
+        ("1 to 5", "5 values", ["1", "2", "3", "4", "5"]),
+        ("distinct-values(//motion_name)", "1 value", ["kick"]),
+        ("string(//source/@part)", "2 values", ["bvh", "bvh"]),
+        ("//frame[1]/motion_name/text()", "2 items", ["kick", "kick"]),
+        ("string(//nothing)", "2 values", ["empty text", "empty text"]),
+    ],
+)
+def test_values_are_listed(asked: Any, question: str, said: str, values: list[str]) -> None:
+    page = asked(question, "&as=nodes")
+    expect(page.get_by_role("status").filter(has_text=said)).to_be_visible()
+    expect(page.get_by_role("option").locator("code")).to_have_text(values)
+    expect(page.get_by_role("alert")).to_have_count(0)
+
+
+@pytest.mark.parametrize(
+    ("question", "value"),
+    [
+        ("count(//frame)", "100"),
+        ("string-join(distinct-values(//motion_name), ', ')", "kick"),
+        ("string-join(//motion_name, ', ')", ", ".join(["kick"] * 100)),
+        ("string-join((), '')", "empty text"),
+    ],
+)
+def test_one_value_is_read_at_once_also_where_runs_were_asked_for(asked: Any, question: str, value: str) -> None:
+    page = asked(question)
+    expect(page.get_by_role("status").filter(has_text="1 value")).to_be_visible()
+    expect(page.locator(".xpath-value output")).to_have_text(value)
+    expect(page.get_by_role("alert")).to_have_count(0)
+
+
+@pytest.mark.parametrize(
+    ("locale", "switch", "by_itself"),
+    [("en", "per document", "each document by itself"), ("ko", "문서마다", "문서마다 따로")],
+)
+def test_each_document_is_asked_by_itself(asked: Any, locale: str, switch: str, by_itself: str) -> None:
+    page = asked("count(//frame)", locale=locale)
+    expect(page.locator(".xpath-value output")).to_have_text("100")
+    button = page.get_by_role("button", name=switch, exact=True)
+    expect(button).to_have_attribute("aria-pressed", "false")
+    assert "count(//frame)" in button.get_attribute("title")
+    button.click()
+    rows = page.get_by_role("listbox", name=re.compile("Results|결과")).get_by_role("option")
+    expect(rows).to_contain_text([re.compile("60.*first"), re.compile("40.*second")])
+    expect(page.get_by_role("status").filter(has_text=by_itself)).to_be_visible()
+    page.wait_for_url("**per=document*")
+    page.reload()
+    expect(rows).to_have_count(2)
+    expect(button).to_have_attribute("aria-pressed", "true")
+    export = page.get_by_role("button", name=re.compile("Export all|모두 내보내기"))
+    export.click()
+    assert "per=document" in page.get_by_role("menuitem", name="CSV").get_attribute("href")
+    button.click()
+    expect(page.locator(".xpath-value output")).to_have_text("100")
+    page.wait_for_url(re.compile(r"^((?!per=).)*$"))
+
+
+def test_a_long_value_is_shown_whole_and_its_document_opened(asked: Any) -> None:
+    page = asked("//bone[1]", "&as=nodes", viewport={"width": 400, "height": 800})
+    whole = page.locator(".xpath-whole")
+    expect(whole).to_contain_text("</bone>")
+    # In a narrow window the table stays below what is above it.
+    status, table = page.locator(".xpath-status").bounding_box(), page.locator(".xpath-table").bounding_box()
+    assert table["y"] >= status["y"] + status["height"]
+    assert table["y"] + table["height"] <= 800
+    whole.get_by_role("link", name="first").click()
+    page.wait_for_url("**/clips/*")
 
 
 def test_completions_say_how_many_clips_have_a_name(open_studio: Served, visit_of: Any) -> None:

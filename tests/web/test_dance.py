@@ -151,6 +151,47 @@ def test_refused_minima_say_why_and_a_tempo_is_chosen(bench: Any) -> None:
     expect(tempi.nth(1)).to_have_attribute("aria-pressed", "true")
 
 
+def test_a_press_holds_though_other_tempi_are_found_meanwhile(bench: Any) -> None:
+    row = bench.get_by_role("article", name="groove 1")
+    tempi = row.get_by_role("group", name="Tempo: groove 1").get_by_role("button")
+    chip = tempi.nth(2)
+    expect(chip).to_be_visible()
+    said = chip.inner_text()
+    asked: list[Any] = []
+    bench.route("**/analyses/beats", lambda one: asked.append(one), times=1)
+    bench.get_by_role("listbox", name="Beats of groove 1").focus()
+    bench.keyboard.press("Shift+B")
+    bench.wait_for_selector(".bench-row.stale")
+    place = chip.bounding_box()
+    bench.mouse.move(place["x"] + place["width"] / 2, place["y"] + place["height"] / 2)
+    bench.mouse.down()
+    asked[0].continue_()
+    expect(bench.locator(".bench-row.stale")).to_have_count(0)
+    bench.mouse.up()
+    pressed = row.get_by_role("button", name=said)
+    expect(pressed).to_have_attribute("aria-pressed", "true")
+    expect(bench.locator(".bench-row.stale")).to_have_count(0)
+    expect(pressed).to_have_attribute("aria-pressed", "true")
+
+
+def test_a_tempo_that_was_chosen_can_be_changed_and_taken_back(bench: Any) -> None:
+    row = bench.get_by_role("article", name="groove 1")
+    tempi = row.get_by_role("group", name="Tempo: groove 1").get_by_role("button")
+    expect(tempi.first).to_have_attribute("aria-pressed", "true")
+    offered = tempi.all_inner_texts()
+    for place in (1, 0):
+        with bench.expect_response("**/results/*"):
+            tempi.nth(place).click()
+        expect(bench.locator(".bench-row.stale")).to_have_count(0)
+        assert tempi.all_inner_texts() == offered
+        expect(tempi.nth(place)).to_have_attribute("aria-pressed", "true")
+    # A reload finds no rivals of a tempo that is given; it stands there itself.
+    bench.reload()
+    expect(tempi.filter(has_text=offered[0]).first).to_have_attribute("aria-pressed", "true")
+    tempi.filter(has_text=offered[0]).first.click()
+    expect(tempi).to_have_text(offered)
+
+
 def test_the_graph_is_drawn_tried_and_its_edges_play(open_studio: Served, bench: Any) -> None:
     bench.get_by_role("button", name="Make the graph").click()
     bench.wait_for_selector(".bench-canvas[data-laid]")

@@ -22,6 +22,21 @@ def page(open_studio: Served, visit_of: Any) -> Any:
     return page
 
 
+@pytest.mark.parametrize("width", [400, 320])
+def test_the_tools_stay_in_one_row_on_a_telephone(page: Any, width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 800})
+    for language in ("English", "한국어"):
+        page.get_by_role("button", name=re.compile("Language|언어")).click()
+        page.get_by_role("menuitemcheckbox", name=language).click()
+        boxes = [one.bounding_box() for one in page.locator(".toolbar > :not(.grow, [role=status])").all()]
+        assert len({round(box["y"] + box["height"] / 2) for box in boxes}) == 1
+        assert all(box["x"] >= 0 and box["x"] + box["width"] <= width for box in boxes)
+        rights = [box["x"] + box["width"] for box in boxes]
+        assert all(box["x"] >= right for box, right in zip(boxes[1:], rights, strict=False))
+        arrow = page.locator(".toolbar .sort > .icon").bounding_box()
+        assert arrow["x"] + arrow["width"] <= boxes[-1]["x"]
+
+
 def test_lengths_are_chosen_by_drag_by_key_and_by_fields(page: Any) -> None:
     facet = page.get_by_role("region", name="Length")
     bars = facet.locator(".histogram button:enabled")

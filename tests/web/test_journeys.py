@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import time
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -78,6 +79,44 @@ def test_a_refused_file_says_why_and_stops_no_other(visit: Visit, studio: Served
     expect(tray.get_by_text("stored", exact=True)).to_be_visible()
     expect(tray.locator(".refusal")).to_contain_text("line")
     assert studio.get("/documents")["total"] == 1
+
+
+@pytest.mark.parametrize(
+    ("language", "pace", "done"),
+    [
+        ("en", r"\d+ of 60 · [\d.]+ files? a second · \d+ s left", "60 of 60 done"),
+        ("ko", r"60개 중 \d+개 · 초당 [\d.]+개 · \d+ s 남음", "60개 중 60개 완료"),
+    ],
+)
+def test_many_files_say_how_fast_they_go(
+    open_studio: Served, visit_of: Any, tmp_path: Path, language: str, pace: str, done: str
+) -> None:
+    files = [tmp_path / f"clip{number:02}.bvh" for number in range(60)]
+    for number, file in enumerate(files):
+        file.write_bytes(walk(4, seed=number))
+
+    def slowly(one: Any) -> None:
+        time.sleep(0.02)
+        one.continue_()
+
+    page = visit_of(open_studio, locale=language).open("/library")
+    page.route("**/api/v1/documents", slowly)
+    header = page.locator(".tray header")
+
+    def choose(some: list[Path]) -> None:
+        with page.expect_file_chooser() as chooser:
+            page.locator(".toolbar .primary").click()
+        chooser.value.set_files(some)
+
+    choose(files[:1])
+    expect(page.locator(".tray .stored")).to_have_count(1)
+    expect(header.locator(".pace")).to_have_count(0)
+    header.get_by_role("button").last.click()
+    choose(files)
+    expect(header).to_contain_text(re.compile(pace))
+    expect(header.locator(".pace")).to_have_text(done)
+    expect(header.get_by_role("status")).to_have_text(done)
+    assert open_studio.get("/documents")["total"] == 61
 
 
 def test_frames_are_found_by_name_and_played(visit: Visit, studio: Served) -> None:

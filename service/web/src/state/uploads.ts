@@ -4,6 +4,7 @@ import { ApiError, address, ask, type Problem, type Schemas } from "../api/clien
 import { w } from "../words";
 import { refresh } from "./library";
 import { note, refuse } from "./notes";
+import { Pace, type Told } from "./pace";
 import { param } from "./route";
 import { loadVocabulary } from "./vocabulary";
 
@@ -21,10 +22,49 @@ export interface Upload {
 
 export const uploads = signal<Upload[]>([]);
 export const trayOpen = signal(false);
+/** How fast files go, while several are on their way. */
+export const pace = signal<Told | null>(null);
+const PACE_TOLD = 500; // ms between two tellings
+const SHOWN_EVERY = 1000; // ms between two looks at the library while files come in
 const AT_ONCE = 2;
 const MOST_FILES = 5000;
 const READABLE = /\.(bvh|asf|amc|htr|gtr|c3d|trc|mcml|xml|zip)$/i;
 let last = 0;
+let measured = new Pace();
+let telling = 0;
+let showing = 0;
+
+const isOver = (one: Upload): boolean => /stored|refused|cancelled/.test(one.state);
+const filesIn = (some: Upload[]): number => some.reduce((sum, one) => sum + one.files.length, 0);
+
+/** Files that are done, of how many. */
+export const filesDone = (all: Upload[]): { done: number; of: number } => ({ done: filesIn(all.filter(isOver)), of: filesIn(all) });
+
+/** Tell the pace until nothing is under way. */
+function tellPace(): void {
+  if (telling) return;
+  measured = new Pace();
+  measured.tell(filesDone(uploads.peek()).done);
+  telling = window.setInterval(() => {
+    const all = uploads.peek();
+    if (!all.every(isOver)) return void (pace.value = measured.now(filesDone(all).of));
+    window.clearInterval(telling);
+    telling = 0;
+    pace.value = null;
+  }, PACE_TOLD);
+}
+
+/** Show what came in: at once where it was the last, else once a second for all of a folder. */
+function showStored(): void {
+  const show = () => {
+    window.clearTimeout(showing);
+    showing = 0;
+    refresh();
+    void loadVocabulary(true);
+  };
+  if (uploads.peek().every(isOver)) show();
+  else if (!showing) showing = window.setTimeout(show, SHOWN_EVERY);
+}
 
 function change(id: number, more: Partial<Upload>): void {
   uploads.value = uploads.peek().map((one) => (one.id === id ? { ...one, ...more } : one));
@@ -57,6 +97,7 @@ export function addFiles(all: File[]): void {
   }));
   uploads.value = [...uploads.peek(), ...added];
   trayOpen.value = true;
+  tellPace();
   pump();
 }
 
@@ -102,18 +143,19 @@ function finished(id: number, status: number, text: string): void {
   }
   if (status >= 200 && status < 300) {
     change(id, { state: answer.documents?.length ? "stored" : "refused", documents: (answer.documents ?? []) as Upload["documents"], problems: answer.problems ?? [] });
-    refresh();
-    void loadVocabulary(true);
+    showStored();
   } else {
     const name = uploads.peek().find((one) => one.id === id)?.name ?? "";
     const listed = (answer as { problems?: Upload["problems"] }).problems;
     change(id, { state: "refused", problems: listed?.length ? listed : [{ file: name, problem: status ? answer : { title: w("offline", { time: "" }) } }] });
   }
+  measured.tell(filesDone(uploads.peek()).done);
   pump();
 }
 
 export function retry(id: number): void {
   change(id, { state: "queued" });
+  tellPace();
   pump();
 }
 

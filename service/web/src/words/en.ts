@@ -43,7 +43,7 @@ export const en = {
   // Import
   dropTitle: "Drop to add", dropHelp: "Files, folders, or a zip. An ASF goes with its AMC.", lookFirst: "Look first", lookFirstHelp: "Opens them without storing anything",
   queue: "Import", queued: "waiting", sending: "sending", reading: "reading", stored: "stored", refused: "refused", cancelled: "cancelled",
-  skippedTwin: "here already", retry: "Retry", uploads: "{done} of {n} done", receipts: "Receipts", hideQueue: "Hide the list",
+  skippedTwin: "here already", retry: "Retry", uploads: "{done} of {n} done", uploadsPace: "{done} of {of} · {speed} · {left} left", filesASecond: "1 file a second|{n} files a second", filesAMinute: "1 file a minute|{n} files a minute", receipts: "Receipts", hideQueue: "Hide the list",
   undoImport: "Undo import", receiptUnit: "Unit", receiptRate: "Rate", receiptUp: "Up axis", receiptJoints: "Joints", receiptNumbers: "Numbers",
   receiptNumbersText: "{channels} channels × {frames} frames; the original is kept byte for byte",
   jointsMapped: "{mapped} of {n} mapped (convention: {rig}), {own} keep their own names", notices: "Notes",
@@ -82,7 +82,7 @@ export const en = {
   reference: "Reference", referenceHelp: "A video or a sound of the take, played in step.", chooseMedia: "Choose a video or a sound", beginsAt: "Motion begins at", mediaGone: "Taken away", referenceOf: "Video or sound of {name}",
   line: "line {n}",
   run: "Run", scope: "Scope", wholeLibrary: "the whole library", answerAs: "Answer as", runs: "runs", nodes: "nodes", explain: "Explain", savedQueries: "Saved", queryHistory: "History", saveQuery: "Save this query",
-  asCurl: "as curl", asCommand: "as mcml", resultRuns: "{frames} in {runs}, {ms} ms", runCount: "1 run|{n} runs", resultNodes: "1 item, {ms} ms|{n} items, {ms} ms", incomplete: "incomplete", complete: "complete", document: "Document", from: "From", last: "To", playResults: "Plays the runs one after the other",
+  asCurl: "as curl", asCommand: "as mcml", resultRuns: "{frames} in {runs}, {ms} ms", runCount: "1 run|{n} runs", perDocument: "per document", perDocumentHelp: "Asks each document by itself: count(//frame) is then a number for each. Otherwise functions such as count, max and distinct-values take all documents of the scope together.", perDocumentAsked: "each document by itself", resultValues: "1 value, {ms} ms|{n} values, {ms} ms", copyValue: "Copy the value", emptyText: "empty text", addressWord: "Address", resultNodes: "1 item, {ms} ms|{n} items, {ms} ms", document: "Document", from: "From", last: "To", playResults: "Plays the runs one after the other",
   exportAll: "Export all", saveAsClip: "Save as clip", toComposer: "To composer", noAnswer: "Nothing in the library answers this.", xpathStart: "Ask for frames by motion name, any element, in any clip",
   xpathExamples: "For example", queryPlaceholder: "//frame[motion_name = 'walk']", savedAs: "Saved as {name}",
 

@@ -43,7 +43,7 @@ export const ko: typeof en = {
 
   dropTitle: "놓으면 추가합니다", dropHelp: "파일, 폴더, zip. ASF는 AMC와 함께 놓으세요.", lookFirst: "먼저 보기", lookFirstHelp: "저장하지 않고 열어 봅니다",
   queue: "가져오기", queued: "대기", sending: "보내는 중", reading: "읽는 중", stored: "저장됨", refused: "거부됨", cancelled: "취소됨",
-  skippedTwin: "이미 있음", retry: "다시 시도", uploads: "{n}개 중 {done}개 완료", receipts: "결과", hideQueue: "목록 숨기기",
+  skippedTwin: "이미 있음", retry: "다시 시도", uploads: "{n}개 중 {done}개 완료", uploadsPace: "{of}개 중 {done}개 · {speed} · {left} 남음", filesASecond: "초당 {n}개", filesAMinute: "분당 {n}개", receipts: "결과", hideQueue: "목록 숨기기",
   undoImport: "가져오기 취소", receiptUnit: "단위", receiptRate: "속도", receiptUp: "위쪽 축", receiptJoints: "관절", receiptNumbers: "숫자",
   receiptNumbersText: "채널 {channels}개 × {frames}프레임, 원본을 한 바이트도 다르지 않게 보관합니다",
   jointsMapped: "{n}개 중 {mapped}개 대응 (규칙: {rig}), {own}개는 원래 이름을 씁니다", notices: "알림",
@@ -80,7 +80,7 @@ export const ko: typeof en = {
   reference: "참고 영상", referenceHelp: "촬영 영상이나 소리를 동작에 맞추어 재생합니다.", chooseMedia: "영상이나 소리 고르기", beginsAt: "동작이 시작하는 때", mediaGone: "뺐습니다", referenceOf: "영상이나 소리: {name}",
   line: "{n}번째 줄",
   run: "실행", scope: "범위", wholeLibrary: "전체 라이브러리", answerAs: "답의 모양", runs: "연속 프레임", nodes: "노드", explain: "실행 계획", savedQueries: "저장한 질의", queryHistory: "지난 질의", saveQuery: "이 질의 저장",
-  asCurl: "curl로", asCommand: "mcml로", resultRuns: "{runs}에서 {frames}, {ms} ms", runCount: "구간 {n}개", resultNodes: "항목 {n}개, {ms} ms", incomplete: "일부만", complete: "답", document: "문서", from: "시작", last: "끝", playResults: "연속 프레임을 차례로 재생합니다",
+  asCurl: "curl로", asCommand: "mcml로", resultRuns: "{runs}에서 {frames}, {ms} ms", runCount: "구간 {n}개", perDocument: "문서마다", perDocumentHelp: "문서마다 따로 묻습니다. 그러면 count(//frame)의 답이 문서마다 하나씩 나옵니다. 켜지 않으면 count, max, distinct-values 같은 함수는 범위의 모든 문서를 함께 셉니다.", perDocumentAsked: "문서마다 따로", resultValues: "값 {n}개, {ms} ms", copyValue: "값 복사", emptyText: "빈 텍스트", addressWord: "주소", resultNodes: "항목 {n}개, {ms} ms", document: "문서", from: "시작", last: "끝", playResults: "연속 프레임을 차례로 재생합니다",
   exportAll: "모두 내보내기", saveAsClip: "클립으로 저장", toComposer: "이어붙이기로", noAnswer: "라이브러리에 맞는 것이 없습니다.", xpathStart: "동작 이름이나 어떤 요소로든, 모든 클립에서 프레임을 찾으세요",
   xpathExamples: "예", queryPlaceholder: "//frame[motion_name = 'walk']", savedAs: "저장했습니다: {name}",
 

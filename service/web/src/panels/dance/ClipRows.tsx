@@ -62,19 +62,41 @@ function Row({ bench, row, index }: { bench: Bench; row: ClipRow; index: number 
   );
 }
 
-/** The tempo that was found and its rivals; a press says which it was. */
-function Tempi({ bench, row, given }: { bench: Bench; row: ClipRow; given?: number }) {
-  const own = row.peaks[0]?.bpm;
-  const offers: { bpm: number; title: string; word: string }[] = row.peaks.slice(0, 3).map((one) => ({ bpm: one.bpm, word: "", title: d("strength", { bpm: number(one.bpm, 1), s: number(one.period, 3), strength: number(one.strength, 2) }) }));
+interface Offer { bpm: number; title: string; word: string }
+const MOST_OFFERED = 4;
+const isNear = (one: number, other: number, by: number) => Math.abs(one / other - 1) < by;
+
+/** The tempo that was found, its rivals, half and double; and the one that is given, whatever was found since. */
+function offersOf(row: ClipRow, given?: number): Offer[] {
+  const offers: Offer[] = row.peaks.slice(0, 3).map((one) => ({ bpm: one.bpm, word: "", title: d("strength", { bpm: number(one.bpm, 1), s: number(one.period, 3), strength: number(one.strength, 2) }) }));
+  const stated = given ? [{ bpm: given, word: "", title: `${d("tempo")}: ${number(given, 1)}` }] : [];
+  if (!offers.length) offers.push(...stated);
+  const own = offers[0]?.bpm ?? 0;
   for (const [factor, word] of [[0.5, d("half")], [2, d("double")]] as const) {
-    const bpm = (own ?? 0) * factor;
+    const bpm = own * factor;
     // A rival may be the half or the double itself.
-    if (bpm >= 25 && bpm <= 240 && !offers.some((one) => Math.abs(one.bpm / bpm - 1) < 0.03)) offers.push({ bpm, word, title: `${word}: ${number(bpm, 1)}` });
+    if (bpm >= 25 && bpm <= 240 && !offers.some((one) => isNear(one.bpm, bpm, 0.03))) offers.push({ bpm, word, title: `${word}: ${number(bpm, 1)}` });
   }
-  const chosen = given ?? row.bpm ?? own;
+  const found = offers.slice(0, MOST_OFFERED);
+  return !given || found.some((one) => isNear(one.bpm, given, 0.015)) ? found : [...found.slice(0, MOST_OFFERED - 1), ...stated];
+}
+
+/** A press says which tempo it was. */
+function Tempi({ bench, row, given }: { bench: Bench; row: ClipRow; given?: number }) {
+  // What is pressed stays as it was until it is let go, also when other tempi are found meanwhile.
+  const [held, setHeld] = useState<Offer[] | null>(null);
+  const offers = held ?? offersOf(row, given);
+  const hold = () => {
+    setHeld(offers);
+    const stop = new AbortController();
+    const release = () => { stop.abort(); setTimeout(() => setHeld(null)); }; // after its click
+    for (const end of ["pointerup", "pointercancel"]) addEventListener(end, release, { signal: stop.signal });
+  };
+  const chosen = given ?? row.bpm ?? row.peaks[0]?.bpm;
+  const isGiven = (one: Offer) => given !== undefined && isNear(given, one.bpm, 0.015);
   return (
-    <div class="row tempi" role="group" aria-label={`${d("tempo")}: ${row.name}`}>
-      {offers.slice(0, 4).map((one) => <button key={one.bpm} type="button" class="chip" title={one.title} aria-label={one.title} aria-pressed={chosen !== undefined && chosen !== null && Math.abs(chosen / one.bpm - 1) < 0.015} onClick={() => bench.correct(row.id, { source_bpm: given && Math.abs(given / one.bpm - 1) < 0.015 ? undefined : one.bpm })}>{number(one.bpm, 1)}{one.word && ` ${one.word}`}</button>)}
+    <div class="row tempi" role="group" aria-label={`${d("tempo")}: ${row.name}`} onPointerDown={hold}>
+      {offers.map((one, place) => <button key={place} type="button" class="chip" title={one.title} aria-label={one.title} aria-pressed={chosen !== undefined && isNear(chosen, one.bpm, 0.015)} onClick={() => bench.correct(row.id, { source_bpm: isGiven(one) ? undefined : one.bpm })}>{number(one.bpm, 1)}{one.word && ` ${one.word}`}</button>)}
       {row.clear !== null && <span class={row.clear ? "good" : "weak"} title={row.steady === null ? "" : d("steady", { n: Math.round(row.steady * 100) })}><Icon name={row.clear ? "check" : "warn"} /><span class="unseen">{d(row.clear ? "clear" : "unclear")}</span></span>}
     </div>
   );

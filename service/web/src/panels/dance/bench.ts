@@ -111,7 +111,9 @@ export class Bench {
       let job = "";
       const result = await resultOf(await runAnalysis("beats", { inputs: { documents: changed }, parameters: { clips } }, (started) => (job = started.id)));
       const rows = new Map(this.found.peek());
-      for (const row of readRows(result)) {
+      for (const found of readRows(result)) {
+        // Where a tempo is stated no rivals are looked for: those of before can still be chosen.
+        const row = found.peaks.length ? found : { ...found, peaks: rows.get(found.id)?.peaks ?? [] };
         rows.set(row.id, row);
         this.done.set(row.id, wanted.get(row.id)!);
         this.known.set(wanted.get(row.id)!, row);

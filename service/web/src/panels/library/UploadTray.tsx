@@ -1,7 +1,8 @@
 /** What comes in: each file's progress, and its receipt in plain words with what was guessed to be confirmed. */
 import { useState } from "preact/hooks";
 import { looked } from "../../state/inspect";
-import { addFiles, cancel, cancelAll, confirmFact, retry, trayOpen, undoImport, uploads, type Upload } from "../../state/uploads";
+import { timeLeft } from "../../state/pace";
+import { addFiles, cancel, cancelAll, confirmFact, filesDone, pace, retry, trayOpen, undoImport, uploads, type Upload } from "../../state/uploads";
 import type { Told } from "../../motion/preview";
 import { lazy } from "../../shell/lazy";
 import { Dialog } from "../../ui/Dialog";
@@ -15,7 +16,7 @@ const LookedMotion = lazy(async () => (await import("./LookedMotion")).LookedMot
 
 export function UploadTray() {
   const all = uploads.value;
-  const ended = all.filter((one) => /stored|refused|cancelled/.test(one.state)).length;
+  const { done, of } = filesDone(all);
   return (
     <>
       {looked.value && <LookedAt />}
@@ -23,16 +24,26 @@ export function UploadTray() {
         <section class="tray" aria-label={w("queue")}>
           <header class="row">
             <strong>{w("queue")}</strong>
-            <span class="dim" role="status">{w("uploads", { done: ended, n: all.length })}</span>
-            <progress class="grow" value={ended} max={all.length} aria-label={w("queue")} />
-            {ended < all.length && <button type="button" class="button dense" onClick={cancelAll}>{w("cancel")}</button>}
-            <button type="button" class="button quiet icon dense" aria-label={w("hideQueue")} onClick={() => { trayOpen.value = false; if (ended === all.length) uploads.value = []; }}><Icon name="close" /></button>
+            {of > 1 && <span class="dim pace">{progressOf(done, of)}</span>}
+            {/* What changes twice a second is not announced. */}
+            <span class="unseen" role="status">{done === of && w("uploads", { done, n: of })}</span>
+            <progress class="grow" value={done} max={of} aria-label={w("queue")} />
+            {done < of && <button type="button" class="button dense" onClick={cancelAll}>{w("cancel")}</button>}
+            <button type="button" class="button quiet icon dense" aria-label={w("hideQueue")} onClick={() => { trayOpen.value = false; if (done === of) uploads.value = []; }}><Icon name="close" /></button>
           </header>
           <ul>{all.slice().reverse().slice(0, 200).map((one) => <UploadRow key={one.id} upload={one} alone={all.length === 1} />)}</ul>
         </section>
       )}
     </>
   );
+}
+
+function progressOf(done: number, of: number): string {
+  const told = done < of ? pace.value : null;
+  if (!told) return w("uploads", { done, n: of });
+  const { rate, left } = told;
+  const speed = rate >= 10 ? w("filesASecond", { n: Math.round(rate) }) : rate >= 0.1 ? w("filesASecond", { n: Math.round(10 * rate) / 10 }) : w("filesAMinute", { n: Math.round(600 * rate) / 10 });
+  return w("uploadsPace", { done, of, speed, left: timeLeft(left) });
 }
 
 function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {

@@ -15,6 +15,7 @@ import { useAsync } from "../../ui/useAsync";
 import { VirtualList } from "../../ui/VirtualList";
 import { number, w } from "../../words";
 import { kept } from "../../state/settings";
+import { ItemCells, ItemHead, OneValue, shapeOf, WholeValue, type Item } from "./Answer";
 import { Builder } from "./Builder";
 import { mountXPath } from "./editor";
 import { Examples } from "./Examples";
@@ -24,11 +25,10 @@ import { SavedQueries } from "./SavedQueries";
 import "../../styles/xpath.css";
 
 type Run = Schemas["RunItem"];
-type Node = Schemas["NodeItem"];
-interface Answered { as: "runs" | "json"; items: (Run | Node | { value?: unknown; document?: string })[]; totals: Schemas["RunTotals"] | null; total: number | null; cursor: string | null; ms: number; explain: unknown; complete: boolean; warnings: string[] }
+/** single: the answer is one value. */
+interface Answered { as: "runs" | "json"; type: string; single: boolean; per: boolean; items: (Run | Item)[]; totals: Schemas["RunTotals"] | null; total: number | null; cursor: string | null; ms: number; explain: unknown; complete: boolean; warnings: string[] }
 
 const PIECES = 40; // that an address to the composer holds
-
 
 const building = kept("builder", true);
 
@@ -45,6 +45,7 @@ export function XPathPage() {
   const projects = useAsync((signal) => get("/projects", { signal }), []);
   const as = param("as") === "nodes" ? ("json" as const) : ("runs" as const);
   const project = param("project");
+  const per = param("per") === "document";
 
   const run = async (query = editor.current?.state.doc.toString() ?? text, cursor: string | null = null, form = param("as") === "nodes" ? "json" as const : "runs" as const) => {
     if (!query.trim()) return;
@@ -54,15 +55,15 @@ export function XPathPage() {
     setError(null);
     const began = performance.now();
     try {
-      const found = (await get("/xpath", { query: { q: query, as: form, project: param("project") || undefined, limit: 500, cursor: cursor ?? undefined, explain: true, with: form === "runs" && !cursor ? "totals" : undefined }, signal: stop.current.signal })) as Schemas["QueryAnswer"];
+      const found = (await get("/xpath", { query: { q: query, as: form, project: param("project") || undefined, per: param("per") === "document" ? "document" : undefined, limit: 500, cursor: cursor ?? undefined, explain: true, with: form === "runs" && !cursor ? "totals" : undefined }, signal: stop.current.signal })) as Schemas["QueryAnswer"];
       const ms = Math.round(performance.now() - began);
-      const items: Answered["items"] = found.items ?? [{ value: found.value }];
-      setAnswer((before) => ({ as: found.type === "runs" ? "runs" : "json", items: cursor && before ? [...before.items, ...items] : items, totals: found.totals ?? (cursor ? (before?.totals ?? null) : null), total: found.total ?? (cursor ? (before?.total ?? null) : null), cursor: found.next_cursor ?? null, ms, explain: found.explain, complete: found.complete !== false, warnings: found.warnings ?? [] }));
+      const items = (found.items ?? [{ value: found.value }]) as Answered["items"];
+      setAnswer((before) => ({ as: found.type === "runs" ? "runs" : "json", type: found.type, single: !found.items, per: param("per") === "document", items: cursor && before ? [...before.items, ...items] : items, totals: found.totals ?? (cursor ? (before?.totals ?? null) : null), total: found.total ?? (cursor ? (before?.total ?? null) : null), cursor: found.next_cursor ?? null, ms, explain: found.explain, complete: found.complete !== false, warnings: found.warnings ?? [] }));
       if (!cursor) { setPicked(0); remember(query); setParams({ q: query }); }
     } catch (problem) {
       if ((problem as Error).name === "AbortError") return;
-      // An answer that is one value has no runs; it is asked as nodes without a word.
-      if (form === "runs" && problem instanceof ApiError && /runs|frames/i.test(problem.message) && problem.status === 422) return void run(query, null, "json");
+      // Values, and nodes outside of frames, have no runs; they are asked for as what they are without a word.
+      if (form === "runs" && problem instanceof ApiError && /as=json/.test(problem.remedy) && problem.status === 422) return void run(query, null, "json");
       setError(problem);
       setAnswer(null);
     } finally {
@@ -99,8 +100,15 @@ export function XPathPage() {
     void run(query);
   };
   const runs = useMemo(() => (answer?.as === "runs" ? (answer.items as Run[]) : []), [answer]);
+  const items = useMemo(() => (answer?.as === "json" ? (answer.items as Item[]) : []), [answer]);
+  const shape = useMemo(() => shapeOf(items), [items]);
+  const open = (row: number) => {
+    const [run, item] = [runs[row], items[row]];
+    if (run) go(`/clips/${run.document}?f=${run.first}&in=${run.first}&out=${run.last}`);
+    else if (item?.document) go(`/clips/${item.document}`);
+  };
   const totals = answer?.totals ?? { frames: runs.reduce((sum, one) => sum + one.frames, 0), runs: runs.length, documents: 0 };
-  const question = { q: text, project, form: as };
+  const question = { q: text, project, per, form: answer?.as ?? as, values: answer?.as === "json" && answer.type !== "nodes" };
   const copies = [
     { text: w("asCurl"), run: () => void copyText(asCurl(question, location.origin), w("copied")) },
     { text: w("asCommand"), run: () => void copyText(asCommand(question), w("copied")) },
@@ -116,6 +124,7 @@ export function XPathPage() {
             {(projects.value?.items ?? []).map((one) => <option key={one} value={one}>{one}</option>)}
           </select>
         </label>
+        <button type="button" class="button" aria-pressed={per} title={w("perDocumentHelp")} aria-description={w("perDocumentHelp")} onClick={() => { setParams({ per: per ? null : "document" }); void run(); }}>{w("perDocument")}</button>
         <div class="segments" role="group" aria-label={w("answerAs")}>
           <button type="button" aria-pressed={as === "runs"} onClick={() => { setParams({ as: null }); void run(undefined, null, "runs"); }}>{w("runs")}</button>
           <button type="button" aria-pressed={as === "json"} onClick={() => { setParams({ as: "nodes" }); void run(undefined, null, "json"); }}>{w("nodes")}</button>
@@ -134,43 +143,45 @@ export function XPathPage() {
       <Trouble error={error} />
       {answer && (
         <div class="xpath-status row wrap" role="status">
-          <span>{answer.as === "runs" ? w("resultRuns", { frames: w("frames", { n: totals.frames }), runs: w("runCount", { n: totals.runs }), ms: answer.ms }) : w("resultNodes", { n: answer.total ?? answer.items.length, ms: answer.ms })}</span>
+          <span>{answer.as === "runs" ? w("resultRuns", { frames: w("frames", { n: totals.frames }), runs: w("runCount", { n: totals.runs }), ms: answer.ms }) : w(answer.type === "nodes" ? "resultNodes" : "resultValues", { n: answer.total ?? answer.items.length, ms: answer.ms })}</span>
+          {answer.per && <span class="dim" title={w("perDocumentHelp")}>{w("perDocumentAsked")}</span>}
           {answer.cursor && <span class="dim">{w("firstShown", { n: answer.items.length })}</span>}
           {!answer.complete && <span class="cut-off"><Icon name="warn" />{w("cutOff")}</span>}
           {answer.warnings.map((one) => <span key={one} class="dim">{one}</span>)}
           <span class="grow" />
           <Explain explain={answer.explain} />
           <Menu label={w("copy")} className="button quiet dense" side="right" items={copies}>{w("copy")}<Icon name="down" /></Menu>
-          <Menu label={w("exportAll")} className="button quiet dense" side="right" items={(["xml", "ndjson", "csv"] as const).map((one) => ({ text: one.toUpperCase(), href: address("/xpath", {}, { q: text, project, as: one }), download: true }))}>{w("exportAll")}<Icon name="down" /></Menu>
-          {runs.length > 0 && <button type="button" class="button dense" disabled={saving} onClick={() => void saveAsClip()}>{w("saveAsClip")}</button>}
+          <Menu label={w("exportAll")} className="button quiet dense" side="right" items={(["xml", "ndjson", "csv"] as const).map((one) => ({ text: one.toUpperCase(), href: address("/xpath", {}, { q: text, project, as: one, per: param("per") }), download: true }))}>{w("exportAll")}<Icon name="down" /></Menu>
+          {runs.length > 0 && !answer.per && <button type="button" class="button dense" disabled={saving} onClick={() => void saveAsClip()}>{w("saveAsClip")}</button>}
           {runs.length > 0 && <button type="button" class="button dense" onClick={() => go(`/compose?s=${runs.slice(0, PIECES).map((one) => `${one.document}:${one.first}-${one.last}`).join(",")}`)}>{runs.length > PIECES ? w("toComposerFirst", { n: PIECES }) : w("toComposer")}</button>}
         </div>
       )}
       {!answer && !error && !busy && (
         <Examples onChoose={write} />
       )}
-      {answer && (answer.items.length === 0 ? <div class="empty"><h2>{w("noAnswer")}</h2><p>{w("noAnswerHelp")}</p></div> : (
+      {answer && (answer.items.length === 0 ? <div class="empty"><h2>{w("noAnswer")}</h2><p>{w("noAnswerHelp")}</p></div> : answer.single ? <OneValue item={items[0]} /> : (
         <div class="xpath-answer">
           <div class="xpath-table">
+            {answer.as === "json" && <ItemHead shape={shape} />}
             {answer.as === "runs" && <div class="run-row run-head" aria-hidden="true"><span class="n">#</span><span>{w("document")}</span><span class="n">{w("from")}</span><span class="n">{w("last")}</span><span class="n">{w("length")}</span></div>}
-            <VirtualList rows={answer.items.length} height={28} label={w("complete")} role="listbox" at={picked}
+            <VirtualList rows={answer.items.length} height={28} label={w("results")} role="listbox" at={picked}
               onSeen={(_, last) => { if (answer.cursor && last >= answer.items.length - 5 && !busy) void run(text, answer.cursor, answer.as); }}
               onKeyDown={(event) => {
                 const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
                 if (step) { setPicked(Math.max(0, Math.min(answer.items.length - 1, picked + step))); event.preventDefault(); }
-                if (event.key === "Enter" && runs[picked]) go(`/clips/${runs[picked].document}?f=${runs[picked].first}&in=${runs[picked].first}&out=${runs[picked].last}`);
+                if (event.key === "Enter") open(picked);
               }}
               render={(row) => {
                 const item = answer.items[row];
                 const props = { role: "option", "aria-selected": row === picked, tabIndex: row === picked ? 0 : -1, onClick: () => setPicked(row) } as const;
                 if (answer.as === "runs") {
                   const one = item as Run;
-                  return <div class="run-row" {...props} onDblClick={() => go(`/clips/${one.document}?f=${one.first}&in=${one.first}&out=${one.last}`)}><span class="n dim">{number(row + 1)}</span><span class="cut">{one.name}</span><span class="n">{number(one.first)}</span><span class="n">{number(one.last)}</span><span class="n dim">{w("frames", { n: one.frames })}</span></div>;
+                  return <div class="run-row" {...props} onDblClick={() => open(row)}><span class="n dim">{number(row + 1)}</span><span class="cut">{one.name}</span><span class="n">{number(one.first)}</span><span class="n">{number(one.last)}</span><span class="n dim">{w("frames", { n: one.frames })}</span></div>;
                 }
-                const node = item as Partial<Node> & { value?: unknown };
-                return <div class="run-row node-row" {...props}><span class="n dim">{number(row + 1)}</span><code class="cut">{String(node.value ?? "")}</code><span class="cut dim" title={node.address}>{node.address ?? node.document ?? ""}</span></div>;
+                return <div class={`run-row of-${shape}`} {...props} onDblClick={() => open(row)}><ItemCells item={item as Item} row={row} /></div>;
               }} />
           </div>
+          {answer.as === "json" && items[picked] && <WholeValue item={items[picked]} />}
           {runs.length > 0 && <RunPlayer runs={runs} at={picked} onAt={setPicked} />}
         </div>
       ))}

@@ -11,6 +11,11 @@ import { w } from "../../words";
 
 const AXES = /^(ancestor-or-self|ancestor|attribute|child|descendant-or-self|descendant|following-sibling|following|namespace|parent|preceding-sibling|preceding|self)(?=::)/;
 
+/** Words of XPath 2.0 where no name may stand: behind a value, or before a variable. */
+const BETWEEN = /^(and|or|div|idiv|mod|to|in|return|satisfies|then|else|union|except|intersect|is|eq|ne|lt|le|gt|ge|instance|treat|castable|cast|of|as)(?![\w.-])/;
+const BEFORE_VARIABLE = /^(for|let|some|every)(?=\s+\$)/;
+const isBehindValue = (before: string) => /[\w.\])"'*]\s+$|[\])"']$/.test(before);
+
 const xpath = StreamLanguage.define<{ dummy: boolean }>({
   startState: () => ({ dummy: true }),
   token(stream) {
@@ -20,8 +25,10 @@ const xpath = StreamLanguage.define<{ dummy: boolean }>({
     if (stream.match(/^\(:.*?(:\)|$)/)) return "comment";
     if (stream.match(AXES)) return "keyword";
     if (stream.match(/^@[\w:.-]+/)) return "attributeName";
-    if (stream.match(/^[\w.-]+(?=\s*\()/)) return "keyword";
-    if (stream.match(/^(and|or|div|mod)\b/)) return "operatorKeyword";
+    if (stream.match(/^\$[\w.-]+/)) return "variableName";
+    if (stream.match(BEFORE_VARIABLE)) return "operatorKeyword";
+    if (isBehindValue(stream.string.slice(0, stream.pos)) && stream.match(BETWEEN)) return "operatorKeyword";
+    if (stream.match(/^[\w:.-]+(?=\s*\()/)) return "keyword";
     if (stream.match(/^[\w:.-]+/)) return "typeName";
     stream.next();
     return "operator";
@@ -34,6 +41,7 @@ const colours = HighlightStyle.define([
   { tag: tags.keyword, color: "var(--accent)" },
   { tag: tags.operatorKeyword, color: "var(--accent)" },
   { tag: tags.attributeName, color: "var(--right)" },
+  { tag: tags.variableName, color: "var(--name5)" },
   { tag: tags.typeName, color: "var(--left)" },
   { tag: tags.comment, color: "var(--text3)" },
 ]);

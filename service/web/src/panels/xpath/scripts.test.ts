@@ -10,4 +10,11 @@ describe("lines for scripts", () => {
     expect(asPython(asked, "http://x")).toContain(`repo.xpath("//frame[motion_name='it\\"s $1']", project="my clips")`);
     expect(asPython({ ...asked, form: "json" }, "http://x")).toContain("found.nodes()");
   });
+
+  it("say that each document is asked by itself, and print values", () => {
+    const asked = { q: "count(//frame)", project: "", form: "json" as const, per: true, values: true };
+    expect(asCurl(asked, "http://x")).toBe("curl -G http://x/api/v1/xpath --data-urlencode 'q=count(//frame)' -d per=document -d as=json");
+    expect(asCommand(asked)).toBe("mcml xpath 'count(//frame)' --per document --as json");
+    expect(asPython(asked, "http://x")).toContain('found = repo.xpath("count(//frame)", per="document")\nprint(found.value())\n');
+  });
 });
