@@ -106,15 +106,17 @@ class Repository:
         documents: list[str] | None = None,
         revision: int | None = None,
         per: Literal["document"] | None = None,
+        guesses: Literal["yes", "no"] = "yes",
         **variables: str,
     ) -> Query:
         """A question; it is asked when its answer is wanted: `runs()`, `nodes()`, `value()`, `count()`, `to_pandas()`.
 
         documents: ids; default all. revision: of the one document, as it left it. per: "document" asks each by itself.
+        guesses: "no" leaves out documents whose unit, up axis or floor is guessed, where bodies are asked for.
         variables: for $name in it.
         """
         asked: dict[str, Any] = {"project": project, "document": documents or [], "revision": revision, "per": per}
-        asked["variables"] = variables
+        asked |= {"guesses": guesses, "variables": variables}
         return Query(self._client, expression, asked)
 
     def import_(self, *paths: str | PathLike[str], progress: Told | None = None, **options: Any) -> Imported:

@@ -134,6 +134,9 @@ class QueryRequest(BaseModel):
     per: Literal["document"] | None = Field(
         None, description="document: every function counts in one document, and each document has a value of its own"
     )
+    guesses: Literal["yes", "no"] = Field(
+        "yes", description="no: functions of bodies leave out documents whose unit, up axis or floor is guessed"
+    )
     explain: bool = False
     with_: str | None = Field(None, alias="with", pattern=WITH, description="Of runs: totals, range, or both")
     variables: dict[str, str | float | bool] = Field(

@@ -43,6 +43,9 @@ def xpath(
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Write xml, ndjson or csv to this file")] = None,
     force: ForceOption = False,
     per: Annotated[str | None, typer.Option(help="document: each document has an answer of its own")] = None,
+    guesses: Annotated[
+        str, typer.Option(help="no: functions of bodies leave out documents whose unit, up axis or floor is guessed")
+    ] = "yes",
     explain: Annotated[bool, typer.Option(help="Say how the query ran")] = False,
     with_: Annotated[str | None, typer.Option("--with", help="Of runs: totals, range, or totals,range")] = None,
     database: DatabaseOption = None,
@@ -64,6 +67,7 @@ def xpath(
         "project": project,
         "revision": revision,
         "per": per,
+        "guesses": guesses,
         "explain": explain,
         "variables": variables,
         "with": with_,

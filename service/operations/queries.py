@@ -63,6 +63,10 @@ def get_query(
         Literal["document"] | None,
         Field(description="document: functions count in each document alone, and each has a value of its own"),
     ] = None,
+    guesses: Annotated[
+        Literal["yes", "no"],
+        Field(description="no: functions of bodies leave out documents whose unit, up axis or floor is guessed"),
+    ] = "yes",
     explain: Annotated[bool, Field(description="Say how the query ran")] = False,
     with_: Annotated[
         str | None,
@@ -86,6 +90,7 @@ def get_query(
         limit=limit,
         cursor=cursor,
         per=per,
+        guesses=guesses,
         explain=explain,
         **{"as": as_, "with": with_},
     )

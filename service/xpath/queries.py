@@ -37,6 +37,7 @@ from service.xpath.language.tree import Call, Expression
 from service.xpath.language.types import distinct_of, item_type, type_of
 from service.xpath.library.caches import Caches
 from service.xpath.library.listing import Scope
+from service.xpath.library.motion_notes import motion_calls, notes, without_guesses
 from service.xpath.library.part_file import path_of
 from service.xpath.library.sidecar import Sidecar
 from service.xpath.limits import Limits
@@ -90,6 +91,7 @@ class Queries:
                 tx.pruning.require_whole_since(cursor.whole_since)
             scope = Scope(tx, self.caches.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, per=request.per, wants_explain=request.explain)
+            asking.leave_out_guesses(request.guesses)
             page = Page(self.caches, request, min(request.limit or DEFAULT_LIMIT, self.settings.page_limit), cursor)
             try:
                 answer = asking.answer(page)
@@ -100,6 +102,7 @@ class Queries:
             if request.explain:
                 answer.explain = asking.explained((time.perf_counter() - start) * 1000)
             answer.warnings += [*query.warnings, *unknown_names(query.tree), *scope.unused_names(query.tree)]
+            answer.warnings += notes(self.caches, scope, motion_calls(query.tree))
         return answer
 
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
@@ -112,11 +115,12 @@ class Queries:
         with self.database.read(self._commit(request)) as tx:
             scope = Scope(tx, self.caches.listing, request.document, request.project)
             asking = _Asking(self, tx, query, scope, limits, per=request.per, wants_explain=False)
+            asking.leave_out_guesses(request.guesses)
             commit, since = scope.state.commit, tx.pruning.whole_since()
             try:
                 found = collect(asking.nodes(), request.limit)
             except (TooWideError, TooLongError, NotOnColumnsError):
-                if not query.needs_xpath2:
+                if not query.needs_xpath2 and not motion_calls(query.tree):
                     nodes = asking.on_xml(request.limit)
                     return Shown([nodes], len(nodes))
                 asking.require_documents_alone()
@@ -224,6 +228,11 @@ class _Asking:
             self.explain.plan = ["the documents as XML, without what the expression cannot touch", f"by {by}"]
             self.require_documents_alone()
             return self._by_saxon(page) if self.is_later else self._on_xml(page)
+
+    def leave_out_guesses(self, guesses: str) -> None:
+        """Where they are not wanted, ask no documents of which what a function of bodies needs is guessed."""
+        if guesses == "no" and motion_calls(self.query.tree):
+            self.scope.narrow(without_guesses(self.tx, self.engine.caches, self.scope.groups(), self.limits.check))
 
     def _on_columns(self, tree: Expression, page: Page) -> QueryAnswer:
         if self.query.only_saxon:
@@ -352,7 +361,13 @@ class _Asking:
         return answer if items else answer.model_copy(update={"type": "nodes" if found.nodes else "values"})
 
     def require_documents_alone(self) -> None:
-        """Refuses what must be evaluated on all documents together, which XML is not."""
+        """Refuses what must be evaluated on all documents together, which XML is not, and bodies, which are not in it."""
+        if motion_calls(self.query.tree):
+            raise LimitError(
+                "This question about bodies reaches too much at once, or asks for what columns have no answer to.",
+                remedy="Ask fewer documents, or put what is asked of a frame into a predicate of //frame.",
+                code="query-too-large",
+            )
         if self.per != "document":
             require_alone(self.query.tree, len(self.scope.documents()))
 

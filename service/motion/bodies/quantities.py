@@ -57,8 +57,6 @@ def _height(stretch: Stretch, arguments: Arguments) -> Array:
 
 def _position(stretch: Stretch, arguments: Arguments) -> Array:
     joint, axis, *origin = arguments
-    if axis not in AXES:
-        raise RequestError(f"{axis!r} is no axis of a position", remedy=f"Take one of: {', '.join(AXES)}.")
     places = stretch.between(origin[0], joint) if origin else stretch.at(joint)
     if axis in ("x", "y", "z"):
         direction = np.eye(3)["xyz".index(axis)]
@@ -178,6 +176,8 @@ def _hips(arguments: Arguments) -> tuple[str, ...]:
 
 def _joints_of_position(arguments: Arguments) -> tuple[str, ...]:
     joint, axis, *origin = arguments
+    if axis not in AXES:
+        raise RequestError(f"{axis!r} is no axis of a position", remedy=f"Take one of: {', '.join(AXES)}.")
     return (joint, *origin, *(HIPS if axis in ("front", "left") else ()))
 
 

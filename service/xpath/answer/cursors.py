@@ -34,7 +34,7 @@ class Cursor:
 
 def question(request: QueryRequest) -> int:
     """A number that tells one question from another."""
-    asked = [request.q, request.document, request.project, request.as_, request.per, request.variables]
+    asked = [request.q, request.document, request.project, request.as_, request.per, request.guesses, request.variables]
     return zlib.crc32(orjson.dumps(asked))
 
 

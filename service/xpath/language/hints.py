@@ -8,9 +8,11 @@ from typing import Literal
 
 from service.mcml.content import declarations
 from service.mcml.vocabulary import FRAME_BONE, MOTION_NAME, NAME, ROOT
+from service.xpath.language.motion_functions import ANGLE, JOINTS, MOTION_FUNCTIONS
 from service.xpath.language.reach import DOCUMENT, Types, types_of
 from service.xpath.language.rules import after
 from service.xpath.language.tree import (
+    Call,
     Expression,
     Filter,
     Operation,
@@ -45,11 +47,23 @@ def compared_names(tree: Expression) -> list[tuple[Kind, str]]:
     """The texts that names of bones, and motion names, are compared with."""
     found: list[tuple[Kind, str]] = []
     for expression, context in _with_contexts(tree, frozenset({DOCUMENT})):
+        if isinstance(expression, Call) and expression.function in MOTION_FUNCTIONS:
+            found += [("bone", name) for name in _joints_named(expression)]
         if isinstance(expression, Operation) and expression.operator in ("=", "!="):
             for one, other in (expression.operands, expression.operands[::-1]):
                 if isinstance(one, Path) and isinstance(other, Text) and isinstance(other.value, str):
                     found += [(kind, other.value) for kind in _kind_of(one, types_of(one, context))]
     return list(dict.fromkeys(found))
+
+
+def _joints_named(call: Call) -> Iterator[str]:
+    """The joints that a function of bodies in motion is told by their names."""
+    parameters = MOTION_FUNCTIONS[call.function].parameters
+    if call.function == ANGLE and len(call.arguments) == 1:
+        return
+    for parameter, argument in zip(parameters, call.arguments, strict=False):
+        if isinstance(argument, Text) and isinstance(argument.value, str) and parameter.rstrip("?") in JOINTS:
+            yield argument.value
 
 
 def _kind_of(path: Path, types: Types) -> Iterator[Kind]:

@@ -77,5 +77,8 @@ MOTION_FUNCTIONS: Final[Mapping[str, MotionFunction]] = {
 }  # fmt: skip
 OF_DOCUMENT: Final = frozenset({"mo:leg", "mo:unit"})
 """Functions whose value is the document's, not the frame's."""
+ANGLE: Final = "mo:angle"
+JOINTS: Final = frozenset({"joint", "name or joint", "relative", "origin"})
+"""Parameters that are joints."""
 DISTANCES: Final = frozenset({"mo:pose-distance", "mo:motion-distance"})
 TOP, WINDOW, RUNS, RATE = "mo:top", "mo:window", "mo:runs", "mo:rate"

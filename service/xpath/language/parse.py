@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from service.errors import LimitError, Place, QueryError
+from service.errors import LimitError, McmlError, Place, QueryError
+from service.motion.bodies.quantities import QUANTITIES
 from service.xpath.language.functions import SAFE_FUNCTIONS
 from service.xpath.language.grammar import ArityError, read
 from service.xpath.language.meaning import bind, from_document, with_stored_names
-from service.xpath.language.motion_functions import MOTION_FUNCTIONS
+from service.xpath.language.motion_functions import MOTION_FUNCTIONS, PREFIX
 from service.xpath.language.tree import (
     OF_NODES,
     VALUE_COMPARISONS,
@@ -20,6 +21,7 @@ from service.xpath.language.tree import (
     Filter,
     Function,
     Later,
+    Literal,
     Operation,
     Path,
     Written,
@@ -137,6 +139,7 @@ def _check_types(tree: Expression) -> None:
             needed = (part.operand,)
         elif isinstance(part, Call):
             _check_functions(part)
+            _check_motion(part)
             signature = SAFE_FUNCTIONS[part.function]
             if signature.of_node or (signature.takes_items and (not is_later or part.function in MOTION_FUNCTIONS)):
                 needed = part.arguments[signature.place : signature.place + 1]
@@ -159,6 +162,18 @@ def _check_functions(call: Call) -> None:
                 at=Place(column=argument.span[0] + 1),
                 remedy="The key is the third argument of sort: sort(//frame, (), function($f) { … }).",
             )
+
+
+def _check_motion(call: Call) -> None:
+    """Refuses angles and axes that there are not."""
+    quantity = QUANTITIES.get(call.function.removeprefix(PREFIX)) if call.function in MOTION_FUNCTIONS else None
+    texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
+    if quantity is None or len(texts) < len(call.arguments):
+        return
+    try:
+        quantity.joints(texts)
+    except McmlError as error:
+        raise QueryError(error.what, at=Place(column=call.span[0] + 1), remedy=error.remedy) from None
 
 
 def _bound_depth(tree: Expression) -> None:

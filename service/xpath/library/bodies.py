@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cached_property
 from typing import Any, TypeVar
@@ -16,6 +17,7 @@ from service.motion.bodies.poses import JOINTS, NEEDS, at_rate, motion_distances
 from service.motion.bodies.quantities import compute, joints_of
 from service.storage.columns import Listed
 from service.xpath.library.forest import Forest
+from service.xpath.library.groups import Group
 from service.xpath.nodes.numbering import Floats, Ints, documents_of, frames_of
 
 Column = TypeVar("Column", bound=NDArray[Any])
@@ -23,6 +25,27 @@ Made = TypeVar("Made")
 POSE = len(JOINTS), 3
 TOGETHER = 32
 """Documents whose bodies are read before anything else may happen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What is known of a document. names: of its joints. unit, times: whether these are known. guessed: whether the
+    unit, the up axis or the floor is a guess."""
+
+    names: tuple[str, ...]
+    unit: bool
+    times: bool
+    guessed: bool
+
+
+def facts_of(body: Body) -> Facts:
+    known = body.calibration
+    return Facts(body.names, known.metres is not None, body.frame_time is not None, known.rests_on_guesses)
+
+
+def known_of(group: Group) -> tuple[int, str]:
+    """Under what the facts of a group that was looked at are kept."""
+    return group.number, "facts"
 
 
 class Bodies:
@@ -125,10 +148,20 @@ class Bodies:
         samples = self._forest.caches.samples
         return samples.get((self._forest.documents.number, *key), make, lambda column: column.nbytes)
 
+    def facts(self) -> list[Facts]:
+        """What is known of each document."""
+        found: list[Facts] | None = self._forest.caches.samples.find(known_of(self._forest.documents))
+        return self._each(facts_of) if found is None else found
+
     def _each(self, function: Callable[[Body], Made]) -> list[Made]:
+        """What a function makes of each body. To read these takes longest, so what else is asked of all is kept."""
         found: list[Made] = []
-        documents = self._forest.documents
+        facts: list[Facts] = []
+        documents, caches = self._forest.documents, self._forest.caches
         for at in range(0, len(documents), TOGETHER):
             self._check()
-            found += map(function, self._forest.caches.bodies.read(self._forest.tx, documents[at : at + TOGETHER]))
+            for body in caches.bodies.read(self._forest.tx, documents[at : at + TOGETHER]):
+                found.append(function(body))
+                facts.append(facts_of(body))
+        caches.samples.get(known_of(documents), lambda: facts, lambda some: 200 * len(some))
         return found

@@ -147,6 +147,10 @@ class Scope:
         self.keys = [self._key(uuid) for uuid in dict.fromkeys(named)] if documents else None
         self.project = tx.projects.get(project) if project else None
 
+    def narrow(self, documents: Sequence[Listed]) -> None:
+        """Ask only these from now on."""
+        self.keys = [listed.key for listed in documents]
+
     @cached_property
     def state(self) -> State:
         return self._listing.state(self._tx)

@@ -1,0 +1,77 @@
+"""What an answer about bodies in motion rests on, and what it had to leave out: warnings for who asks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from service.errors import McmlError
+from service.motion.bodies.quantities import QUANTITIES, joints_of
+from service.storage.columns import Listed
+from service.storage.database import Transaction
+from service.xpath.language.motion_functions import MOTION_FUNCTIONS, PREFIX
+from service.xpath.language.reach import HeadPart
+from service.xpath.language.tree import Call, Expression, Literal, walk
+from service.xpath.library.bodies import Bodies, Facts, known_of
+from service.xpath.library.caches import Caches
+from service.xpath.library.forest import Forest
+from service.xpath.library.groups import Group
+from service.xpath.library.listing import Scope
+
+OF_LENGTHS = frozenset({"m", "m/s", "m/s2"})
+OF_TIMES = frozenset({"s", "m/s", "m/s2", "per s"})
+
+
+def motion_calls(tree: Expression) -> list[Call]:
+    """The calls of functions of bodies in motion."""
+    return [part for part in walk(tree) if isinstance(part, Call) and part.function in MOTION_FUNCTIONS]
+
+
+def notes(caches: Caches, scope: Scope, calls: Sequence[Call]) -> list[str]:
+    """Of the documents that were looked at: how many have no unit, no times or not the joints, and how many rest on
+    guesses."""
+    if not calls:
+        return []
+    return list(_notes([one for group in scope.groups() for one in caches.samples.find(known_of(group)) or ()], calls))
+
+
+def without_guesses(
+    tx: Transaction, caches: Caches, groups: Sequence[Group], check: Callable[[], None]
+) -> list[Listed]:
+    """The documents whose unit, up axis and floor are no guesses."""
+    found: list[Listed] = []
+    for group in groups:
+        facts = Bodies(Forest(tx, group, caches, head_part=HeadPart.MOTION), check).facts()
+        found += [listed for listed, one in zip(group, facts, strict=True) if not one.guessed]
+    return found
+
+
+def _notes(facts: Sequence[Facts], calls: Sequence[Call]) -> Iterator[str]:
+    units = {MOTION_FUNCTIONS[call.function].unit for call in calls}
+    many = f"of {len(facts):,} documents"
+    if units & OF_LENGTHS and (count := sum(not one.unit for one in facts)):
+        yield f"{count:,} {many} left out: their unit is not known; set it in their calibration."
+    if units & OF_TIMES and (count := sum(not one.times for one in facts)):
+        yield f"{count:,} {many} left out: their frame time is not known."
+    for call in dict.fromkeys(calls):
+        if count := sum(_lacks(one, call) for one in facts):
+            yield f"{count:,} {many} left out: they have not the joints of {_written(call)}."
+    if count := sum(one.guessed for one in facts):
+        yield f"{count:,} {many} rest on a guessed unit, up axis or floor; guesses=no leaves them out."
+
+
+def _lacks(facts: Facts, call: Call) -> bool:
+    """Whether a body has not all joints that a quantity is made from."""
+    name = call.function.removeprefix(PREFIX)
+    texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
+    if name not in QUANTITIES or len(texts) < len(call.arguments):
+        return False
+    try:
+        asked = QUANTITIES[name].joints(texts)
+        return len(joints_of(name, texts, facts.names)) < len(dict.fromkeys(asked))
+    except McmlError:
+        return False
+
+
+def _written(call: Call) -> str:
+    texts = ", ".join(f"'{each.value}'" for each in call.arguments if isinstance(each, Literal))
+    return f"{call.function}({texts})"
