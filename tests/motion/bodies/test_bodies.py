@@ -320,5 +320,4 @@ def test_real_files_are_those_of_the_twin(shared: object, name: str) -> None:
     clip = named(opened(shared / name))  # type: ignore[operator]
     clip = clip.with_head(replace(clip.head, frame_time=clip.head.frame_time or "0.0083333"))
     stretch = stretch_of(clip)
-    slow = twin.Twin.of(clip, stretch.calibration)
-    check_twin(stretch, slow)
+    check_twin(part_of(stretch, 0, min(80, stretch.frames)), twin.Twin.of(clip, stretch.calibration, 80))
