@@ -44,6 +44,8 @@ _LEAP, _LEAPS = 0.3, 5.0
 """Leg lengths that a joint moves from a first frame that is no part of the motion to the next one, and how many times
 as much as in any of the steps that follow."""
 _FOLLOWING = 10
+_SAMPLE = 5_000
+"""Frames at most, and those at the start."""
 
 _VALUES = ("metres", "up", "floor", "leg", "reference", "leaps")
 
@@ -95,6 +97,15 @@ class Calibration:
         """What `to_json` made."""
         origins = {name: Origin(*one) for name, one in values["origins"].items()}
         return cls(**{name: values[name] for name in (*_VALUES, "step")}, origins=origins)
+
+
+def calibration_frames(count: int) -> Rows:
+    """Places, from 0, of the frames of a clip of so many that a calibration is made from: all, or of long clips the
+    first and evenly spaced ones, so that whoever calibrates it finds the same."""
+    if count <= _SAMPLE:
+        return np.arange(count)
+    spaced = np.linspace(0, count - 1, _SAMPLE).astype(np.intp)
+    return np.union1d(np.arange(_FOLLOWING + 2), spaced)
 
 
 def calibrate(

@@ -22,11 +22,11 @@ from service.motion.bodies.poses import (
     pose_distances,
     pose_features,
 )
-from service.motion.bodies.positions import UNSEEN, rounded, world_positions
+from service.motion.bodies.positions import UNSEEN, clip_positions, rounded, world_positions
 from service.motion.bodies.quantities import QUANTITIES, compute, halo_of, joints_of, quantity_of
 from service.motion.bodies.stretch import Stretch
 from service.motion.kinematics import Walker
-from service.motion.skeleton import Convention
+from service.motion.skeleton import CHANNEL_INDEX, Convention
 from service.motion.units import reading_of
 from tests.formats.test_real_files import opened
 from tests.motion.bodies import twin
@@ -271,13 +271,28 @@ def test_blocks_of_positions_follow_one_another(monkeypatch: pytest.MonkeyPatch)
     assert np.array_equal(positions_of(clip), whole)
 
 
+def test_missing_samples_are_gaps() -> None:
+    clip = clip_of(person(1, 20))
+    skeleton = clip.head.skeleton
+    names = list(skeleton.names)
+    whole = positions_of(clip)
+    (block,) = clip.blocks()
+    values = block.values.copy()
+    values[12, block.columns.index((names.index("left_low_arm"), CHANNEL_INDEX["Rx"]))] = np.nan
+    parts = [replace(block, values=values[start : start + 5], ids=block.ids[start : start + 5]) for start in (0, 5, 10)]
+    found = clip_positions(skeleton, parts)
+    lost = np.zeros(found.shape[:2], dtype=bool)
+    lost[12, [names.index("left_low_arm"), names.index("left_hand")]] = True
+    assert np.array_equal(np.isnan(found), np.repeat(lost[:, :, None], 3, axis=2))
+    assert np.array_equal(found[~lost], whole[:15][~lost])
+    assert clip_positions(skeleton, []).shape == (0, len(names), 3)
+
+
 def test_rounding() -> None:
     places = np.array([[[0.04, 0.06, 0.05], [1.0, np.nan, 0.0], [3e9, 0.0, 0.0], [0.15, -0.26, 0.0]]])
-    unseen = np.array([[False, False, False, False]])
-    found = rounded(places, 0.1, unseen)
+    found = rounded(places, 0.1)
     assert found.dtype == np.int32
     assert found.tolist() == [[[0, 1, 0], [UNSEEN] * 3, [UNSEEN] * 3, [1, -3, 0]]]
-    assert rounded(places, 0.1, ~unseen).tolist() == [[[UNSEEN] * 3] * 4]
     assert rounded(np.empty((0, 4, 3)), 0.1).shape == (0, 4, 3)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from service.errors import RequestError
-from service.motion.bodies.calibration import Calibration, calibrate
+from service.motion.bodies.calibration import Calibration, calibrate, calibration_frames
 from service.motion.clip import ClipHead
 from service.motion.skeleton import Convention, Joint, Skeleton
 from tests.motion.bodies.made import clip_of, person, positions_of, stretch_of
@@ -120,6 +120,16 @@ def test_what_people_set_counts(head: ClipHead, positions: np.ndarray) -> None:
 def test_what_cannot_be_is_refused(head: ClipHead, positions: np.ndarray, wrong: dict[str, object]) -> None:
     with pytest.raises(RequestError, match=next(iter(wrong))):
         calibrate(head, positions, wrong)
+
+
+def test_long_clips_are_calibrated_on_a_sample() -> None:
+    assert calibration_frames(0).tolist() == []
+    assert calibration_frames(5000).tolist() == list(range(5000))
+    chosen = calibration_frames(100_000)
+    assert chosen[:12].tolist() == list(range(12))
+    assert chosen[-1] == 99_999
+    assert 5000 <= len(chosen) <= 5012
+    assert (np.diff(chosen)[12:] <= 21).all()
 
 
 def test_as_json(head: ClipHead, positions: np.ndarray) -> None:
