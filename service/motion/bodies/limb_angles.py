@@ -179,27 +179,28 @@ ANGLES: Final[Mapping[tuple[str, str], Angle]] = {
 }  # fmt: skip
 """(part, movement): angles that positions of joints tell."""
 
-_FINGERS = ("fingers", "thumb", "finger-two", "finger-three", "finger-four", "finger-five")
+_BENDING = ("flexion", "extension")
+_FINGERS = ("thumb", "finger-two", "finger-four", "finger-five")
 _TOES = ("toes", "toe-one", "toe-two", "toe-three", "toe-four", "toe-five")
+_UPRIGHT = (*_BENDING, "left-rotation", "right-rotation", "left-lateral-flexion", "right-lateral-flexion")
 
 NEEDS_ROTATIONS: Final[Mapping[str, tuple[str, ...]]] = {
-    "head": ("flexion", "extension", "left-rotation", "right-rotation", "left-lateral-flexion",
-             "right-lateral-flexion", "protraction", "retraction"),
-    "neck": ("flexion", "extension", "left-rotation", "right-rotation", "left-lateral-flexion",
-             "right-lateral-flexion", "protraction", "retraction"),
+    "head": _UPRIGHT,
+    "neck": _UPRIGHT,
     "pelvis": ("anterior-tilt", "posterior-tilt", "left-rotation", "right-rotation"),
-    "shoulder": ("elevation", "depression", "protraction", "retraction", "upward-rotation", "downward-rotation"),
+    "shoulder": ("elevation", "depression", "protraction", "retraction"),
     "arm": ("medial-rotation", "lateral-rotation"),
     "forearm": ("pronation", "supination"),
-    "wrist": ("flexion", "extension", "abduction", "adduction"),
-    **dict.fromkeys(_FINGERS, ("flexion", "extension", "abduction", "adduction")),
+    "wrist": (*_BENDING, "abduction", "adduction"),
+    **dict.fromkeys(_FINGERS, (*_BENDING, "abduction", "adduction")),
+    **dict.fromkeys(("fingers", "finger-three"), _BENDING),
     "leg": ("medial-rotation", "lateral-rotation"),
     "knee": ("medial-rotation", "lateral-rotation"),
-    "foot": ("inversion", "eversion", "pronation", "supination"),
-    **dict.fromkeys(_TOES, ("flexion", "extension", "abduction", "adduction")),
-}  # fmt: skip
+    "foot": ("inversion", "eversion"),
+    **dict.fromkeys(_TOES, _BENDING),
+}
 """By part, movements whose angles positions do not tell: turns of a bone about itself, and parts whose place at rest
-differs between rigs. They take rotations of the chain, from the reference pose."""
+differs between rigs. They take rotations from the reference pose: `turned_angles`."""
 
 _MIDDLE = ("trunk", "pelvis", "head", "neck")
 
@@ -212,8 +213,16 @@ def _named(part: str, movement: str) -> list[tuple[str, str]]:
 
 _BY_NAME = {name: (angle, side) for key, angle in ANGLES.items() for name, side in _named(*key)}
 _TURNED = {
-    name for part, movements in NEEDS_ROTATIONS.items() for movement in movements for name, _ in _named(part, movement)
+    name: (part, side, movement)
+    for part, movements in NEEDS_ROTATIONS.items()
+    for movement in movements
+    for name, side in _named(part, movement)
 }
+
+
+def turn_named(name: str) -> tuple[str, str, str] | None:
+    """(part, side, movement) of the name of an angle that needs rotations, None for others."""
+    return _TURNED.get(name)
 
 
 def angle_named(name: str) -> tuple[Angle, str]:
@@ -223,8 +232,8 @@ def angle_named(name: str) -> tuple[Angle, str]:
     """
     if name in _TURNED:
         raise UnsupportedError(
-            f"{name} cannot be measured from positions: it takes rotations",
-            remedy="Ask for the channels of the joint, or for another angle.",
+            f"{name} cannot be measured from positions alone: it takes rotations",
+            remedy="Ask for an angle between joints, or for the channels of the joint.",
         )
     if name not in _BY_NAME:
         raise VocabularyError(
