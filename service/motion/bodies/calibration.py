@@ -175,7 +175,7 @@ def _leg(skeleton: Skeleton, positions: Array) -> tuple[float | None, Origin]:
             seen = lengths[np.isfinite(lengths)]
             found += [float(np.median(seen))] if len(seen) else []
     leg = float(np.mean(found)) if found else 0.0
-    if not leg > 0:
+    if not 0 < leg < np.inf:
         return None, Origin("unknown", "no leg is known from hip to knee to ankle")
     return leg, Origin("measured", "from hip to knee to ankle")
 

@@ -6,6 +6,8 @@ parabola moves at 1.80 and 1.79.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,12 +17,14 @@ Flags = NDArray[np.bool_]
 
 WINDOW = 0.05
 """Seconds before and after."""
-LEAST = 2
-"""Frames before and after, at least."""
+LEAST, MOST = 2, 500
+"""Frames before and after, at least and at most."""
+_AT_ONCE = 1 << 18
+"""Places of neighbours that are looked at together."""
 
 
 def reach(frame_time: float | None) -> int:
-    """Frames before and after that count: none further away than WINDOW, but LEAST at least.
+    """Frames before and after that count: none further away than WINDOW, but LEAST at least, and MOST at most.
 
     >>> reach(1 / 120), reach(0.0083333), reach(1 / 30)
     (6, 6, 2)
@@ -28,7 +32,7 @@ def reach(frame_time: float | None) -> int:
     if frame_time is None:
         return LEAST
     # Files round their frame times; a hundredth of a frame is nothing.
-    return max(LEAST, int(WINDOW / frame_time + 0.01))
+    return min(MOST, max(LEAST, int(min(WINDOW / frame_time, MOST) + 0.01)))
 
 
 def slopes(values: Array, frame_time: float) -> Array:
@@ -47,11 +51,29 @@ def slopes(values: Array, frame_time: float) -> Array:
         for step in range(1, far + 1):
             total += step * (values[far + step : inner.stop + step] - values[far - step : inner.stop - step])
         found[inner] = total / (2 * sum(step * step for step in range(1, far + 1)))
-    rows = np.flatnonzero(seen & ~_has_whole_window(seen, far))
-    if len(rows):
-        found[rows] = _slopes_of_what_there_is(values, seen, rows, far)
+    if count > 2 * far:
+        weights = _weights_at_the_start(far)
+        for first, sense in ((values[: 2 * far], 1), (values[-2 * far :][::-1], -1)):
+            there = first - np.where(np.isfinite(first[:1]), first[:1], 0.0)
+            edge = sense * (weights @ np.where(np.isfinite(there), there, 0.0))
+            found[slice(0, far) if sense > 0 else slice(-1, -far - 1, -1)] = edge
+    rows = np.flatnonzero(seen & ~_has_all_neighbours(seen, far))
+    piece = max(1, _AT_ONCE // (2 * far + 1))
+    for start in range(0, len(rows), piece):
+        chosen = rows[start : start + piece]
+        found[chosen] = _slopes_of_what_there_is(values, seen, chosen, far)
     found[~seen] = np.nan
     return found / frame_time
+
+
+@cache
+def _weights_at_the_start(far: int) -> Array:
+    """(far, 2 far) of the first rows, for the slopes in each of the first rows before which too few are."""
+    weights = np.zeros((far, 2 * far))
+    for row in range(far):
+        steps = np.arange(-row, far + 1, dtype=np.float64)
+        weights[row, : row + far + 1] = np.linalg.pinv(np.stack([np.ones_like(steps), steps, steps**2], axis=1))[1]
+    return weights
 
 
 def bends(values: Array, frame_time: float) -> Array:
@@ -74,13 +96,17 @@ def bends(values: Array, frame_time: float) -> Array:
     return found / frame_time**2
 
 
-def _has_whole_window(seen: Flags, far: int) -> Flags:
-    """(n,) whether every row up to so far away is there."""
+def _has_all_neighbours(seen: Flags, far: int) -> Flags:
+    """(n,) whether every row up to so far away that the clip has is there, and the clip does not end on both sides."""
+    count = len(seen)
+    if count <= 2 * far:
+        return np.zeros(count, dtype=bool)
+    if seen.all():
+        return np.ones(count, dtype=bool)
     counts = np.concatenate([[0], np.cumsum(seen)])
-    places = np.arange(len(seen))
-    inside = (places >= far) & (places < len(seen) - far)
-    low, high = np.maximum(places - far, 0), np.minimum(places + far + 1, len(seen))
-    whole: Flags = inside & (counts[high] - counts[low] == 2 * far + 1)
+    places = np.arange(count)
+    low, high = np.maximum(places - far, 0), np.minimum(places + far + 1, count)
+    whole: Flags = counts[high] - counts[low] == high - low
     return whole
 
 

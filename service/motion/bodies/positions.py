@@ -155,8 +155,9 @@ def rounded(positions: Array, step: float) -> Steps:
 
     step: in the unit of the positions. UNSEEN where one is not finite, or beyond 2^31 - 1 steps (at 0.1 mm, 214 km).
     """
-    scaled = positions / step
-    np.rint(scaled, out=scaled)
+    with np.errstate(over="ignore", invalid="ignore"):
+        scaled = positions / step
+        np.rint(scaled, out=scaled)
     # NaN is not below anything either.
     beyond = ~(np.abs(scaled) < -UNSEEN)
     lost = beyond.any()

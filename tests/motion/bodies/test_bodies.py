@@ -188,6 +188,33 @@ def test_poses_and_motions_are_as_unlike_as_the_twin_says(seed: int) -> None:
     np.testing.assert_allclose(found, slow, rtol=1e-9, atol=1e-12)
 
 
+def test_slopes_of_lines_and_parabolas_are_exact() -> None:
+    time = np.arange(30) * 0.01
+    values = np.stack([3 * time, 5 - 2 * time + 7 * time**2], axis=1)
+    values[11] = np.nan
+    slopes, bends = local_fit.slopes(values, 0.01), local_fit.bends(values, 0.01)
+    expected = np.stack([np.full(30, 3.0), -2 + 14 * time], axis=1)
+    expected[11] = np.nan
+    np.testing.assert_allclose(slopes, expected, atol=1e-9)
+    inner = np.isfinite(bends).all(axis=1)
+    np.testing.assert_allclose(bends[inner], np.tile([0.0, 14.0], (inner.sum(), 1)), atol=1e-9)
+    # Within five frames of an end, or of the gap, the window is not whole.
+    assert np.flatnonzero(inner).tolist() == [5, *range(17, 25)]
+    assert np.isnan(local_fit.slopes(values[:1], 0.01)).all()
+    assert local_fit.slopes(values[:0], 0.01).shape == (0, 2)
+    assert local_fit.slopes(values[:2], 0.01)[:, 0] == pytest.approx([3, 3])
+    assert np.isnan(local_fit.rate(values[:, 0], None)).all()
+
+
+def test_no_frame_rate_asks_for_endless_windows() -> None:
+    assert local_fit.reach(1e-300) == 500
+    assert local_fit.reach(1e300) == local_fit.reach(None) == 2
+    values = np.arange(2000.0)[:, None] * 1e-9
+    values[::7] = np.nan
+    found = local_fit.slopes(values, 1e-9)
+    np.testing.assert_allclose(found[np.isfinite(values)], 1.0, rtol=1e-6)
+
+
 def test_a_motion_is_found_in_itself_slower_and_faster() -> None:
     features = pose_features(stretch_of(clip_of(person(5, 60))))
     motion = features[20:41]
