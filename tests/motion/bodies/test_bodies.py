@@ -25,6 +25,7 @@ from service.motion.bodies.poses import (
 from service.motion.bodies.positions import UNSEEN, clip_positions, rounded, world_positions
 from service.motion.bodies.quantities import QUANTITIES, compute, halo_of, joints_of, quantity_of
 from service.motion.bodies.stretch import Stretch
+from service.motion.bodies.vectors import angle_between
 from service.motion.kinematics import Walker
 from service.motion.skeleton import CHANNEL_INDEX, Convention
 from service.motion.units import reading_of
@@ -204,6 +205,13 @@ def test_slopes_of_lines_and_parabolas_are_exact() -> None:
     assert local_fit.slopes(values[:0], 0.01).shape == (0, 2)
     assert local_fit.slopes(values[:2], 0.01)[:, 0] == pytest.approx([3, 3])
     assert np.isnan(local_fit.rate(values[:, 0], None)).all()
+
+
+def test_what_has_no_length_has_no_angle() -> None:
+    one = np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0], [1, 2, 3], [2, 0, 0]])
+    other = np.array([[1.0, 1, 1], [-1, -1, -1], [0, 0, 0], [-1, -2, -3], [1, 0, 0]])
+    np.testing.assert_allclose(angle_between(one, other), [np.nan, np.nan, np.nan, 180, 0])
+    np.testing.assert_allclose(angle_between(other, one), [np.nan, np.nan, np.nan, 180, 0])
 
 
 def test_no_frame_rate_asks_for_endless_windows() -> None:
