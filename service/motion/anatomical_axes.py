@@ -99,15 +99,16 @@ def stance_of(
     positions, turned = walked(skeleton, rest.offsets[None], still)
     if uprightness(skeleton, positions, up)[0] > STANDS:
         with suppress(ConversionError):
-            return _stance(skeleton, positions[0], turned[0], up, facing)
+            return stance_in(skeleton, positions[0], turned[0], up, facing)
     # A pose a few frames from the most upright one is hardly less so.
     chosen = slice(None, None, -(-len(rotations) // _MOST_POSES))
     positions, turned = walked(skeleton, translations[chosen], rotations[chosen])
     best = int(np.argmax(uprightness(skeleton, positions, up)))
-    return _stance(skeleton, positions[best], turned[best], up, facing)
+    return stance_in(skeleton, positions[best], turned[best], up, facing)
 
 
-def _stance(skeleton: Skeleton, positions: Array, turned: Array, up: Array, facing: Array | None) -> Stance:
+def stance_in(skeleton: Skeleton, positions: Array, turned: Array, up: Array, facing: Array | None = None) -> Stance:
+    """A pose as the reference: positions (J, 3), turned (J, 4) from rest, in the world; see `stance_of`."""
     plane = sagittal(skeleton, positions, up, facing)
     return Stance(positions, turned, plane.normal, up, np.cross(plane.normal, up))
 
@@ -126,7 +127,7 @@ def uprightness(skeleton: Skeleton, positions: Array, up: Array) -> Array:
     ):
         if start in places and end in places:
             vector = positions[:, places[end]] - positions[:, places[start]]
-            length = np.linalg.norm(vector, axis=1)
+            length = np.sqrt((vector * vector).sum(axis=1))
             found = np.minimum(found, sense * (vector @ up) / np.where(length > 0, length, 1.0))
     pairs = [
         positions[:, places[f"left_{part}"]] - positions[:, places[f"right_{part}"]]

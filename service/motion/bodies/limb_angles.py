@@ -17,15 +17,8 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from service.errors import UnsupportedError, VocabularyError
-from service.motion.bodies.stretch import (
-    HIPS,
-    NECK,
-    SHOULDERS,
-    Stretch,
-    angle_between,
-    dot,
-    unit,
-)
+from service.motion.bodies.stretch import HIPS, NECK, SHOULDERS, Stretch
+from service.motion.bodies.vectors import angle_between, cross, dot, length, unit
 from service.motion.skeleton import Array
 
 AWAY = 0.35
@@ -84,7 +77,7 @@ def about(bone: Array, start: Array, towards: Array, away: float = AWAY) -> Arra
     one, two = dot(bone, start), dot(bone, towards)
     degrees = np.degrees(np.arctan2(two, one))
     degrees = np.where(degrees < -90.0, degrees + 360.0, degrees)
-    return np.where(np.hypot(one, two) > away * np.linalg.norm(bone, axis=1), degrees, np.nan)
+    return np.where(np.hypot(one, two) > away * length(bone), degrees, np.nan)
 
 
 def _outwards(left: Array, side: str) -> Array:
@@ -128,7 +121,7 @@ _TRUNK = (*HIPS, NECK)
 def _trunk_flexion(stretch: Stretch, side: str) -> Array:
     """Of the line from between the hips to the neck, from upright, to where the body faces."""
     up = np.broadcast_to(stretch.up, (stretch.frames, 3))
-    return about(stretch.at(NECK) - stretch.middle(HIPS), up, np.cross(stretch.level_left(), up))
+    return about(stretch.at(NECK) - stretch.middle(HIPS), up, cross(stretch.level_left(), up))
 
 
 def _trunk_to_the_right(stretch: Stretch, side: str) -> Array:
@@ -179,27 +172,28 @@ ANGLES: Final[Mapping[tuple[str, str], Angle]] = {
 }  # fmt: skip
 """(part, movement): angles that positions of joints tell."""
 
-_FINGERS = ("fingers", "thumb", "finger-two", "finger-three", "finger-four", "finger-five")
+_BENDING = ("flexion", "extension")
+_FINGERS = ("thumb", "finger-two", "finger-four", "finger-five")
 _TOES = ("toes", "toe-one", "toe-two", "toe-three", "toe-four", "toe-five")
+_UPRIGHT = (*_BENDING, "left-rotation", "right-rotation", "left-lateral-flexion", "right-lateral-flexion")
 
 NEEDS_ROTATIONS: Final[Mapping[str, tuple[str, ...]]] = {
-    "head": ("flexion", "extension", "left-rotation", "right-rotation", "left-lateral-flexion",
-             "right-lateral-flexion", "protraction", "retraction"),
-    "neck": ("flexion", "extension", "left-rotation", "right-rotation", "left-lateral-flexion",
-             "right-lateral-flexion", "protraction", "retraction"),
+    "head": _UPRIGHT,
+    "neck": _UPRIGHT,
     "pelvis": ("anterior-tilt", "posterior-tilt", "left-rotation", "right-rotation"),
-    "shoulder": ("elevation", "depression", "protraction", "retraction", "upward-rotation", "downward-rotation"),
+    "shoulder": ("elevation", "depression", "protraction", "retraction"),
     "arm": ("medial-rotation", "lateral-rotation"),
     "forearm": ("pronation", "supination"),
-    "wrist": ("flexion", "extension", "abduction", "adduction"),
-    **dict.fromkeys(_FINGERS, ("flexion", "extension", "abduction", "adduction")),
+    "wrist": (*_BENDING, "abduction", "adduction"),
+    **dict.fromkeys(_FINGERS, (*_BENDING, "abduction", "adduction")),
+    **dict.fromkeys(("fingers", "finger-three"), _BENDING),
     "leg": ("medial-rotation", "lateral-rotation"),
     "knee": ("medial-rotation", "lateral-rotation"),
-    "foot": ("inversion", "eversion", "pronation", "supination"),
-    **dict.fromkeys(_TOES, ("flexion", "extension", "abduction", "adduction")),
-}  # fmt: skip
+    "foot": ("inversion", "eversion"),
+    **dict.fromkeys(_TOES, _BENDING),
+}
 """By part, movements whose angles positions do not tell: turns of a bone about itself, and parts whose place at rest
-differs between rigs. They take rotations of the chain, from the reference pose."""
+differs between rigs. They take rotations from the reference pose: `turned_angles`."""
 
 _MIDDLE = ("trunk", "pelvis", "head", "neck")
 
@@ -212,8 +206,16 @@ def _named(part: str, movement: str) -> list[tuple[str, str]]:
 
 _BY_NAME = {name: (angle, side) for key, angle in ANGLES.items() for name, side in _named(*key)}
 _TURNED = {
-    name for part, movements in NEEDS_ROTATIONS.items() for movement in movements for name, _ in _named(part, movement)
+    name: (part, side, movement)
+    for part, movements in NEEDS_ROTATIONS.items()
+    for movement in movements
+    for name, side in _named(part, movement)
 }
+
+
+def turn_named(name: str) -> tuple[str, str, str] | None:
+    """(part, side, movement) of the name of an angle that needs rotations, None for others."""
+    return _TURNED.get(name)
 
 
 def angle_named(name: str) -> tuple[Angle, str]:
@@ -223,8 +225,8 @@ def angle_named(name: str) -> tuple[Angle, str]:
     """
     if name in _TURNED:
         raise UnsupportedError(
-            f"{name} cannot be measured from positions: it takes rotations",
-            remedy="Ask for the channels of the joint, or for another angle.",
+            f"{name} cannot be measured from positions alone: it takes rotations",
+            remedy="Ask for an angle between joints, or for the channels of the joint.",
         )
     if name not in _BY_NAME:
         raise VocabularyError(

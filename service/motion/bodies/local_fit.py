@@ -6,6 +6,8 @@ parabola moves at 1.80 and 1.79.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,12 +17,14 @@ Flags = NDArray[np.bool_]
 
 WINDOW = 0.05
 """Seconds before and after."""
-LEAST = 2
-"""Frames before and after, at least."""
+LEAST, MOST = 2, 500
+"""Frames before and after, at least and at most."""
+_AT_ONCE = 1 << 18
+"""Places of neighbours that are looked at together."""
 
 
 def reach(frame_time: float | None) -> int:
-    """Frames before and after that count: none further away than WINDOW, but LEAST at least.
+    """Frames before and after that count: none further away than WINDOW, but LEAST at least, and MOST at most.
 
     >>> reach(1 / 120), reach(0.0083333), reach(1 / 30)
     (6, 6, 2)
@@ -28,7 +32,7 @@ def reach(frame_time: float | None) -> int:
     if frame_time is None:
         return LEAST
     # Files round their frame times; a hundredth of a frame is nothing.
-    return max(LEAST, int(WINDOW / frame_time + 0.01))
+    return min(MOST, max(LEAST, int(min(WINDOW / frame_time, MOST) + 0.01)))
 
 
 def slopes(values: Array, frame_time: float) -> Array:
@@ -47,11 +51,36 @@ def slopes(values: Array, frame_time: float) -> Array:
         for step in range(1, far + 1):
             total += step * (values[far + step : inner.stop + step] - values[far - step : inner.stop - step])
         found[inner] = total / (2 * sum(step * step for step in range(1, far + 1)))
-    rows = np.flatnonzero(seen & ~_has_whole_window(seen, far))
-    if len(rows):
-        found[rows] = _slopes_of_what_there_is(values, seen, rows, far)
+    edge = min(far, max(0, count - far))
+    if edge:
+        found[:edge] = _slopes_at_the_start(values, far)[:edge]
+        found[count - edge :] = -_slopes_at_the_start(values[::-1], far)[:edge][::-1]
+    rows = np.flatnonzero(seen & ~_has_all_neighbours(seen, far))
+    piece = max(1, _AT_ONCE // (2 * far + 1))
+    for start in range(0, len(rows), piece):
+        chosen = rows[start : start + piece]
+        found[chosen] = _slopes_of_what_there_is(values, seen, chosen, far)
     found[~seen] = np.nan
     return found / frame_time
+
+
+def _slopes_at_the_start(values: Array, far: int) -> Array:
+    """(far, k) of the first rows; of no use where a row of their windows is not there."""
+    first = np.zeros((2 * far, values.shape[1]))
+    part = values[: 2 * far]
+    first[: len(part)] = np.nan_to_num(part - np.nan_to_num(part[0]))
+    found: Array = _weights_at_the_start(far) @ first
+    return found
+
+
+@cache
+def _weights_at_the_start(far: int) -> Array:
+    """(far, 2 far) of the first rows, for the slopes in each of the first rows before which too few are."""
+    weights = np.zeros((far, 2 * far))
+    for row in range(far):
+        steps = np.arange(-row, far + 1, dtype=np.float64)
+        weights[row, : row + far + 1] = np.linalg.pinv(np.stack([np.ones_like(steps), steps, steps**2], axis=1))[1]
+    return weights
 
 
 def bends(values: Array, frame_time: float) -> Array:
@@ -74,13 +103,16 @@ def bends(values: Array, frame_time: float) -> Array:
     return found / frame_time**2
 
 
-def _has_whole_window(seen: Flags, far: int) -> Flags:
-    """(n,) whether every row up to so far away is there."""
+def _has_all_neighbours(seen: Flags, far: int) -> Flags:
+    """(n,) whether every row up to so far away that the clip has is there, and the clip does not end on both sides."""
+    count = len(seen)
+    places = np.arange(count)
+    open_ended = (places >= far) | (places < count - far)
+    if seen.all():
+        return open_ended
     counts = np.concatenate([[0], np.cumsum(seen)])
-    places = np.arange(len(seen))
-    inside = (places >= far) & (places < len(seen) - far)
-    low, high = np.maximum(places - far, 0), np.minimum(places + far + 1, len(seen))
-    whole: Flags = inside & (counts[high] - counts[low] == 2 * far + 1)
+    low, high = np.maximum(places - far, 0), np.minimum(places + far + 1, count)
+    whole: Flags = open_ended & (counts[high] - counts[low] == high - low)
     return whole
 
 

@@ -14,9 +14,12 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from service.motion.bodies.stretch import HIPS, Stretch, dot
+from service.motion.bodies.stretch import HIPS, Stretch
+from service.motion.bodies.vectors import cross, dot
 from service.motion.resampling import frame_places
 from service.motion.skeleton import Array
+
+Flags = NDArray[np.bool_]
 
 JOINTS: Final = (
     "waist", "torso7", "neck1", "Head",
@@ -38,7 +41,7 @@ def pose_features(stretch: Stretch) -> Array:
     calibration = stretch.calibration
     left = stretch.level_left()
     up = np.broadcast_to(stretch.up, left.shape)
-    on = np.cross(left, up)
+    on = cross(left, up)
     found = np.full((stretch.frames, len(JOINTS), 3), np.nan)
     if calibration.leg is None:
         return found
@@ -58,23 +61,32 @@ def pose_distances(features: Array, poses: Array) -> Array:
 
     features: (n, 20, 3), poses: (m, 20, 3). Joints that both have count; NaN where these are fewer than FEWEST.
     """
-    found = np.full((len(features), len(poses)), np.nan)
     rows, columns = _alike(features), _alike(poses)
+    if len(rows) == len(columns) == 1:
+        return _apart(features, poses, rows[0][0] & columns[0][0])
+    found = np.full((len(features), len(poses)), np.nan)
     for has, own in rows:
         for other_has, others in columns:
-            shared = has & other_has
-            count = int(shared.sum())
-            if count >= FEWEST:
-                one, other = features[own][:, shared], poses[others][:, shared]
-                # By differences: what is equal is at distance 0, and the same in whatever block it is compared.
-                apart = scipy.spatial.distance.cdist(one.reshape(-1, 3 * count), other.reshape(-1, 3 * count))
-                found[np.ix_(own, others)] = apart / np.sqrt(count)
+            found[np.ix_(own, others)] = _apart(features[own], poses[others], has & other_has)
     return found
 
 
-def _alike(features: Array) -> list[tuple[NDArray[np.bool_], NDArray[np.intp]]]:
+def _apart(features: Array, poses: Array, shared: Flags) -> Array:
+    """(n, m) by some of the joints, (20,)."""
+    count = int(shared.sum())
+    if count < FEWEST:
+        return np.full((len(features), len(poses)), np.nan)
+    if count < len(shared):
+        features, poses = features[:, shared], poses[:, shared]
+    # By differences: what is equal is at distance 0, and the same in whatever block it is compared.
+    apart = scipy.spatial.distance.cdist(features.reshape(-1, 3 * count), poses.reshape(-1, 3 * count))
+    distances: Array = apart / np.sqrt(count)
+    return distances
+
+
+def _alike(features: Array) -> list[tuple[Flags, NDArray[np.intp]]]:
     """(which joints (20,), rows) of poses that have the same joints."""
-    has: NDArray[np.bool_] = np.logical_and.reduce(np.isfinite(features), axis=2)
+    has: Flags = np.logical_and.reduce(np.isfinite(features), axis=2)
     if not len(has):
         return []
     if (has == has[0]).all():

@@ -7,13 +7,17 @@ and P = P_parent + A_parent G_parent^-1 t (formats.md 1.4, 2.3, 4.2). No joint w
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from service.motion.clip import FrameBlock
 from service.motion.hub import HubReader, rest_of
+from service.motion.kinematics import unseen
+from service.motion.layout import Held
 from service.motion.plans import product_order
 from service.motion.rotations import inverse, multiply, to_matrix
 from service.motion.skeleton import CHANNEL_INDEX, Array, Skeleton, once_a_skeleton
@@ -125,14 +129,35 @@ def _matrix(rotation: Array | None) -> Array | None:
     return to_matrix(rotation)
 
 
-def rounded(positions: Array, step: float, unseen: NDArray[np.bool_] | None = None) -> Steps:
+def clip_positions(skeleton: Skeleton, blocks: Iterable[FrameBlock], reading: Reading = DEGREES) -> Array:
+    """Positions (n, J, 3) in consecutive blocks of one clip, from its first frame on; NaN where a sample that a joint's
+    place hangs on is missing."""
+    held = Held(skeleton)
+    values: list[Array] = []
+    gaps: list[NDArray[np.bool_] | None] = []
+    for block in blocks:
+        before = held.missing
+        values.append(held.values(block))
+        gaps.append(unseen(skeleton, block) if held.missing > before else None)
+    if not values:
+        return np.empty((0, len(skeleton), 3))
+    found = world_positions(skeleton, np.concatenate(values), reading)
+    first = 0
+    for length, gap in zip(map(len, values), gaps, strict=True):
+        if gap is not None:
+            found[first : first + length][gap] = np.nan
+        first += length
+    return found
+
+
+def rounded(positions: Array, step: float) -> Steps:
     """Positions (n, J, 3) as whole numbers of a step, to the nearest, halves to the even one.
 
-    step: in the unit of the positions. unseen: (n, J) which are UNSEEN (`kinematics.unseen`); so are those that are not
-    finite, and those beyond 2^31 - 1 steps (at 0.1 mm, 214 km).
+    step: in the unit of the positions. UNSEEN where one is not finite, or beyond 2^31 - 1 steps (at 0.1 mm, 214 km).
     """
-    scaled = positions / step
-    np.rint(scaled, out=scaled)
+    with np.errstate(over="ignore", invalid="ignore"):
+        scaled = positions / step
+        np.rint(scaled, out=scaled)
     # NaN is not below anything either.
     beyond = ~(np.abs(scaled) < -UNSEEN)
     lost = beyond.any()
@@ -141,6 +166,4 @@ def rounded(positions: Array, step: float, unseen: NDArray[np.bool_] | None = No
     steps = scaled.astype(np.int32)
     if lost:
         steps[beyond.any(axis=-1)] = UNSEEN
-    if unseen is not None:
-        steps[unseen] = UNSEEN
     return steps

@@ -9,12 +9,10 @@ import numpy as np
 
 from service.formats import FORMATS
 from service.motion.bodies.calibration import Calibration, calibrate
-from service.motion.bodies.positions import rounded, world_positions
+from service.motion.bodies.positions import clip_positions, rounded
 from service.motion.bodies.stretch import Stretch
 from service.motion.clip import ClipStream
 from service.motion.conventions import convert
-from service.motion.kinematics import unseen
-from service.motion.layout import Held
 from service.motion.skeleton import Convention
 from service.motion.units import reading_of
 from tests.builders import assign
@@ -97,12 +95,7 @@ def named(clip: ClipStream) -> ClipStream:
 
 def positions_of(clip: ClipStream) -> np.ndarray:
     """(n, J, 3), NaN where a sample is missing."""
-    skeleton = clip.head.skeleton
-    held = Held(skeleton)
-    blocks = list(clip.blocks())
-    found = world_positions(skeleton, np.concatenate([held.values(block) for block in blocks]), reading_of(clip.head))
-    found[np.concatenate([unseen(skeleton, block) for block in blocks])] = np.nan
-    return found
+    return clip_positions(clip.head.skeleton, clip.blocks(), reading_of(clip.head))
 
 
 def stretch_of(clip: ClipStream, calibration: Calibration | None = None) -> Stretch:

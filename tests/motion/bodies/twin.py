@@ -117,9 +117,9 @@ class Twin:
         self.far = max(2, math.floor(around + 0.01))
 
     @classmethod
-    def of(cls, clip: ClipStream, calibration: Calibration) -> Twin:
-        """Whole clips without missing samples."""
-        frames = frame_positions(clip)
+    def of(cls, clip: ClipStream, calibration: Calibration, most: int | None = None) -> Twin:
+        """The first frames of a clip without missing samples, all by default."""
+        frames = frame_positions(clip)[:most]
         places: dict[str, list[Place]] = {}
         for name in clip.head.skeleton.names:
             rows = [frame[name] / calibration.step for frame in frames]
