@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from service.clips.read_clip import Skeletons, read_clip
-from service.motion.bodies.calibration import Calibration, calibrate
-from service.motion.bodies.positions import Steps, rounded, world_positions
+from service.errors import ConversionError
+from service.motion.bodies.calibration import Calibration, calibrate, calibration_frames
+from service.motion.bodies.positions import Steps, clip_positions, rounded
 from service.motion.bodies.stretch import Stretch
-from service.motion.clip import ClipHead, ClipStream
-from service.motion.kinematics import unseen
-from service.motion.layout import Held
+from service.motion.bodies.turned_angles import reference_stance, turned_angle
+from service.motion.figures import axis_of
+from service.motion.hub import rest_of
+from service.motion.kinematics import Walker
 from service.motion.skeleton import Array
 from service.motion.units import reading_of
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
-
-MOST_SEEN = 4096
-"""Frames that a clip is calibrated by; of longer ones, evenly spaced ones and the first few."""
-BEGINNING = 16
-"""Frames in which a pose before the motion shows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,19 +54,12 @@ def read_body(
     """The body of a document, worked out from its frames. skeletons: as `read_clip` takes them. overrides: of the
     calibration, as people set them."""
     clip = read_clip(tx, stored, labelled=False, skeletons=skeletons)
-    head, seconds = clip.clip.head, clip.clip.head.seconds_per_frame()
-    if stored.frames <= MOST_SEEN:
-        positions = _joined(head, list(_positions(clip.clip)))
-        calibration = calibrate(head, positions, overrides)
-        return Body(clip.names, rounded(positions, calibration.step), calibration, seconds)
-    step = -(-stored.frames // MOST_SEEN)
-    first = read_clip(tx, stored, last=BEGINNING, labelled=False, skeletons=skeletons)
-    some = read_clip(tx, stored, first=BEGINNING + 1, step=step, labelled=False, skeletons=skeletons)
-    frames = np.concatenate([np.arange(BEGINNING), np.arange(BEGINNING, stored.frames, step)])
-    sample = _joined(head, [*_positions(first.clip), *_positions(some.clip)])
+    head = clip.clip.head
+    positions = clip_positions(head.skeleton, clip.clip.blocks(), reading_of(head))
+    frames = calibration_frames(len(positions))
+    sample = positions if len(frames) == len(positions) else positions[frames]
     calibration = calibrate(head, sample, overrides, frames)
-    steps = np.concatenate([rounded(found, calibration.step) for found in _positions(clip.clip)])
-    return Body(clip.names, steps, calibration, seconds)
+    return Body(clip.names, rounded(positions, calibration.step), calibration, head.seconds_per_frame())
 
 
 def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]:
@@ -77,16 +68,23 @@ def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]
     return {listed.key: read_body(tx, listed, skeletons) for listed in documents}
 
 
-def _joined(head: ClipHead, blocks: list[Array]) -> Array:
-    return np.concatenate([np.empty((0, len(head.skeleton), 3)), *blocks])
-
-
-def _positions(clip: ClipStream) -> Iterator[Array]:
-    """(n, J, 3) of the frames of each block, NaN where a sample is missing that a joint's place hangs on."""
+def read_turned(tx: Transaction, stored: StoredDocument | Listed, name: str, body: Body) -> Array:
+    """(n,) degrees of an angle that takes rotations (`limb_angles.NEEDS_ROTATIONS`), NaN where unknown. body: of the
+    document."""
+    clip = read_clip(tx, stored, labelled=False).clip
     skeleton, reading = clip.head.skeleton, reading_of(clip.head)
-    held = Held(skeleton)
-    for block in clip.blocks():
-        found = world_positions(skeleton, held.values(block), reading)
-        if held.missing or np.isnan(block.values).any():
-            found[unseen(skeleton, block)] = np.nan
-        yield found
+    walker = Walker(skeleton, reading)
+    degrees = np.full(stored.frames, np.nan)
+    turned = [walker.poses(block) for block in clip.blocks()]
+    rotations = np.concatenate([np.empty((0, len(skeleton), 4)), *(rotations for _, rotations in turned)])
+    pose = None
+    if body.calibration.reference is not None and turned:
+        positions = np.concatenate([positions for positions, _ in turned])
+        pose = positions[body.calibration.reference], rotations[body.calibration.reference]
+    # Where nothing tells left from right there are no such angles.
+    with suppress(ConversionError):
+        stance = reference_stance(skeleton, axis_of(body.calibration.up), pose, reading)
+        degrees = turned_angle(name, skeleton, rest_of(skeleton, reading), stance, rotations)
+    if body.calibration.leaps:
+        degrees[:1] = np.nan
+    return degrees

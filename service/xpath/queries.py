@@ -361,7 +361,7 @@ class _Asking:
         return answer if items else answer.model_copy(update={"type": "nodes" if found.nodes else "values"})
 
     def require_documents_alone(self) -> None:
-        """Refuses what must be evaluated on all documents together, which XML is not, and bodies, which are not in it."""
+        """Refuses what must be evaluated on all documents together, which XML is not, and questions about bodies."""
         if motion_calls(self.query.tree):
             raise LimitError(
                 "This question about bodies reaches too much at once, or asks for what columns have no answer to.",

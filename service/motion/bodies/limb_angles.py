@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -213,6 +214,11 @@ _TURNED = {
 }
 
 
+def angle_names() -> list[str]:
+    """All names of angles."""
+    return [*_BY_NAME, *_TURNED]
+
+
 def turn_named(name: str) -> tuple[str, str, str] | None:
     """(part, side, movement) of the name of an angle that needs rotations, None for others."""
     return _TURNED.get(name)
@@ -229,8 +235,9 @@ def angle_named(name: str) -> tuple[Angle, str]:
             remedy="Ask for an angle between joints, or for the channels of the joint.",
         )
     if name not in _BY_NAME:
+        near = get_close_matches(name, angle_names(), 3)
         raise VocabularyError(
-            f"{name} is not the name of an angle",
-            remedy=f"Take one of: {', '.join(_BY_NAME)}.",
+            f"{name!r} is not the name of an angle",
+            remedy=f"Did you mean {' or '.join(near)}?" if near else "Name one such as left-knee-flexion.",
         )
     return _BY_NAME[name]

@@ -14,7 +14,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from service.errors import RequestError
-from service.motion.bodies.limb_angles import angle_named
+from service.motion.bodies.limb_angles import angle_named, turn_named
 from service.motion.bodies.local_fit import bends, reach, slopes
 from service.motion.bodies.stretch import HIPS, Stretch, known
 from service.motion.bodies.vectors import angle_between, cross, length
@@ -87,6 +87,8 @@ def _joints_of_angle(arguments: Arguments) -> tuple[str, ...]:
     if len(arguments) == 2:
         raise RequestError("angle takes the name of an angle, or three joints", remedy="Name one, or three.")
     if len(arguments) == 1:
+        if turn_named(arguments[0]) is not None:
+            return ()
         angle, side = angle_named(arguments[0])
         return angle.joints(side)
     return tuple(arguments)

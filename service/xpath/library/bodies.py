@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from service.clips.bodies import Body
+from service.clips.bodies import Body, read_turned
 from service.errors import QueryError
+from service.motion.bodies.limb_angles import turn_named
 from service.motion.bodies.poses import JOINTS, NEEDS, at_rate, motion_distances, pose_distances, pose_features
 from service.motion.bodies.quantities import compute, joints_of
 from service.storage.columns import Listed
@@ -80,7 +81,17 @@ class Bodies:
         def of_body(body: Body) -> Floats:
             return compute(name, arguments, body.stretch(joints_of(name, arguments, body.names)))
 
-        return self._column((name, *arguments), lambda: np.concatenate([np.empty(0), *self._each(of_body)]))
+        turned = name == "angle" and len(arguments) == 1 and turn_named(arguments[0]) is not None
+        make = partial(self._turned, arguments[0]) if turned else lambda: np.concatenate(self._each(of_body))
+        return self._column((name, *arguments), make)
+
+    def _turned(self, name: str) -> Floats:
+        parts = []
+        for listed in self._forest.documents:
+            self._check()
+            (body,) = self._forest.caches.bodies.read(self._forest.tx, [listed])
+            parts.append(read_turned(self._forest.tx, listed, name, body))
+        return np.concatenate(parts)
 
     def distances(self, document: str, first: float, last: float | None) -> Floats:
         """A column of how unlike the pose of a frame of a document poses are; with `last`, how unlike the stretch that
