@@ -102,7 +102,7 @@ class Queries:
             if request.explain:
                 answer.explain = asking.explained((time.perf_counter() - start) * 1000)
             answer.warnings += [*query.warnings, *unknown_names(query.tree), *scope.unused_names(query.tree)]
-            answer.warnings += notes(self.caches, scope, motion_calls(query.tree))
+            answer.warnings += notes(tx, self.caches, scope, motion_calls(query.tree))
         return answer
 
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
@@ -231,8 +231,10 @@ class _Asking:
 
     def leave_out_guesses(self, guesses: str) -> None:
         """Where they are not wanted, ask no documents of which what a function of bodies needs is guessed."""
-        if guesses == "no" and motion_calls(self.query.tree):
-            self.scope.narrow(without_guesses(self.tx, self.engine.caches, self.scope.groups(), self.limits.check))
+        calls = motion_calls(self.query.tree)
+        if guesses == "no" and calls:
+            groups = self.scope.groups()
+            self.scope.narrow(without_guesses(self.tx, self.engine.caches, groups, calls, self.limits.check))
 
     def _on_columns(self, tree: Expression, page: Page) -> QueryAnswer:
         if self.query.only_saxon:
