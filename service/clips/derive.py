@@ -15,9 +15,9 @@ LOOKED_AT, TOGETHER = 512, 128
 """Documents of which it is asked at once whether they have a body, and whose bodies are derived and kept together."""
 
 
-def derive_missing(database: Database, told: Callable[[int, int], None], check: Callable[[], None]) -> int:
+def derive_missing(database: Database, told: Callable[[int, int], None]) -> int:
     """Keep the bodies of all documents that have none at their newest revision; answers how many. told: how many
-    documents are done, and of how many. check: raises when it must end; what was done by then stays done."""
+    documents are done, and of how many; may raise to end it: what was done by then stays done."""
     with database.read() as tx:
         documents = tx.columns.documents()
         missing = [
@@ -27,7 +27,6 @@ def derive_missing(database: Database, told: Callable[[int, int], None], check: 
         ]
     skeletons: Skeletons = {}
     for at in range(0, len(missing), TOGETHER):
-        check()
         told(at, len(missing))
         some = missing[at : at + TOGETHER]
         with database.read() as tx:

@@ -52,6 +52,8 @@ class Bodies:
 
     def add(self, made: Sequence[tuple[AtRevision, StoredBody]]) -> None:
         """Keep bodies of revisions, in the place of what was kept of them."""
+        # Another process may derive the same: who waits for it finds what it made.
+        self._tx.dialect.order_commits(self._tx.connection)
         there = _SHOWN.of(self._tx, {one.key: one.revision for one, _ in made})
         for one, _ in made:
             if one.key in there:

@@ -37,7 +37,7 @@ def _block(steps: Steps) -> bytes:
     frames, joints, _ = steps.shape
     columns = np.ascontiguousarray(steps.transpose(1, 2, 0))
     some = max(1, TOGETHER // max(1, 3 * frames))
-    together = [columns[at : at + some].ravel() for at in range(0, joints, some)]
+    together = [columns[at : at + some].ravel() for at in range(0, joints, some)] if frames else []
     parts = [bytes(standalone.simple_compress(numbers, _config())) for numbers in together]
     head = _HEAD.pack(frames, joints, some) + struct.pack(f"<{len(parts)}I", *map(len, parts))
     return head + b"".join(parts)
@@ -55,8 +55,13 @@ def unpack(blocks: tuple[bytes, ...], joint: int) -> Steps:
 
 def _unpacked(block: bytes, joint: int) -> Steps:
     frames, joints, some = _HEAD.unpack_from(block)
-    sizes = struct.unpack_from(f"<{-(-joints // some)}I", block, _HEAD.size)
+    parts = -(-joints // some) if frames else 0
+    sizes = struct.unpack_from(f"<{parts}I", block, _HEAD.size)
     ends = list(accumulate(sizes, initial=_HEAD.size + 4 * len(sizes)))
+    if ends[-1] != len(block):
+        raise ValueError("a block ends elsewhere")
+    if not frames:
+        return np.empty((0, 3), np.int32)
     part = joint // some
     held = standalone.simple_decompress(block[ends[part] : ends[part + 1]])
     found: Steps = np.asarray(held, np.int32).reshape(-1, 3, frames)[joint % some].T

@@ -234,8 +234,8 @@ def _floor(skeleton: Skeleton, positions: Array, up: Array) -> tuple[float | Non
         heights = (positions[:, joints] @ up).ravel()
         heights = heights[np.isfinite(heights)]
         if len(heights):
-            word = "toes" if part == "toes" else "feet, as no toes are known"
-            return float(np.percentile(heights, _FLOOR)), Origin("guessed", f"the {word} are there in every 20th frame")
+            word = "toes" if part == "toes" else "feet (no toes are known)"
+            return float(np.percentile(heights, _FLOOR)), Origin("guessed", f"the {word} are above it nearly always")
     return None, Origin("unknown", "no foot is known")
 
 
