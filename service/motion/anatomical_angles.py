@@ -219,6 +219,18 @@ def anatomical_rates(
     ]
 
 
+def helical_angles(segment: Segment, stance: Stance, turns: Array) -> list[tuple[str, str, Array]]:
+    """(movement, opposite, radians (n,)) by which a part is turned from the reference pose.
+
+    turns: (n, 4) of the part in what it hangs on (`relative_turns`). They are the components of the rotation vector
+    (helical angles; Woltring 1994), about the same axes as the rates: no order of axes, no locked one, up to half a
+    turn. A single movement has its own angle.
+    """
+    vectors = to_vector(turns)
+    bone = np.tile(segment.bone, (len(vectors), 1))
+    return _KINDS[segment.part.kind](_Moving(segment, stance, bone, vectors, vectors))
+
+
 def spins(turns: Array, frame_time: float) -> Array:
     """(n, 3) radians a second about the own axes of what turns by (n, 4): the mean of the steps before and after."""
     if len(turns) < 2:

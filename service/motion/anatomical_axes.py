@@ -20,7 +20,7 @@ from service.motion.skeleton import Array, Skeleton
 _MOST_POSES = 500
 """Of a clip that are looked at for the most upright one."""
 
-_LOWEST = 0.3
+STANDS = 0.3
 """Cosine: how upright a trunk, and how far down a leg, must point in a pose that a body stands in."""
 
 
@@ -97,40 +97,46 @@ def stance_of(
     """
     still = np.tile(np.array([0.0, 0.0, 0.0, 1.0]), (1, len(skeleton), 1))
     positions, turned = walked(skeleton, rest.offsets[None], still)
-    if _uprightness(skeleton, positions[0], up) > _LOWEST:
+    if uprightness(skeleton, positions, up)[0] > STANDS:
         with suppress(ConversionError):
-            return _stance(skeleton, positions[0], turned[0], up, facing)
+            return stance_in(skeleton, positions[0], turned[0], up, facing)
     # A pose a few frames from the most upright one is hardly less so.
     chosen = slice(None, None, -(-len(rotations) // _MOST_POSES))
     positions, turned = walked(skeleton, translations[chosen], rotations[chosen])
-    best = int(np.argmax([_uprightness(skeleton, pose, up) for pose in positions]))
-    return _stance(skeleton, positions[best], turned[best], up, facing)
+    best = int(np.argmax(uprightness(skeleton, positions, up)))
+    return stance_in(skeleton, positions[best], turned[best], up, facing)
 
 
-def _stance(skeleton: Skeleton, positions: Array, turned: Array, up: Array, facing: Array | None) -> Stance:
+def stance_in(skeleton: Skeleton, positions: Array, turned: Array, up: Array, facing: Array | None = None) -> Stance:
+    """A pose as the reference: positions (J, 3), turned (J, 4) from rest, in the world; see `stance_of`."""
     plane = sagittal(skeleton, positions, up, facing)
     return Stance(positions, turned, plane.normal, up, np.cross(plane.normal, up))
 
 
-def _uprightness(skeleton: Skeleton, positions: Array, up: Array) -> float:
-    """The cosine, at least, with which legs point down and the trunk up; -1 where the left side is on both sides."""
+def uprightness(skeleton: Skeleton, positions: Array, up: Array) -> Array:
+    """(n,) the cosine, at least, with which legs point down and the trunk up; -1 where left is on both sides.
+
+    positions: (n, J, 3), up: (3,) unit vector.
+    """
     places = {joint.name: index for index, joint in enumerate(skeleton.joints)}
-
-    def points(start: str, end: str) -> float:
-        if start not in places or end not in places:
-            return 1.0
-        vector = positions[places[end]] - positions[places[start]]
-        length = float(np.linalg.norm(vector))
-        return float(vector @ up) / length if length else 0.0
-
-    legs = [-points(f"{side}_up_leg", f"{side}_foot") for side in ("left", "right") if f"{side}_foot" in places]
+    found = np.ones(len(positions))
+    for start, end, sense in (
+        ("Root", "Head", 1.0),
+        ("left_up_leg", "left_foot", -1.0),
+        ("right_up_leg", "right_foot", -1.0),
+    ):
+        if start in places and end in places:
+            vector = positions[:, places[end]] - positions[:, places[start]]
+            length = np.linalg.norm(vector, axis=1)
+            found = np.minimum(found, sense * (vector @ up) / np.where(length > 0, length, 1.0))
     pairs = [
-        positions[places[f"left_{part}"]] - positions[places[f"right_{part}"]]
+        positions[:, places[f"left_{part}"]] - positions[:, places[f"right_{part}"]]
         for part in ("up_leg", "up_arm")
         if f"left_{part}" in places and f"right_{part}" in places
     ]
-    alike = len(pairs) < 2 or float(pairs[0] @ pairs[1]) > 0
-    return min([points("Root", "Head"), *legs]) if alike else -1.0
+    if len(pairs) == 2:
+        found = np.where((pairs[0] * pairs[1]).sum(axis=1) > 0, found, -1.0)
+    return found
 
 
 @dataclass(frozen=True)

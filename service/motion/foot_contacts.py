@@ -85,9 +85,18 @@ def contacts(places: Array, frame_time: float, leg: float, up: Array) -> tuple[t
     heights = places @ up
     heights = (heights - np.percentile(heights, 5)) / leg
     speeds = np.linalg.norm(np.gradient(places, axis=0), axis=1) / (frame_time * leg)
+    return tuple((first, end - 1) for first, end in standing(heights, speeds, frame_time))
+
+
+def standing(heights: Array, speeds: Array, frame_time: float) -> list[tuple[int, int]]:
+    """(first, end) of the frames, from 0, in which something stands; the end is the place behind the last.
+
+    heights: (n,) above the ground in leg lengths. speeds: (n,) in leg lengths a second. NaN where unknown: nothing
+    stands there. frame_time: seconds.
+    """
     stands = hysteresis((heights < _LOW) & (speeds < _SLOW), (heights < _NOT_LOW) & (speeds < _NOT_SLOW))
     shortest = max(2, int(np.ceil(_SHORTEST / frame_time)))
-    return tuple((first, end - 1) for first, end in find_true(stands).tolist() if end - first >= shortest)
+    return [(first, end) for first, end in find_true(stands).tolist() if end - first >= shortest]
 
 
 def hysteresis(begins: Flags, stays: Flags) -> Flags:

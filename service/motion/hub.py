@@ -113,6 +113,13 @@ class HubReader:
         scales = self._scales(values)
         return HubBlock(self._translations(values, scales), self._rotations(values), scales, values)
 
+    def translations(self, values: Array) -> Array:
+        """(n, J, 3) of each joint in its parent, as `HubBlock` has them.
+
+        values: (n, D) in the skeleton's columns, without gaps.
+        """
+        return self._translations(values, self._scales(values))
+
     def _rotations(self, values: Array) -> Array:
         rotations = np.empty((len(values), len(self.skeleton), 4))
         rotations[:] = IDENTITY

@@ -1,0 +1,1 @@
+"""Questions about motion: what a body does in space, the same on every rig, from positions of its joints."""

@@ -1,0 +1,261 @@
+"""What must be known of a clip before its numbers mean metres and heights: unit, up axis, floor, leg, reference pose.
+
+Few files say any of it, so most is guessed from the body, and every value tells where it came from. People may set
+each of them. Guesses serve questions, and are never written to a file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from service.errors import RequestError
+from service.motion.anatomical_axes import STANDS, uprightness
+from service.motion.clip import ClipHead
+from service.motion.figures import axis_of
+from service.motion.frames import Rows
+from service.motion.guesses import likely_up
+from service.motion.kinematics import rest_positions
+from service.motion.skeleton import Array, Skeleton
+from service.motion.units import UNITS, metres_of, reading_of
+
+LEGS: Final = 0.6, 1.1
+"""Metres from hip to knee to ankle of the people whose motion is captured."""
+
+CANDIDATES: Final[Mapping[str, float]] = {
+    **{name: UNITS[name] for name in ("m", "ft", "inch", "cm", "mm")},
+    "inch/0.45": 0.0254 / 0.45,
+}
+"""Units that files are written in without saying so, and their metres; the last one is that of Vicon's ASF files (CMU,
+HDM05) and of their conversions. No leg of a person fits two of them."""
+
+FINEST = 1e-4
+"""Metres of a step of positions."""
+STEPS_OF_A_LEG = 10_000
+"""The same where the unit is not known."""
+
+_FLOOR = 5.0
+"""Percent of the heights of the toes that are below the floor."""
+_LEAP, _LEAPS = 0.3, 5.0
+"""Leg lengths that a joint moves from a first frame that is no part of the motion to the next one, and how many times
+as much as in any of the steps that follow."""
+_FOLLOWING = 10
+_SAMPLE = 5_000
+"""Frames at most, and those at the start."""
+
+_VALUES = ("metres", "up", "floor", "leg", "reference", "leaps")
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a value came from. kind: "stated" (by the file), "measured" (it follows from the skeleton and the frames),
+    "guessed", "set" (by people) or "unknown". reason: for people."""
+
+    kind: str
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """metres: in a source unit, None where unknown. up: the axis that points up, such as "Y" or "-Z". floor: its height
+    along that, in source units. leg: from hip to knee to ankle, in source units. step: of the rounded positions, in
+    source units. reference: the frame, from 0, that a body stands most upright in, None for the rest pose. leaps:
+    whether the first frame is a pose before the motion (a T-pose), and left out. origins: of each of these but the
+    step.
+    """
+
+    metres: float | None
+    up: str
+    floor: float | None
+    leg: float | None
+    step: float
+    reference: int | None
+    leaps: bool
+    origins: Mapping[str, Origin]
+
+    @property
+    def metres_per_step(self) -> float:
+        """NaN where the unit is unknown."""
+        return float("nan") if self.metres is None else self.metres * self.step
+
+    @property
+    def rests_on_guesses(self) -> bool:
+        """Whether the unit, the up axis or the floor is guessed."""
+        return any(self.origins[name].kind == "guessed" for name in ("metres", "up", "floor"))
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        values = {name: getattr(self, name) for name in (*_VALUES, "step")}
+        return values | {"origins": {name: [one.kind, one.reason] for name, one in self.origins.items()}}
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Calibration:
+        """What `to_json` made."""
+        origins = {name: Origin(*one) for name, one in values["origins"].items()}
+        return cls(**{name: values[name] for name in (*_VALUES, "step")}, origins=origins)
+
+
+def calibration_frames(count: int) -> Rows:
+    """Places, from 0, of the frames of a clip of so many that a calibration is made from: all, or of long clips the
+    first and evenly spaced ones, so that whoever calibrates it finds the same."""
+    if count <= _SAMPLE:
+        return np.arange(count)
+    spaced = np.linspace(0, count - 1, _SAMPLE).astype(np.intp)
+    return np.union1d(np.arange(_FOLLOWING + 2), spaced)
+
+
+def calibrate(
+    head: ClipHead, positions: Array, overrides: Mapping[str, Any] | None = None, frames: Rows | None = None
+) -> Calibration:
+    """What a clip says, and what its body shows.
+
+    head: its joints have MCML's names. positions: (n, J, 3) of the whole clip, or of a sample of it, in source units,
+    NaN where unknown; without any the rest pose counts. frames: (n,) places of a sample in the clip, from 0. overrides:
+    values that people set, by the names of `Calibration`: metres, up, floor, leg, reference (None: the rest pose) and
+    leaps. What follows from a value that is set follows from that. Raises RequestError for a value that cannot be.
+    """
+    overrides = _checked(overrides or {})
+    skeleton = head.skeleton
+    rest = rest_positions(skeleton, reading_of(head))[None, : len(skeleton)]
+    places: Rows = np.arange(len(positions)) if frames is None else frames
+    values: dict[str, Any] = dict(overrides)
+    origins = dict.fromkeys(overrides, Origin("set"))
+
+    def settle(name: str, found: tuple[Any, Origin]) -> None:
+        if name not in overrides:
+            values[name], origins[name] = found
+
+    settle("leg", _leg(skeleton, positions if len(positions) else rest))
+    settle("leaps", _leaps(positions, places, values["leg"]))
+    if values["leaps"] and len(places) > 1 and places[0] == 0:
+        positions, places = positions[1:], places[1:]
+    poses = positions if len(positions) else rest
+    settle("metres", _metres(head, values["leg"]))
+    settle("up", _up(head, poses))
+    up = axis_of(values["up"])
+    settle("floor", _floor(skeleton, poses, up))
+    settle("reference", _reference(skeleton, rest, positions, places, up))
+    return Calibration(step=_step(values["metres"], values["leg"], poses), origins=origins, **values)
+
+
+def _checked(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The values that people set, in the order of the fields."""
+    for name, value in overrides.items():
+        number = isinstance(value, int | float) and not isinstance(value, bool) and bool(np.isfinite(value))
+        fits = {
+            "metres": number and value > 0,
+            "leg": number and value > 0,
+            "floor": number,
+            "up": isinstance(value, str) and value.removeprefix("-") in ("X", "Y", "Z"),
+            "reference": value is None or (number and isinstance(value, int) and value >= 0),
+            "leaps": isinstance(value, bool),
+        }
+        if not fits.get(name, False):
+            raise RequestError(
+                f"{name} cannot be {value!r} in a calibration",
+                remedy="Set metres, leg (positive), floor (a number), up (such as Y or -Z), reference (a frame from 0, "
+                "or nothing for the rest pose) or leaps (true or false).",
+            )
+    return {name: overrides[name] for name in _VALUES if name in overrides}
+
+
+def _leg(skeleton: Skeleton, positions: Array) -> tuple[float | None, Origin]:
+    """The mean of both sides; of rigs whose offsets come with the motion, the median over the frames."""
+    at = {joint.name: index for index, joint in enumerate(skeleton.joints)}
+    found = []
+    for side in ("left", "right"):
+        parts = [at.get(f"{side}_{part}") for part in ("up_leg", "low_leg", "foot")]
+        if None not in parts:
+            hip, knee, ankle = (positions[:, part] for part in parts)
+            lengths = np.linalg.norm(knee - hip, axis=1) + np.linalg.norm(ankle - knee, axis=1)
+            seen = lengths[np.isfinite(lengths)]
+            found += [float(np.median(seen))] if len(seen) else []
+    leg = float(np.mean(found)) if found else 0.0
+    if not 0 < leg < np.inf:
+        return None, Origin("unknown", "no leg is known from hip to knee to ankle")
+    return leg, Origin("measured", "from hip to knee to ankle")
+
+
+def _leaps(positions: Array, frames: Rows, leg: float | None) -> tuple[bool, Origin]:
+    if leg is None or len(frames) < 3 or frames[0] != 0 or frames[1] != 1:
+        return False, Origin("measured")
+    steps = np.linalg.norm(np.diff(positions[: _FOLLOWING + 2], axis=0), axis=2)
+    farthest = np.fmax.reduce(steps, axis=1, initial=0.0)
+    if farthest[0] > _LEAP * leg and farthest[0] > _LEAPS * float(farthest[1:].max()):
+        away = f"{farthest[0] / leg:.2g} leg lengths away from the second one"
+        return True, Origin("guessed", f"the first frame is {away}: a pose before the motion")
+    return False, Origin("measured")
+
+
+def _metres(head: ClipHead, leg: float | None) -> tuple[float | None, Origin]:
+    stated = metres_of(head)
+    if stated is not None:
+        return stated, Origin("stated", head.fields["calibration_unit"])
+    if leg is None:
+        return None, Origin("unknown", "the file states none, and no leg tells")
+    candidates = dict(CANDIDATES)
+    with suppress(ValueError):
+        factor = float(head.fields.get("units_length", 0))
+        if factor > 0 and np.isfinite(factor):
+            candidates[f"inch/{factor:g}"] = 0.0254 / factor
+    low, high = LEGS
+    fitting = {metres: name for name, metres in candidates.items() if low <= leg * metres <= high}
+    if len(fitting) != 1:
+        fits = "several units" if fitting else "no unit"
+        return None, Origin("unknown", f"the file states none, and a leg of {leg:.4g} fits {fits}")
+    metres, name = next(iter(fitting.items()))
+    return metres, Origin("guessed", f"a leg of {leg:.4g} is {leg * metres:.2f} m in {name}")
+
+
+def _up(head: ClipHead, positions: Array) -> tuple[str, Origin]:
+    stated = head.fields.get("global_axis_of_gravity", "").strip().upper()
+    if stated.removeprefix("-").removeprefix("+") in ("X", "Y", "Z"):
+        return stated.removeprefix("+"), Origin("stated")
+    found = likely_up(head.skeleton, _mean_pose(positions))
+    return found, Origin("guessed", f"the body stands along {found}")
+
+
+def _mean_pose(positions: Array) -> Array:
+    """(J, 3) where joints are on the mean over frames (n, J, 3), NaN where one is never seen: however a body bends and
+    turns, its head is above its feet on the whole."""
+    seen = np.isfinite(positions)
+    counts = seen.sum(axis=0)
+    total = np.where(seen, positions, 0.0).sum(axis=0)
+    return np.where(counts > 0, total / np.maximum(counts, 1), np.nan)
+
+
+def _floor(skeleton: Skeleton, positions: Array, up: Array) -> tuple[float | None, Origin]:
+    at = {joint.name: index for index, joint in enumerate(skeleton.joints)}
+    for part in ("toes", "foot"):
+        joints = [at[name] for side in ("left", "right") if (name := f"{side}_{part}") in at]
+        heights = (positions[:, joints] @ up).ravel()
+        heights = heights[np.isfinite(heights)]
+        if len(heights):
+            word = "toes" if part == "toes" else "feet, as no toes are known"
+            return float(np.percentile(heights, _FLOOR)), Origin("guessed", f"the {word} are there in every 20th frame")
+    return None, Origin("unknown", "no foot is known")
+
+
+def _reference(skeleton: Skeleton, rest: Array, positions: Array, frames: Rows, up: Array) -> tuple[int | None, Origin]:
+    if uprightness(skeleton, rest, up)[0] > STANDS:
+        return None, Origin("measured", "a body could stand in the rest pose")
+    upright = uprightness(skeleton, positions, up)
+    if not np.isfinite(upright).any():
+        return None, Origin("unknown", "no frame shows the body, and it could not stand in the rest pose")
+    best = int(np.nanargmax(upright))
+    return int(frames[best]), Origin("measured", "no body could stand in the rest pose; in this frame it is upright")
+
+
+def _step(metres: float | None, leg: float | None, positions: Array) -> float:
+    if metres is not None:
+        return FINEST / metres
+    if leg is not None:
+        return leg / STEPS_OF_A_LEG
+    seen = positions[np.isfinite(positions).all(axis=2)]
+    extent = float(np.ptp(seen, axis=0).max()) if len(seen) else 0.0
+    # Of something without legs: the largest extent of all its places, as a body's height is two legs.
+    return extent / (2 * STEPS_OF_A_LEG) if extent > 0 else FINEST

@@ -1,0 +1,111 @@
+"""Consecutive frames of a document, and what of a body in them is asked for again and again: vectors, sides, the trunk.
+
+The neighbours of a frame are those in the document, whatever takes they came from. Numbers are steps of the rounded
+positions until they become metres at the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from service.motion.bodies.calibration import Calibration
+from service.motion.bodies.positions import UNSEEN, Steps
+from service.motion.figures import axis_of
+from service.motion.skeleton import Array
+
+HIPS = ("left_up_leg", "right_up_leg")
+SHOULDERS = ("left_up_arm", "right_up_arm")
+NECK = "neck2|neck1|Head"
+"""Where the trunk ends: the lowest joint of the neck."""
+
+LEVEL = 0.1
+"""Cosine of the angle to the vertical below which the line through the hips does not tell where a body faces."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """places: (frames, 3) rounded positions by MCML's names of joints. frame_time: seconds, None where unknown.
+
+    first: the place of its first frame in the document, from 0. A calibration that leaps leaves out the frame at 0.
+    """
+
+    places: Mapping[str, Steps]
+    frames: int
+    frame_time: float | None
+    calibration: Calibration
+    first: int = 0
+
+    @property
+    def up(self) -> Array:
+        """(3,) unit vector."""
+        return axis_of(self.calibration.up)
+
+    def at(self, joint: str) -> Array:
+        """(n, 3) steps, NaN where unknown. joint: a name, or several with `|` of which the first one known counts."""
+        name = known(joint, self.places)
+        if name is None:
+            return np.full((self.frames, 3), np.nan)
+        found = self.places[name].astype(np.float64)
+        unseen = self.places[name][:, 0] == UNSEEN
+        if self.calibration.leaps and self.first == 0:
+            unseen[:1] = True
+        if unseen.any():
+            found[unseen] = np.nan
+        return found
+
+    def between(self, start: str, end: str) -> Array:
+        """(n, 3) steps from one joint to another."""
+        return self.at(end) - self.at(start)
+
+    def middle(self, joints: tuple[str, str]) -> Array:
+        """(n, 3) steps, the middle of two joints."""
+        middle: Array = (self.at(joints[0]) + self.at(joints[1])) / 2
+        return middle
+
+    def level_left(self) -> Array:
+        """(n, 3) level unit vectors to the body's left, along the line through its hips; NaN where that is upright."""
+        across = self.between(HIPS[1], HIPS[0])
+        level = across - (across @ self.up)[:, None] * self.up
+        return divided(level, np.linalg.norm(level, axis=1), LEVEL * np.linalg.norm(across, axis=1))
+
+    def trunk_axes(self, sides: tuple[str, str]) -> tuple[Array, Array, Array]:
+        """Unit vectors (n, 3) to the left, up and on of the trunk: up from between the hips to the neck, left along
+        the line through two joints (left, right) as far as it is across that."""
+        up = unit(self.at(NECK) - self.middle(HIPS))
+        across = self.between(sides[1], sides[0])
+        left = across - dot(across, up)[:, None] * up
+        left = divided(left, np.linalg.norm(left, axis=1), LEVEL * np.linalg.norm(across, axis=1))
+        return left, up, np.cross(left, up)
+
+
+def known(joint: str, names: Collection[str]) -> str | None:
+    """The first of names with `|` between them that is among others."""
+    return next((name for name in joint.split("|") if name in names), None)
+
+
+def dot(one: Array, other: Array) -> Array:
+    """(n,) products of vectors (n, 3)."""
+    product: Array = one[:, 0] * other[:, 0] + one[:, 1] * other[:, 1] + one[:, 2] * other[:, 2]
+    return product
+
+
+def divided(vectors: Array, lengths: Array, least: Array) -> Array:
+    """Vectors (n, 3) over lengths (n,); NaN where these are not above the least (n,)."""
+    result: Array = vectors / np.where(lengths > least, lengths, np.nan)[:, None]
+    return result
+
+
+def unit(vectors: Array) -> Array:
+    """Unit vectors (n, 3); NaN for those without length."""
+    lengths = np.linalg.norm(vectors, axis=1)
+    return divided(vectors, lengths, np.zeros(len(vectors)))
+
+
+def angle_between(one: Array, other: Array) -> Array:
+    """(n,) degrees from 0 to 180 between vectors (n, 3); NaN where one has no length."""
+    degrees: Array = np.degrees(np.arctan2(np.linalg.norm(np.cross(one, other), axis=1), dot(one, other)))
+    without = (dot(one, one) == 0) | (dot(other, other) == 0)
+    return np.where(without, np.nan, degrees)

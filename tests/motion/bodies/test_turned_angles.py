@@ -1,0 +1,102 @@
+"""Angles that need rotations: of one joint that turns, of any body, and of real hands and heads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from service.errors import VocabularyError
+from service.motion.bodies.limb_angles import NEEDS_ROTATIONS, turn_named
+from service.motion.bodies.turned_angles import reference_stance, turned_angle
+from service.motion.hub import rest_of, walked
+from service.motion.kinematics import Walker
+from service.motion.skeleton import Array, Skeleton
+from service.motion.units import reading_of
+from tests.formats.test_real_files import opened
+from tests.motion.bodies.made import named, stretch_of
+from tests.motion.test_movement_names import BODIES, body, made, offsets_of
+
+UP = np.array([0.0, 1.0, 0.0])
+CASES = [
+    (case, arms_out)
+    for case, arms_out in BODIES
+    if case[2] in NEEDS_ROTATIONS.get(case[0].strip(), ()) and not (case[0] == "pelvis" and "lateral" in case[2])
+]
+
+
+def world_of(skeleton: Skeleton, local: Array) -> tuple[Array, Array]:
+    return walked(skeleton, offsets_of(skeleton, local), local)
+
+
+@pytest.mark.parametrize(
+    ("case", "arms_out"), CASES, ids=["-".join((case[1], case[0], case[2], case[3], str(out))) for case, out in CASES]
+)
+def test_one_joint_turned_has_its_angle(case: tuple[str, str, str, str, Array, bool], arms_out: bool) -> None:
+    part, side, movement, joint, axis, opposite = case
+    degrees = np.linspace(-60, 60, 9)
+    for turn in (0.0, 2.1):
+        skeleton = body(arms_out, turn)
+        path = Rotation.from_rotvec(np.radians(degrees)[:, None] * axis)
+        positions, rotations = world_of(skeleton, made(skeleton, arms_out, turn, joint, path))
+        pose = (positions[4], rotations[4]) if arms_out else None
+        stance = reference_stance(skeleton, UP, pose)
+        name = "-".join(word for word in (side, part.strip(), movement) if word)
+        found = turned_angle(name, skeleton, rest_of(skeleton), stance, rotations)
+        expected = -degrees if opposite else degrees
+        if part == "toes":
+            # This body's toes point inwards, to the big one: their bone is not square to the axis.
+            expected = expected * np.cos(np.arctan2(0.2, 0.4))
+        # Axes of the table are written with three digits.
+        np.testing.assert_allclose(found, expected, atol=1e-9 if set(np.abs(axis)) <= {0.0, 1.0} else 0.3)
+
+
+def test_every_part_is_tried() -> None:
+    toes = {f"toe-{number}" for number in ("two", "three", "four", "five")}
+    assert {case[0].strip() for case, _ in CASES} == set(NEEDS_ROTATIONS) - toes
+
+
+def test_a_pelvis_tilts_wherever_it_faces() -> None:
+    skeleton = body(False, 0.0)
+    facing = Rotation.from_rotvec(np.radians(np.arange(-170, 180, 20))[:, None] * UP)
+    path = facing * Rotation.from_rotvec([np.radians(25), 0, 0])
+    _, rotations = world_of(skeleton, made(skeleton, False, 0.0, "Root", path))
+    stance = reference_stance(skeleton, UP)
+    tilt = turned_angle("pelvis-anterior-tilt", skeleton, rest_of(skeleton), stance, rotations)
+    np.testing.assert_allclose(tilt, 25, atol=1e-9)
+    turned = turned_angle("pelvis-right-rotation", skeleton, rest_of(skeleton), stance, rotations)
+    np.testing.assert_allclose(turned, -np.arange(-170, 180, 20), atol=1e-9)
+    upside_down = made(skeleton, False, 0.0, "Root", Rotation.from_rotvec([[np.pi, 0, 0]]))
+    _, rotations = world_of(skeleton, upside_down)
+    found = turned_angle("pelvis-anterior-tilt", skeleton, rest_of(skeleton), stance, rotations)
+    assert abs(found[0]) == pytest.approx(180)
+
+
+def test_what_is_not_there_is_unknown() -> None:
+    skeleton = body(False, 0.0)
+    alone = Skeleton(skeleton.joints[:1])
+    stance = reference_stance(skeleton, UP)
+    rotations = np.tile([0.0, 0.0, 0.0, 1.0], (3, 1, 1))
+    assert np.isnan(turned_angle("head-flexion", alone, rest_of(alone), stance, rotations)).all()
+    with pytest.raises(VocabularyError):
+        turned_angle("left-knee-flexion", skeleton, rest_of(skeleton), stance, rotations)
+    assert turn_named("left-wrist-flexion") == ("wrist", "left", "flexion")
+
+
+@pytest.mark.parametrize("name", ["bvh/bandai/dataset-1_walk_normal_001.bvh", "asfamc/cmu_misc/07_05-walk.amc"])
+def test_walkers_hold_their_heads(shared: Path, name: str) -> None:
+    clip = named(opened(shared / name))
+    skeleton, reading = clip.head.skeleton, reading_of(clip.head)
+    calibration = stretch_of(clip).calibration
+    walker = Walker(skeleton, reading)
+    poses = [walker.poses(block) for block in clip.blocks()]
+    positions, rotations = (np.concatenate(each) for each in zip(*poses, strict=True))
+    frame = calibration.reference
+    pose = None if frame is None else (positions[frame], rotations[frame])
+    stance = reference_stance(skeleton, UP, pose, reading)
+    for angle in ("head-flexion", "neck-left-rotation", "pelvis-anterior-tilt", "right-leg-medial-rotation"):
+        found = turned_angle(angle, skeleton, rest_of(skeleton, reading), stance, rotations)
+        assert np.ptp(found) < 40, angle
+        assert abs(np.median(found)) < 40, angle
