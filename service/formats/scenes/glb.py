@@ -117,13 +117,13 @@ def _model(stage: Stage, tracks: list[_Track], content: _Content) -> GLTF2:
     root = len(skeleton)
     nodes = [
         gltf.Node(
-            name=joint.source_name,
+            name=_text(joint.source_name),
             translation=stage.rest[index].tolist(),
             children=list(skeleton.children(index)) or None,
         )
         for index, joint in enumerate(skeleton.joints)
     ]
-    nodes.append(gltf.Node(name=stage.title, children=list(skeleton.roots) or None))
+    nodes.append(gltf.Node(name=_text(stage.title), children=list(skeleton.roots) or None))
     if stage.metres is not None and stage.metres != 1.0:
         nodes[root].scale = [stage.metres] * 3
     if stage.up not in (None, "Y"):
@@ -131,7 +131,7 @@ def _model(stage: Stage, tracks: list[_Track], content: _Content) -> GLTF2:
     model = gltf.GLTF2(
         asset=gltf.Asset(generator="MCML Repository", version="2.0"),
         scene=0,
-        scenes=[gltf.Scene(name=stage.title, nodes=[root])],
+        scenes=[gltf.Scene(name=_text(stage.title), nodes=[root])],
         nodes=nodes,
     )
     if len(skeleton):
@@ -171,7 +171,9 @@ def _add_body(model: GLTF2, stage: Stage, body: Body, content: _Content) -> None
     matrices = _add_array(model, content, back.transpose(0, 2, 1).reshape(-1, 16), _FLOAT, "MAT4", None)
     shine = gltf.PbrMetallicRoughness(baseColorFactor=_COLOUR, metallicFactor=0.0, roughnessFactor=0.7)
     model.materials = [gltf.Material(name="body", pbrMetallicRoughness=shine)]
-    model.meshes = [gltf.Mesh(name="body", primitives=[gltf.Primitive(attributes, indices=indices, material=0)])]
+    model.meshes = [
+        gltf.Mesh(name="body", primitives=[gltf.Primitive(attributes=attributes, indices=indices, material=0)])
+    ]
     root = len(skeleton)
     model.skins = [gltf.Skin(inverseBindMatrices=matrices, skeleton=root, joints=list(range(root)))]
     model.nodes.append(gltf.Node(name="body", mesh=0, skin=0))
@@ -201,7 +203,7 @@ def _add_animation(model: GLTF2, stage: Stage, tracks: list[_Track], content: _C
             remedy="Export a part: `first` and `last`.",
         )
     view, start = len(model.bufferViews), content.length
-    animation = gltf.Animation(name=stage.title, channels=[], samplers=[])
+    animation = gltf.Animation(name=_text(stage.title), channels=[], samplers=[])
     times = len(model.accessors)
     for width, type in [(1, "SCALAR"), *((_WIDTH[track.path], f"VEC{_WIDTH[track.path]}") for track in tracks)]:
         offset, _ = content.reserve(4 * width * stage.frames)
@@ -217,6 +219,11 @@ def _add_animation(model: GLTF2, stage: Stage, tracks: list[_Track], content: _C
         animation.channels.append(gltf.AnimationChannel(sampler=number, target=target))
     model.bufferViews.append(gltf.BufferView(buffer=0, byteOffset=start, byteLength=content.length - start))
     model.animations = [animation]
+
+
+def _text(name: str) -> str:
+    """A name as JSON can say it: there is no half of a character in UTF-8."""
+    return name.encode("utf-8", "replace").decode()
 
 
 def _times(stage: Stage) -> Iterator[bytes]:

@@ -45,7 +45,7 @@ def compare(clips: Mapping[str, ClipStream], folder: Path) -> dict[str, float]:
     if why_not():
         pytest.skip(why_not())
     asked = []
-    for number, (title, clip) in enumerate(clips.items()):
+    for number, clip in enumerate(clips.values()):
         path = folder / f"{number}.glb"
         path.write_bytes(b"".join(WRITERS["glb"].write(replace(clip, notices=[]), "glb")))
         seconds = clip.head.seconds_per_frame() or 1 / 120
