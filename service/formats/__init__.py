@@ -16,7 +16,7 @@ from service.formats.scenes.glb import Glb
 from service.formats.scenes.usd import Usd
 from service.formats.trc import Trc
 
-__all__ = ["FORMATS", "UNSUPPORTED", "WRITERS", "find_format"]
+__all__ = ["FORMATS", "NEEDED", "UNSUPPORTED", "WRITERS", "find_format"]
 
 FORMATS: dict[str, Format] = {
     "bvh": Bvh(),
@@ -36,6 +36,9 @@ WRITERS: dict[str, Writer] = {
     "sto": OpenSim("sto", "OpenSim storage"),
 }
 """Every format that is written, by its name: those that are read, and ways out."""
+
+NEEDED = {"usd": "pxr", "usda": "pxr"}
+"""Modules that writers need and that are not always installed, by format."""
 
 
 def find_format(file_name: str, first_bytes: bytes) -> tuple[Format, str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+
 from schemas.catalogues import (
     BodyPart,
     FormatInfo,
@@ -17,7 +19,7 @@ from schemas.catalogues import (
     SkeletonPage,
     UnsupportedFormat,
 )
-from service.formats import FORMATS, UNSUPPORTED, WRITERS
+from service.formats import FORMATS, NEEDED, UNSUPPORTED, WRITERS
 from service.mcml import joint_names, motion_names
 from service.mcml.elements import to_head
 from service.motion.kinematics import rest_positions
@@ -36,6 +38,7 @@ def list_formats(call: Call) -> FormatList:
             ],
             convention="any" if format_.convention is None else format_.convention.value,
             reads=format_.name in FORMATS,
+            writes=find_spec(NEEDED.get(format_.name, "service")) is not None,
         )
         for format_ in WRITERS.values()
     ]
