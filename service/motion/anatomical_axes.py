@@ -127,7 +127,7 @@ def uprightness(skeleton: Skeleton, positions: Array, up: Array) -> Array:
     ):
         if start in places and end in places:
             vector = positions[:, places[end]] - positions[:, places[start]]
-            length = np.linalg.norm(vector, axis=1)
+            length = np.sqrt((vector * vector).sum(axis=1))
             found = np.minimum(found, sense * (vector @ up) / np.where(length > 0, length, 1.0))
     pairs = [
         positions[:, places[f"left_{part}"]] - positions[:, places[f"right_{part}"]]

@@ -15,6 +15,7 @@ import numpy as np
 
 from service.errors import RequestError
 from service.motion.anatomical_axes import STANDS, uprightness
+from service.motion.bodies.vectors import length
 from service.motion.clip import ClipHead
 from service.motion.figures import axis_of
 from service.motion.frames import Rows
@@ -171,10 +172,10 @@ def _leg(skeleton: Skeleton, positions: Array) -> tuple[float | None, Origin]:
         parts = [at.get(f"{side}_{part}") for part in ("up_leg", "low_leg", "foot")]
         if None not in parts:
             hip, knee, ankle = (positions[:, part] for part in parts)
-            lengths = np.linalg.norm(knee - hip, axis=1) + np.linalg.norm(ankle - knee, axis=1)
+            lengths = length(knee - hip) + length(ankle - knee)
             seen = lengths[np.isfinite(lengths)]
             found += [float(np.median(seen))] if len(seen) else []
-    leg = float(np.mean(found)) if found else 0.0
+    leg = sum(found) / len(found) if found else 0.0
     if not 0 < leg < np.inf:
         return None, Origin("unknown", "no leg is known from hip to knee to ankle")
     return leg, Origin("measured", "from hip to knee to ankle")
@@ -222,6 +223,9 @@ def _up(head: ClipHead, positions: Array) -> tuple[str, Origin]:
 def _mean_pose(positions: Array) -> Array:
     """(J, 3) where joints are on the mean over frames (n, J, 3), NaN where one is never seen: however a body bends and
     turns, its head is above its feet on the whole."""
+    if np.isfinite(positions.sum()):
+        mean: Array = positions.sum(axis=0) / len(positions)
+        return mean
     seen = np.isfinite(positions)
     counts = seen.sum(axis=0)
     total = np.where(seen, positions, 0.0).sum(axis=0)

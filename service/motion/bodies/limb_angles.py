@@ -17,15 +17,8 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from service.errors import UnsupportedError, VocabularyError
-from service.motion.bodies.stretch import (
-    HIPS,
-    NECK,
-    SHOULDERS,
-    Stretch,
-    angle_between,
-    dot,
-    unit,
-)
+from service.motion.bodies.stretch import HIPS, NECK, SHOULDERS, Stretch
+from service.motion.bodies.vectors import angle_between, cross, dot, length, unit
 from service.motion.skeleton import Array
 
 AWAY = 0.35
@@ -84,7 +77,7 @@ def about(bone: Array, start: Array, towards: Array, away: float = AWAY) -> Arra
     one, two = dot(bone, start), dot(bone, towards)
     degrees = np.degrees(np.arctan2(two, one))
     degrees = np.where(degrees < -90.0, degrees + 360.0, degrees)
-    return np.where(np.hypot(one, two) > away * np.linalg.norm(bone, axis=1), degrees, np.nan)
+    return np.where(np.hypot(one, two) > away * length(bone), degrees, np.nan)
 
 
 def _outwards(left: Array, side: str) -> Array:
@@ -128,7 +121,7 @@ _TRUNK = (*HIPS, NECK)
 def _trunk_flexion(stretch: Stretch, side: str) -> Array:
     """Of the line from between the hips to the neck, from upright, to where the body faces."""
     up = np.broadcast_to(stretch.up, (stretch.frames, 3))
-    return about(stretch.at(NECK) - stretch.middle(HIPS), up, np.cross(stretch.level_left(), up))
+    return about(stretch.at(NECK) - stretch.middle(HIPS), up, cross(stretch.level_left(), up))
 
 
 def _trunk_to_the_right(stretch: Stretch, side: str) -> Array:

@@ -51,12 +51,10 @@ def slopes(values: Array, frame_time: float) -> Array:
         for step in range(1, far + 1):
             total += step * (values[far + step : inner.stop + step] - values[far - step : inner.stop - step])
         found[inner] = total / (2 * sum(step * step for step in range(1, far + 1)))
-    if count > 2 * far:
-        weights = _weights_at_the_start(far)
-        for first, sense in ((values[: 2 * far], 1), (values[-2 * far :][::-1], -1)):
-            there = first - np.where(np.isfinite(first[:1]), first[:1], 0.0)
-            edge = sense * (weights @ np.where(np.isfinite(there), there, 0.0))
-            found[slice(0, far) if sense > 0 else slice(-1, -far - 1, -1)] = edge
+    edge = min(far, max(0, count - far))
+    if edge:
+        found[:edge] = _slopes_at_the_start(values, far)[:edge]
+        found[count - edge :] = -_slopes_at_the_start(values[::-1], far)[:edge][::-1]
     rows = np.flatnonzero(seen & ~_has_all_neighbours(seen, far))
     piece = max(1, _AT_ONCE // (2 * far + 1))
     for start in range(0, len(rows), piece):
@@ -64,6 +62,15 @@ def slopes(values: Array, frame_time: float) -> Array:
         found[chosen] = _slopes_of_what_there_is(values, seen, chosen, far)
     found[~seen] = np.nan
     return found / frame_time
+
+
+def _slopes_at_the_start(values: Array, far: int) -> Array:
+    """(far, k) of the first rows; of no use where a row of their windows is not there."""
+    first = np.zeros((2 * far, values.shape[1]))
+    part = values[: 2 * far]
+    first[: len(part)] = np.nan_to_num(part - np.nan_to_num(part[0]))
+    found: Array = _weights_at_the_start(far) @ first
+    return found
 
 
 @cache
@@ -99,14 +106,13 @@ def bends(values: Array, frame_time: float) -> Array:
 def _has_all_neighbours(seen: Flags, far: int) -> Flags:
     """(n,) whether every row up to so far away that the clip has is there, and the clip does not end on both sides."""
     count = len(seen)
-    if count <= 2 * far:
-        return np.zeros(count, dtype=bool)
-    if seen.all():
-        return np.ones(count, dtype=bool)
-    counts = np.concatenate([[0], np.cumsum(seen)])
     places = np.arange(count)
+    open_ended = (places >= far) | (places < count - far)
+    if seen.all():
+        return open_ended
+    counts = np.concatenate([[0], np.cumsum(seen)])
     low, high = np.maximum(places - far, 0), np.minimum(places + far + 1, count)
-    whole: Flags = counts[high] - counts[low] == high - low
+    whole: Flags = open_ended & (counts[high] - counts[low] == high - low)
     return whole
 
 

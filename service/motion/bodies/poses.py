@@ -14,7 +14,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from service.motion.bodies.stretch import HIPS, Stretch, dot
+from service.motion.bodies.stretch import HIPS, Stretch
+from service.motion.bodies.vectors import cross, dot
 from service.motion.resampling import frame_places
 from service.motion.skeleton import Array
 
@@ -40,7 +41,7 @@ def pose_features(stretch: Stretch) -> Array:
     calibration = stretch.calibration
     left = stretch.level_left()
     up = np.broadcast_to(stretch.up, left.shape)
-    on = np.cross(left, up)
+    on = cross(left, up)
     found = np.full((stretch.frames, len(JOINTS), 3), np.nan)
     if calibration.leg is None:
         return found

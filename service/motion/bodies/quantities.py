@@ -16,7 +16,8 @@ import numpy as np
 from service.errors import RequestError
 from service.motion.bodies.limb_angles import angle_named
 from service.motion.bodies.local_fit import bends, reach, slopes
-from service.motion.bodies.stretch import HIPS, Stretch, angle_between, known
+from service.motion.bodies.stretch import HIPS, Stretch, known
+from service.motion.bodies.vectors import angle_between, cross, length
 from service.motion.foot_contacts import standing
 from service.motion.skeleton import Array
 
@@ -66,13 +67,13 @@ def _position(stretch: Stretch, arguments: Arguments) -> Array:
         direction = stretch.up
     else:
         left = stretch.level_left()
-        direction = left if axis == "left" else np.cross(left, stretch.up)
+        direction = left if axis == "left" else cross(left, stretch.up[None])
     position: Array = (places * direction).sum(axis=1) * stretch.calibration.metres_per_step
     return position
 
 
 def _distance(stretch: Stretch, arguments: Arguments) -> Array:
-    lengths: Array = np.linalg.norm(stretch.between(*arguments), axis=1)
+    lengths: Array = length(stretch.between(*arguments))
     return lengths * stretch.calibration.metres_per_step
 
 
@@ -106,14 +107,14 @@ def _moving(stretch: Stretch, arguments: Arguments) -> Array:
 def _speed(stretch: Stretch, arguments: Arguments) -> Array:
     if stretch.frame_time is None:
         return np.full(stretch.frames, np.nan)
-    speeds: Array = np.linalg.norm(slopes(_moving(stretch, arguments), stretch.frame_time), axis=1)
+    speeds: Array = length(slopes(_moving(stretch, arguments), stretch.frame_time))
     return speeds * stretch.calibration.metres_per_step
 
 
 def _acceleration(stretch: Stretch, arguments: Arguments) -> Array:
     if stretch.frame_time is None:
         return np.full(stretch.frames, np.nan)
-    accelerations: Array = np.linalg.norm(bends(_moving(stretch, arguments), stretch.frame_time), axis=1)
+    accelerations: Array = length(bends(_moving(stretch, arguments), stretch.frame_time))
     return accelerations * stretch.calibration.metres_per_step
 
 
@@ -142,7 +143,7 @@ def _contact(stretch: Stretch, arguments: Arguments) -> Array:
     ground = calibration.floor / calibration.step
     if not joint.endswith(_GROUND):
         ground = float(np.clip(np.percentile(heights[seen], 5.0), ground, ground + _THICKEST * leg))
-    speeds = np.linalg.norm(slopes(places, stretch.frame_time), axis=1) / leg
+    speeds = length(slopes(places, stretch.frame_time)) / leg
     found = np.where(seen, 0.0, np.nan)
     for first, end in standing((heights - ground) / leg, speeds, stretch.frame_time):
         found[first:end] = 1.0

@@ -6,15 +6,21 @@ positions until they become metres at the end.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Hashable, Mapping
 from dataclasses import dataclass
+from functools import cached_property, wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 
 from service.motion.bodies.calibration import Calibration
 from service.motion.bodies.positions import UNSEEN, Steps
+from service.motion.bodies.vectors import cross, divided, dot, length, unit
 from service.motion.figures import axis_of
 from service.motion.skeleton import Array
+
+P = ParamSpec("P")
+Found = TypeVar("Found")
 
 HIPS = ("left_up_leg", "right_up_leg")
 SHOULDERS = ("left_up_arm", "right_up_arm")
@@ -23,6 +29,22 @@ NECK = "neck2|neck1|Head"
 
 LEVEL = 0.1
 """Cosine of the angle to the vertical below which the line through the hips does not tell where a body faces."""
+
+
+def once_a_stretch(
+    method: Callable[Concatenate[Stretch, P], Found],
+) -> Callable[Concatenate[Stretch, P], Found]:
+    """A method of a stretch whose result is kept with it: many quantities begin alike. To be read only."""
+
+    @wraps(method)
+    def found(stretch: Stretch, /, *args: P.args, **kwargs: P.kwargs) -> Found:
+        key = (method.__name__, args, *kwargs.items())
+        if key not in stretch.kept:
+            stretch.kept[key] = method(stretch, *args, **kwargs)
+        result: Found = stretch.kept[key]
+        return result
+
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +60,17 @@ class Stretch:
     calibration: Calibration
     first: int = 0
 
-    @property
+    @cached_property
+    def kept(self) -> dict[Hashable, Any]:
+        """What `once_a_stretch` has found."""
+        return {}
+
+    @cached_property
     def up(self) -> Array:
         """(3,) unit vector."""
         return axis_of(self.calibration.up)
 
+    @once_a_stretch
     def at(self, joint: str) -> Array:
         """(n, 3) steps, NaN where unknown. joint: a name, or several with `|` of which the first one known counts."""
         name = known(joint, self.places)
@@ -60,52 +88,30 @@ class Stretch:
         """(n, 3) steps from one joint to another."""
         return self.at(end) - self.at(start)
 
+    @once_a_stretch
     def middle(self, joints: tuple[str, str]) -> Array:
         """(n, 3) steps, the middle of two joints."""
         middle: Array = (self.at(joints[0]) + self.at(joints[1])) / 2
         return middle
 
+    @once_a_stretch
     def level_left(self) -> Array:
         """(n, 3) level unit vectors to the body's left, along the line through its hips; NaN where that is upright."""
         across = self.between(HIPS[1], HIPS[0])
         level = across - (across @ self.up)[:, None] * self.up
-        return divided(level, np.linalg.norm(level, axis=1), LEVEL * np.linalg.norm(across, axis=1))
+        return divided(level, length(level), LEVEL * length(across))
 
+    @once_a_stretch
     def trunk_axes(self, sides: tuple[str, str]) -> tuple[Array, Array, Array]:
         """Unit vectors (n, 3) to the left, up and on of the trunk: up from between the hips to the neck, left along
         the line through two joints (left, right) as far as it is across that."""
         up = unit(self.at(NECK) - self.middle(HIPS))
         across = self.between(sides[1], sides[0])
         left = across - dot(across, up)[:, None] * up
-        left = divided(left, np.linalg.norm(left, axis=1), LEVEL * np.linalg.norm(across, axis=1))
-        return left, up, np.cross(left, up)
+        left = divided(left, length(left), LEVEL * length(across))
+        return left, up, cross(left, up)
 
 
 def known(joint: str, names: Collection[str]) -> str | None:
     """The first of names with `|` between them that is among others."""
     return next((name for name in joint.split("|") if name in names), None)
-
-
-def dot(one: Array, other: Array) -> Array:
-    """(n,) products of vectors (n, 3)."""
-    product: Array = one[:, 0] * other[:, 0] + one[:, 1] * other[:, 1] + one[:, 2] * other[:, 2]
-    return product
-
-
-def divided(vectors: Array, lengths: Array, least: Array) -> Array:
-    """Vectors (n, 3) over lengths (n,); NaN where these are not above the least (n,)."""
-    result: Array = vectors / np.where(lengths > least, lengths, np.nan)[:, None]
-    return result
-
-
-def unit(vectors: Array) -> Array:
-    """Unit vectors (n, 3); NaN for those without length."""
-    lengths = np.linalg.norm(vectors, axis=1)
-    return divided(vectors, lengths, np.zeros(len(vectors)))
-
-
-def angle_between(one: Array, other: Array) -> Array:
-    """(n,) degrees from 0 to 180 between vectors (n, 3); NaN where one has no length."""
-    degrees: Array = np.degrees(np.arctan2(np.linalg.norm(np.cross(one, other), axis=1), dot(one, other)))
-    without = (dot(one, one) == 0) | (dot(other, other) == 0)
-    return np.where(without, np.nan, degrees)

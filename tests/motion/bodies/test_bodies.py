@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from service.errors import RequestError, UnsupportedError, VocabularyError
+from service.formats import FORMATS
 from service.mcml.motion_names import MotionName, parse, parts
 from service.motion.bodies import local_fit
 from service.motion.bodies.limb_angles import ANGLES, NEEDS_ROTATIONS, angle_named
@@ -25,9 +26,12 @@ from service.motion.bodies.poses import (
 from service.motion.bodies.positions import UNSEEN, clip_positions, rounded, world_positions
 from service.motion.bodies.quantities import QUANTITIES, compute, halo_of, joints_of, quantity_of
 from service.motion.bodies.stretch import Stretch
+from service.motion.bodies.vectors import angle_between
 from service.motion.kinematics import Walker
 from service.motion.skeleton import CHANNEL_INDEX, Convention
 from service.motion.units import reading_of
+from tests.builders import TRC
+from tests.formats.contract import read
 from tests.formats.test_real_files import opened
 from tests.motion.bodies import twin
 from tests.motion.bodies.made import clip_of, named, part_of, person, positions_of, stretch_of
@@ -148,6 +152,8 @@ def test_a_part_with_its_halo_is_that_part_of_the_whole(seed: int) -> None:
     for steps in whole.places.values():
         steps[rng.random(60) < 0.02] = UNSEEN
     first, end = sorted(rng.integers(0, 61, 2).tolist())
+    # Short parts at the ends have hardly more than one window.
+    first, end = [(first, end), (0, 1), (59, 60), (2, 5), (first, min(60, first + 3))][seed % 5]
     for name, *arguments in ASKED:
         halo = halo_of(name, arguments, whole.frame_time)
         if halo is None:
@@ -204,6 +210,13 @@ def test_slopes_of_lines_and_parabolas_are_exact() -> None:
     assert local_fit.slopes(values[:0], 0.01).shape == (0, 2)
     assert local_fit.slopes(values[:2], 0.01)[:, 0] == pytest.approx([3, 3])
     assert np.isnan(local_fit.rate(values[:, 0], None)).all()
+
+
+def test_what_has_no_length_has_no_angle() -> None:
+    one = np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0], [1, 2, 3], [2, 0, 0]])
+    other = np.array([[1.0, 1, 1], [-1, -1, -1], [0, 0, 0], [-1, -2, -3], [1, 0, 0]])
+    np.testing.assert_allclose(angle_between(one, other), [np.nan, np.nan, np.nan, 180, 0])
+    np.testing.assert_allclose(angle_between(other, one), [np.nan, np.nan, np.nan, 180, 0])
 
 
 def test_no_frame_rate_asks_for_endless_windows() -> None:
@@ -313,6 +326,14 @@ def test_missing_samples_are_gaps() -> None:
     assert np.array_equal(np.isnan(found), np.repeat(lost[:, :, None], 3, axis=2))
     assert np.array_equal(found[~lost], whole[:15][~lost])
     assert clip_positions(skeleton, []).shape == (0, len(names), 3)
+
+
+def test_markers_are_where_they_say() -> None:
+    clip = read(FORMATS["trc"], {"trc": TRC})
+    (block,) = clip.blocks()
+    found = clip_positions(clip.head.skeleton, clip.blocks())
+    assert np.isnan(found).any()
+    assert np.array_equal(found.reshape(len(block), -1), block.values, equal_nan=True)
 
 
 def test_rounding() -> None:
