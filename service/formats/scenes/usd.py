@@ -19,7 +19,7 @@ from service.formats.scenes.stage import Stage, look_through, turn_to_y
 from service.formats.target_names import legal_names
 from service.motion.clip import ClipStream
 
-_MOST = 20_000_000
+_MOST = 5_000_000
 """Places of joints, over all frames, that the library is given at once."""
 _BLOCK = 1 << 20
 _LETTERS = frozenset("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_0123456789")
