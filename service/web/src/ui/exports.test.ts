@@ -1,7 +1,7 @@
+// @vitest-environment happy-dom
 import { describe, expect, it, vi } from "vitest";
 import { exportItems, unwritable } from "./exports";
 
-vi.hoisted(() => { (globalThis as { navigator?: object }).navigator ??= { language: "en" }; });
 const formats = { items: [{ name: "glb", writes: true }, { name: "usd", writes: true }, { name: "usda", writes: false }], unsupported: [] };
 vi.stubGlobal("fetch", async () => new Response(JSON.stringify(formats), { headers: { "content-type": "application/json" } }));
 const texts = (markers: boolean) => exportItems("x", { markers, original: false, format: "bvh", revision: 3 }).map((item) => item.text);
