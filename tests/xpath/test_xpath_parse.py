@@ -257,7 +257,7 @@ def test_comparisons_associate_from_the_left() -> None:
 def test_calls_with_a_wrong_number_of_arguments_are_refused(name: str, count: int) -> None:
     """As libxml2 refuses them, where it has the function."""
     signature = FUNCTIONS[name]
-    arguments = ["'a'", *["1"] * 4]
+    arguments = ["'left-knee-flexion'" if name == "mo:angle" else "'a'", *["1"] * 4]
     if signature.takes_items or signature.of_node:
         arguments[signature.place] = "//a"
     text = f"{name}({', '.join(arguments[:count])})"
