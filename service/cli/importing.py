@@ -15,6 +15,9 @@ from schemas.documents import ImportedDocument
 from service.cli.bar import Bar
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, write_to_the_end
 
+MANY = 100
+"""Documents whose bodies are worth being derived before somebody asks for them."""
+
 
 def import_(
     paths: Annotated[list[Path], typer.Argument(help="Files, folders or zips")],
@@ -87,6 +90,8 @@ def import_(
         print_json({"documents": documents, "problems": problems})
     else:
         console.print(f"{stored} stored, {failed} failed")
+        if stored >= MANY:
+            console.print("mcml db derive works out their bodies once, for questions about motion", style="dim")
     if failed:
         raise typer.Exit(3 if stored else 1)
 

@@ -96,6 +96,8 @@ class Queries:
             try:
                 answer = asking.answer(page)
             except LimitError as error:
+                if motion_calls(query.tree) and error.details.get("code") == "query-timeout":
+                    error.remedy = "Derive the bodies once, which questions then find: mcml db derive."
                 if request.explain:
                     error.details["explain"] = asking.explained((time.perf_counter() - start) * 1000).model_dump()
                 raise
