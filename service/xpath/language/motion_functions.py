@@ -86,3 +86,5 @@ OF_FRAMES: Final = frozenset({"number", "key"})
 """Parameters that are asked of frames which no step has counted."""
 DISTANCES: Final = frozenset({"mo:pose-distance", "mo:motion-distance"})
 TOP, WINDOW, RUNS, RATE = "mo:top", "mo:window", "mo:runs", "mo:rate"
+OF_FRAME_SETS: Final = frozenset({TOP, WINDOW, RUNS})
+"""Functions that give frames."""
