@@ -195,3 +195,19 @@ def test_guesses(engine: Queries) -> None:
     assert len(nodes(engine, "//header", guesses="no")) == 4
     warnings = engine.answer(QueryRequest(q="//frame[mo:height('Head') > 0]")).warnings
     assert any("guesses=no" in one for one in warnings)
+
+
+def test_plans_say_what_is_looked_at(engine: Queries) -> None:
+    def plan(text: str) -> list[str]:
+        explained = engine.answer(QueryRequest(q=text, explain=True)).explain
+        assert explained is not None
+        return explained.plan
+
+    rise = "//frame[mo:height('Root') - min(mo:window(-1, 0)/mo:height('Root')) > 0.2]"
+    assert plan(rise)[-2:] == [
+        "columns of mo:height('Root'): a number for every frame of 4 documents",
+        "mo:window(-1, 0) of all frames together",
+    ]
+    fast = plan("count(mo:top(2, //frame, mo:rate(mo:angle('left-knee-flexion'))))")
+    assert fast[-1].startswith("columns of mo:rate(mo:angle('left-knee-flexion')), mo:angle('left-knee-flexion'): ")
+    assert not any("columns of mo" in step for step in plan("//frame[@id='1']"))

@@ -29,9 +29,12 @@ def motion_calls(tree: Expression) -> list[Call]:
 def notes(caches: Caches, scope: Scope, calls: Sequence[Call]) -> list[str]:
     """Of the documents that were looked at: how many have no unit, no times or not the joints, and how many rest on
     guesses."""
-    if not calls:
-        return []
-    return list(_notes([one for group in scope.groups() for one in caches.samples.find(known_of(group)) or ()], calls))
+    return list(_notes(looked_at(caches, scope), calls)) if calls else []
+
+
+def looked_at(caches: Caches, scope: Scope) -> list[Facts]:
+    """What is known of the documents whose bodies were looked at."""
+    return [one for group in scope.groups() for one in caches.samples.find(known_of(group)) or ()]
 
 
 def without_guesses(
