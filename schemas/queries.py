@@ -148,7 +148,7 @@ class CompletionItem(BaseModel):
     """What may stand at the cursor. text: in place of the characters from `first` on."""
 
     text: str
-    kind: Literal["element", "attribute", "axis", "function", "motion name", "bone name"]
+    kind: Literal["element", "attribute", "axis", "function", "motion name", "bone name", "angle", "word"]
     detail: str = ""
     documents: int | None = Field(None, description="Of names: how many documents have it")
 

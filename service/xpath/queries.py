@@ -14,7 +14,7 @@ from service.storage.columns import Listed
 from service.storage.database import LATEST, Database, Transaction
 from service.xpath.answer.cursors import read_cursor
 from service.xpath.answer.describe import describe_nodes
-from service.xpath.answer.explain import steps_of
+from service.xpath.answer.explain import body_steps, steps_of
 from service.xpath.answer.items import Kind, kind_of_value, node_item, plain, scalars
 from service.xpath.answer.pages import Page
 from service.xpath.answer.streams import Answer, Shown, collect
@@ -37,7 +37,7 @@ from service.xpath.language.tree import Call, Expression
 from service.xpath.language.types import distinct_of, item_type, type_of
 from service.xpath.library.caches import Caches
 from service.xpath.library.listing import Scope
-from service.xpath.library.motion_notes import motion_calls, notes, without_guesses
+from service.xpath.library.motion_notes import looked_at, motion_calls, notes, without_guesses
 from service.xpath.library.part_file import path_of
 from service.xpath.library.sidecar import Sidecar
 from service.xpath.limits import Limits
@@ -96,7 +96,7 @@ class Queries:
             try:
                 answer = asking.answer(page)
             except LimitError as error:
-                if motion_calls(query.tree) and error.details.get("code") == "query-timeout":
+                if asking.motion and error.details.get("code") == "query-timeout":
                     error.remedy = "Derive the bodies once, which questions then find: mcml db derive."
                 if request.explain:
                     error.details["explain"] = asking.explained((time.perf_counter() - start) * 1000).model_dump()
@@ -104,7 +104,7 @@ class Queries:
             if request.explain:
                 answer.explain = asking.explained((time.perf_counter() - start) * 1000)
             answer.warnings += [*query.warnings, *unknown_names(query.tree), *scope.unused_names(query.tree)]
-            answer.warnings += notes(tx, self.caches, scope, motion_calls(query.tree))
+            answer.warnings += notes(tx, self.caches, scope, asking.motion)
         return answer
 
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
@@ -216,6 +216,7 @@ class _Asking:
         self.query = query
         self.scope = scope
         self.limits = limits
+        self.motion = motion_calls(query.tree)
         self.explain = Explain(way="columns", plan=[], documents=0, milliseconds=0)
         self._scan: Scan | None = None
         self.is_later = query.needs_xpath2
@@ -233,10 +234,9 @@ class _Asking:
 
     def leave_out_guesses(self, guesses: str) -> None:
         """Where they are not wanted, ask no documents of which what a function of bodies needs is guessed."""
-        calls = motion_calls(self.query.tree)
-        if guesses == "no" and calls:
+        if guesses == "no" and self.motion:
             groups = self.scope.groups()
-            self.scope.narrow(without_guesses(self.tx, self.engine.caches, groups, calls, self.limits.check))
+            self.scope.narrow(without_guesses(self.tx, self.engine.caches, groups, self.motion, self.limits.check))
 
     def _on_columns(self, tree: Expression, page: Page) -> QueryAnswer:
         if self.query.only_saxon:
@@ -282,6 +282,9 @@ class _Asking:
     def explained(self, milliseconds: float) -> Explain:
         """How the answer came about."""
         self.explain.milliseconds = milliseconds
+        if self.motion:
+            documents = sum(map(len, looked_at(self.tx, self.engine.caches, self.scope)))
+            self.explain.plan += body_steps(self.motion, documents)
         if self._scan is not None:
             self.explain.tracks_read = self._scan.tracks_read
             self.explain.tracks_skipped = self._scan.all_tracks() - self._scan.tracks_read
@@ -366,7 +369,7 @@ class _Asking:
 
     def require_documents_alone(self) -> None:
         """Refuses what must be evaluated on all documents together, which XML is not, and questions about bodies."""
-        if motion_calls(self.query.tree):
+        if self.motion:
             raise LimitError(
                 "This question about bodies reaches too much at once, or asks for what columns have no answer to.",
                 remedy="Ask fewer documents, or put what is asked of a frame into a predicate of //frame.",

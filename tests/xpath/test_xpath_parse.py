@@ -252,7 +252,7 @@ def test_comparisons_associate_from_the_left() -> None:
     assert tree != parse("1 = (2 != 3)").tree
 
 
-@pytest.mark.parametrize("name", sorted(FUNCTIONS))
+@pytest.mark.parametrize("name", sorted(set(FUNCTIONS) - set(MOTION_FUNCTIONS)))
 @pytest.mark.parametrize("count", range(5))
 def test_calls_with_a_wrong_number_of_arguments_are_refused(name: str, count: int) -> None:
     """As libxml2 refuses them, where it has the function."""
@@ -292,3 +292,14 @@ a[b]and c|'a'='b'or'c'|if|for|a/if|@for|some|to|union|item|element|map|every|a/e
 @pytest.mark.parametrize("text", LIBXML2)
 def test_whatever_libxml2_takes_is_parsed(text: str) -> None:
     assert etree.XPath(parse(text).text)
+
+
+@pytest.mark.parametrize("name", MOTION_FUNCTIONS)
+@pytest.mark.parametrize("count", range(5))
+def test_functions_of_bodies_with_a_wrong_number_of_arguments_are_refused(name: str, count: int) -> None:
+    if FUNCTIONS[name].takes(count):
+        return
+    with pytest.raises(QueryError, match=r"takes .* given") as caught:
+        parse(f"//frame[{name}({', '.join(['1'] * count)}) = 1]")
+    assert caught.value.at is not None
+    assert caught.value.at.column == 9

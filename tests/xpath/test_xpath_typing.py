@@ -27,7 +27,7 @@ def test_elements_follow_the_content_models() -> None:
     assert items("/mcml/m") == (6, ["motion"])
     assert items("//fr")[1][:2] == ["frame", "frame_bone"]
     assert items("//frame/")[1][:2] == ["frame_bone", "motion_name"]
-    assert items("(//frame)[1]/mo") == (13, ["motion_name"])
+    assert items("(//frame)[1]/mot")[1][0] == "motion_name"
     assert items("//bone[na")[1] == ["name", "name(", "namespace-uri(", "namespace::", "local-name("]
 
 
@@ -42,6 +42,36 @@ def test_names_that_occur_are_offered_where_they_are_compared() -> None:
     assert items('//frame_bone[@name = "l')[1] == ["left_up_arm"]
     assert items("//bone[name='")[1] == ["Hips", "left_up_arm"]
     assert items("//frame[@id='") == (13, [])
+
+
+def test_functions_of_bodies_in_motion() -> None:
+    assert items("//frame[mo:hei") == (8, ["mo:height("])
+    assert items("//frame[hei") == (8, ["mo:height("])
+    assert items("//frame[1 < mo:")[1][:3] == ["mo:time(", "mo:unit(", "mo:leg("]
+    assert items("//frame/mo:sp") == (8, ["mo:speed("])
+    assert items("//frame[min(mo:window(-1, 0)/spe")[1] == ["mo:speed("]
+    assert items("mo:top(3, //frame, mo:window(0, 1)/mot")[1][:1] == ["motion_name"]
+    assert "mo:speed(" not in items("/mcml/header/sp")[1]
+    _, found = complete("//frame[mo:speed", 16, dict, dict)
+    assert [item.detail for item in found] == [
+        "(joint, relative?) in m/s: of a joint, by itself or relative to another one"
+    ]
+
+
+def test_what_their_arguments_name() -> None:
+    assert items("//frame[mo:height('") == (19, ["Hips", "left_up_arm"])
+    assert items('//frame[mo:distance("Hips", "l')[1] == ["left_up_arm"]
+    assert items("//frame[mo:angle('left-kn")[1][:2] == ["left-knee-flexion", "left-knee-extension"]
+    assert items("//frame[mo:angle('Hips', 'left")[1] == ["left_up_arm"]
+    assert items("//frame[mo:angle('l', 'Hips', 'Hips')]", 19)[1] == ["left_up_arm"]
+    assert items("//frame[mo:position('Hips', 'f")[1] == ["front"]
+    assert items("//frame[mo:position('Hips', '")[1] == ["x", "y", "z", "up", "front", "left"]
+    assert items("//frame[mo:window(-1, 0, '")[1] == ["frames"]
+    assert items("//frame[mo:window('")[1] == []
+    assert items("//frame[mo:height(frame_bone[@name='l")[1] == ["left_up_arm"]
+    assert items("//frame[contains('")[1] == []
+    _, found = complete("//frame[mo:angle('left-knee-f", 28, dict, lambda: {"left_up_arm": 3})
+    assert {item.kind for item in found} == {"angle"}
 
 
 def test_a_cursor_in_the_middle() -> None:

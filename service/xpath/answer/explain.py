@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from service.mcml.addresses import address_attribute
 from service.motion.skeleton import CHANNELS
 from service.xpath.engine.column_source import ColumnSource
 from service.xpath.engine.scan import Scan
 from service.xpath.language.conditions import Sample
+from service.xpath.language.motion_functions import OF_FRAME_SETS, WINDOW
+from service.xpath.language.tree import Call
 from service.xpath.language.unparse import unparse
 
 
 def steps_of(source: Scan | ColumnSource) -> list[str]:
     """What a source does, step by step."""
     return _scan(source) if isinstance(source, Scan) else _columns(source)
+
+
+def body_steps(calls: Sequence[Call], documents: int) -> list[str]:
+    """What is looked at of bodies in motion. calls: of their functions. documents: of which facts of bodies are known,
+    as they are where any was looked at."""
+    columns = list(dict.fromkeys(unparse(call) for call in calls if call.function not in OF_FRAME_SETS))
+    found = []
+    if columns:
+        found.append(f"columns of {', '.join(columns)}: a number for every frame of {documents:,} documents")
+    windows = dict.fromkeys(unparse(call) for call in calls if call.function == WINDOW)
+    return found + [f"{window} of all frames together" for window in windows]
 
 
 def _scan(source: Scan) -> list[str]:

@@ -53,6 +53,7 @@ from service.xpath.language.types import (
     type_of,
 )
 from service.xpath.library.forest import Forest
+from service.xpath.library.motion_notes import motion_calls
 from service.xpath.nodes.items import Items
 from service.xpath.nodes.nodesets import NodeSets, ordered, positions_of, shared_nodes, union
 from service.xpath.nodes.numbering import Bools, Floats, Ints, documents_of, first_of_documents
@@ -382,7 +383,8 @@ class Columns:
             return sequences.call(self.forest, name, joins)
         values = [self.value(each, context) for each in arguments]
         if sequences.takes(name):
-            return sequences.call(self.forest, name, values)
+            function = sequences.call_on_bodies if motion_calls(call) else sequences.call
+            return function(self.forest, name, values)
         if name == "tokenize" or SAFE_FUNCTIONS[name].of_texts is not None or name in ("string", "substring"):
             values = [self._written(each, value) for each, value in zip(arguments, values, strict=True)]
         if name == "tokenize":

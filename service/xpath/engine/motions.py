@@ -16,7 +16,7 @@ from service.motion.bodies.quantities import QUANTITIES
 from service.xpath.engine.context import Context, Value
 from service.xpath.engine.functions import NotOnColumnsError
 from service.xpath.language.motion_functions import DISTANCES, OF_DOCUMENT, PREFIX, RATE, RUNS, WINDOW
-from service.xpath.language.tree import Call, Expression, Path, Step
+from service.xpath.language.tree import Call, Expression, Path, Step, free_variables
 from service.xpath.language.types import type_of
 from service.xpath.library.bodies import Bodies
 from service.xpath.library.forest import Forest
@@ -124,6 +124,9 @@ class Motions:
         return NodeSets(groups[source], first[source] + (within << FRAME_SHIFT), sets.count)
 
     def _rate(self, expression: Expression, context: Context) -> Floats:
+        if free_variables(expression):
+            raise NotOnColumnsError
+
         def rates(around: Context) -> Floats:
             documents = documents_of(around.nodes)
             numbers = self._columns.numbers(expression, around)

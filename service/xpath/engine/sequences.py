@@ -71,6 +71,17 @@ def call(forest: Forest, name: str, arguments: Sequence[Value]) -> Value:
     return _FUNCTIONS[name](forest, items_of(first), arguments[1:])
 
 
+def call_on_bodies(forest: Forest, name: str, arguments: Sequence[Value]) -> Value:
+    """The same of numbers of bodies in motion: the least or greatest of what is not known is NaN. Elsewhere NaN may be
+    what XPath calls an error, or nothing."""
+    items = items_of(arguments[0])
+    if name not in ("min", "max") or items.kind != "number":
+        return call(forest, name, arguments)
+    sets, found = items.sets, _added(forest, items)
+    extremes = sets.least(found) if name == "min" else sets.greatest(found)
+    return some_of(np.where(sets.any(np.isnan(found)), np.nan, extremes), sets.exist())
+
+
 def takes(name: str) -> bool:
     """Whether it is such a function."""
     return name in _FUNCTIONS

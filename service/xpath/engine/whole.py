@@ -58,6 +58,7 @@ from service.xpath.language.types import distinct_of, type_of
 from service.xpath.library.caches import Caches
 from service.xpath.library.forest import Forest
 from service.xpath.library.groups import Group
+from service.xpath.library.motion_notes import motion_calls
 from service.xpath.nodes.items import Items, concatenated, nothing
 from service.xpath.nodes.nodesets import NodeSets
 from service.xpath.nodes.numbering import Ints
@@ -140,7 +141,8 @@ class Whole:
         as_number = call.function != "string-join"
         joined = self._joined([replace(part, column=values_of(part, as_number=as_number)) for part in parts])
         values = [value_of(joined), *(value_of(self.constant(other)) for other in others)]
-        return _sequence(items_of(sequences.call(self.nowhere, call.function, values)))
+        function = sequences.call_on_bodies if motion_calls(call) else sequences.call
+        return _sequence(items_of(function(self.nowhere, call.function, values)))
 
     def _aggregate(self, call: Call) -> Expression:
         found = aggregates.value(call, self._source(distinct_of(call) or call.arguments[0]))

@@ -8,18 +8,24 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from service.mcml.content import declarations
-from service.mcml.vocabulary import MOTION_NAME, NAME
+from service.mcml.vocabulary import FRAME, MOTION_NAME, NAME
+from service.motion.bodies.limb_angles import angle_names
+from service.motion.bodies.quantities import AXES as BODY_AXES
 from service.xpath.language.functions import FUNCTIONS
+from service.xpath.language.motion_functions import ANGLE, JOINTS, MOTION_FUNCTIONS, OF_FRAME_SETS
 from service.xpath.language.reach import DOCUMENT, Types, reach
 from service.xpath.language.rules import after
 from service.xpath.language.tree import AXES, KIND_TESTS, Step
 
-Kind = Literal["element", "attribute", "axis", "function", "motion name", "bone name"]
+Kind = Literal["element", "attribute", "axis", "function", "motion name", "bone name", "angle", "word"]
 MAX_ITEMS = 200
 
 _TOKEN = re.compile(
-    r"""'[^']*'|"[^"]*"|[0-9]*\.?[0-9]+|\.\.|::|//|!=|<=|>=|[A-Za-z_][\w.-]*|[/@\[\]().,*|+=<>$-]|\s+""", re.ASCII
+    r"""'[^']*'|"[^"]*"|[0-9]*\.?[0-9]+|\.\.|::|//|!=|<=|>=|(?:mo:)?[A-Za-z_][\w.-]*|[/@\[\]().,*|+=<>$-]|\s+""",
+    re.ASCII,
 )
+_TYPED = re.compile(r"(?<![\w:.-])mo:[\w.-]*$|[A-Za-z_][\w.-]*$", re.ASCII)
+_MORE_FOLLOW = re.compile(r"""[^'"]*['"]\s*,""")
 _OPERATORS = frozenset({"=", "!=", "<", "<=", ">", ">=", "+", "-", "|", ",", "or", "and", "div", "mod"})
 
 
@@ -37,7 +43,8 @@ class Completion:
 @dataclass
 class _Level:
     """Inside of a bracket. base: types of the context node. types: where the path that is being read has come to, None
-    where none has begun. axis: of the step that comes next. last: the test of the step read last."""
+    where none has begun. axis: of the step that comes next. last: the test of the step read last. function: whose
+    arguments these are; place: which one this is."""
 
     base: Types
     types: Types | None = None
@@ -45,6 +52,8 @@ class _Level:
     last: str = ""
     compared: str = ""
     bracket: str = ""
+    function: str = ""
+    place: int = 0
 
 
 @dataclass
@@ -57,17 +66,22 @@ class _Reader:
 
     def read(self, tokens: list[str]) -> None:
         for place, token in enumerate(tokens):
-            self._token(token, tokens[place + 1] if place + 1 < len(tokens) else "")
+            before = tokens[place - 1] if place else ""
+            self._token(token, before, tokens[place + 1] if place + 1 < len(tokens) else "")
 
-    def _token(self, token: str, following: str) -> None:
+    def _token(self, token: str, before: str, following: str) -> None:
         level = self.level
         if token in ("[", "("):
             inner = level.types if token == "[" and level.types is not None else level.base
-            self.levels.append(_Level(inner, last=level.last if token == "[" else "", bracket=token))
+            function = before if token == "(" and before in FUNCTIONS else ""
+            last = level.last if token == "[" else ""
+            self.levels.append(_Level(inner, last=last, bracket=token, function=function))
         elif token in ("]", ")"):
             if len(self.levels) > 1:
                 closed = self.levels.pop()
-                if token == ")" and closed.bracket == "(" and closed.types is not None:
+                if token == ")" and closed.function in OF_FRAME_SETS:
+                    self.level.types = frozenset({FRAME})
+                elif token == ")" and closed.bracket == "(" and closed.types is not None:
                     self.level.types = closed.types
         elif token in ("/", "//"):
             if level.types is None:
@@ -82,6 +96,7 @@ class _Reader:
         elif token in _OPERATORS and not (token in ("or", "and", "div", "mod") and level.types is None):
             level.compared = level.last if token in ("=", "!=") else ""
             level.types, level.axis = None, "child"
+            level.place += token == ","
         elif following == "::":
             level.axis = token
         elif token in (".", ".."):
@@ -111,8 +126,9 @@ def complete(
         start = opened
         reader = _Reader()
         reader.read([token for token in _TOKEN.findall(before[: start - 1]) if not token.isspace()])
-        return start, list(_named(_strings(reader.level, motion_names, bone_names), before[start:]))
-    match = re.search(r"[A-Za-z_][\w.-]*$", before, re.ASCII)
+        more_follow = _MORE_FOLLOW.match(text[at:]) is not None
+        return start, list(_named(_strings(reader.level, motion_names, bone_names, more_follow), before[start:]))
+    match = _TYPED.search(before)
     start = at if match is None else match.start()
     reader = _Reader()
     reader.read([token for token in _TOKEN.findall(before[:start]) if not token.isspace()])
@@ -140,12 +156,31 @@ def _open_string(text: str) -> int:
 
 
 def _strings(
-    level: _Level, motion_names: Callable[[], Mapping[str, int]], bone_names: Callable[[], Mapping[str, int]]
+    level: _Level,
+    motion_names: Callable[[], Mapping[str, int]],
+    bone_names: Callable[[], Mapping[str, int]],
+    more_follow: bool,
 ) -> Iterator[Completion]:
     if level.compared == MOTION_NAME:
         yield from (Completion(text, "motion name", documents=count) for text, count in motion_names().items())
     elif level.compared == NAME:
         yield from (Completion(text, "bone name", documents=count) for text, count in bone_names().items())
+    elif level.function in MOTION_FUNCTIONS and level.types is None:
+        yield from _of_motion(level, bone_names, more_follow)
+
+
+def _of_motion(level: _Level, bone_names: Callable[[], Mapping[str, int]], more_follow: bool) -> Iterator[Completion]:
+    """What an argument of a function of bodies in motion may name. more_follow: arguments stand behind it."""
+    parameters = MOTION_FUNCTIONS[level.function].parameters
+    parameter = parameters[level.place].rstrip("?") if level.place < len(parameters) else ""
+    if level.function == ANGLE and not level.place and not more_follow:
+        yield from (Completion(name, "angle") for name in angle_names())
+    if parameter in JOINTS:
+        yield from (Completion(text, "bone name", documents=count) for text, count in bone_names().items())
+    elif parameter == "axis":
+        yield from (Completion(axis, "word", "of the world" if len(axis) == 1 else "of the body") for axis in BODY_AXES)
+    elif parameter == "'frames'":
+        yield Completion("frames", "word", "a window of frames, not of seconds")
 
 
 def _steps(level: _Level) -> Iterator[Completion]:
@@ -159,6 +194,9 @@ def _steps(level: _Level) -> Iterator[Completion]:
         return
     yield from (Completion(name, "element") for name in sorted(reached))
     if level.types is None:
-        yield from (Completion(f"{name}(", "function") for name in sorted(FUNCTIONS))
+        plain = (name for name in sorted(FUNCTIONS) if name not in MOTION_FUNCTIONS)
+        yield from (Completion(f"{name}(", "function") for name in plain)
+    if level.types is None or FRAME in level.types:
+        yield from (Completion(f"{name}(", "function", one.detail) for name, one in MOTION_FUNCTIONS.items())
     yield from (Completion(f"{axis}::", "axis") for axis in AXES)
     yield from (Completion(f"{test}()", "function", "node test") for test in KIND_TESTS)

@@ -80,5 +80,11 @@ OF_DOCUMENT: Final = frozenset({"mo:leg", "mo:unit"})
 ANGLE: Final = "mo:angle"
 JOINTS: Final = frozenset({"joint", "name or joint", "relative", "origin"})
 """Parameters that are joints."""
+CONSTANT: Final = frozenset({"from", "to", "'frames'", "least", "gap", "document", "position", "first", "last"})
+"""Parameters that are the same in every frame."""
+OF_FRAMES: Final = frozenset({"number", "key"})
+"""Parameters that are asked of frames which no step has counted."""
 DISTANCES: Final = frozenset({"mo:pose-distance", "mo:motion-distance"})
 TOP, WINDOW, RUNS, RATE = "mo:top", "mo:window", "mo:runs", "mo:rate"
+OF_FRAME_SETS: Final = frozenset({TOP, WINDOW, RUNS})
+"""Functions that give frames."""

@@ -12,7 +12,7 @@ from service.motion.bodies.quantities import QUANTITIES
 from service.xpath.language.functions import SAFE_FUNCTIONS
 from service.xpath.language.grammar import ArityError, read
 from service.xpath.language.meaning import bind, from_document, with_stored_names
-from service.xpath.language.motion_functions import MOTION_FUNCTIONS, PREFIX
+from service.xpath.language.motion_functions import CONSTANT, MOTION_FUNCTIONS, OF_FRAMES, PREFIX
 from service.xpath.language.tree import (
     OF_NODES,
     VALUE_COMPARISONS,
@@ -28,7 +28,7 @@ from service.xpath.language.tree import (
     children,
     walk,
 )
-from service.xpath.language.types import item_type, type_of
+from service.xpath.language.types import depends_on_position, is_of_variables, item_type, type_of
 from service.xpath.language.unparse import unparse
 from service.xpath.language.written import read_xpath2
 
@@ -165,7 +165,17 @@ def _check_functions(call: Call) -> None:
 
 
 def _check_motion(call: Call) -> None:
-    """Refuses angles and axes that there are not."""
+    """Refuses angles and axes that there are not, and what would be another one in every frame where it cannot be."""
+    for argument, parameter in zip(call.arguments, _parameters(call), strict=False):
+        place = Place(column=argument.span[0] + 1)
+        if parameter in CONSTANT and not is_of_variables(argument):
+            remedy = "Write a number, a text or a $variable."
+            raise QueryError(f"{call.function} takes the same {parameter} in every frame", at=place, remedy=remedy)
+        if parameter in OF_FRAMES and depends_on_position(argument):
+            remedy = "Ask for mo:time(), or for @id."
+            raise QueryError(
+                f"the {parameter} of {call.function} cannot ask for position() or last()", at=place, remedy=remedy
+            )
     quantity = QUANTITIES.get(call.function.removeprefix(PREFIX)) if call.function in MOTION_FUNCTIONS else None
     texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
     if quantity is None or len(texts) < len(call.arguments):
@@ -174,6 +184,12 @@ def _check_motion(call: Call) -> None:
         quantity.joints(texts)
     except McmlError as error:
         raise QueryError(error.what, at=Place(column=call.span[0] + 1), remedy=error.remedy) from None
+
+
+def _parameters(call: Call) -> tuple[str, ...]:
+    """The names of its parameters, of functions of bodies in motion."""
+    known = MOTION_FUNCTIONS.get(call.function)
+    return () if known is None else tuple(each.rstrip("?") for each in known.parameters)
 
 
 def _bound_depth(tree: Expression) -> None:

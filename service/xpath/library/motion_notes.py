@@ -36,10 +36,13 @@ def motion_calls(tree: Expression) -> list[Call]:
 def notes(tx: Transaction, caches: Caches, scope: Scope, calls: Sequence[Call]) -> list[str]:
     """Of the documents that were looked at: how many have no unit, no times or not the joints, and how many rest on
     guesses."""
-    if not calls:
-        return []
+    return list(_notes(looked_at(tx, caches, scope), calls)) if calls else []
+
+
+def looked_at(tx: Transaction, caches: Caches, scope: Scope) -> list[BodyFacts]:
+    """What is known of the documents whose bodies were looked at."""
     forests = (Forest(tx, group, caches, head_part=HeadPart.MOTION) for group in scope.groups())
-    return list(_notes([found for forest in forests if (found := forest.body_facts(None)) is not None], calls))
+    return [found for forest in forests if (found := forest.body_facts(None)) is not None]
 
 
 def without_guesses(

@@ -1609,7 +1609,7 @@ export interface components {
         CompletionItem: {
             text: string;
             /** @enum {string} */
-            kind: "element" | "attribute" | "axis" | "function" | "motion name" | "bone name";
+            kind: "element" | "attribute" | "axis" | "function" | "motion name" | "bone name" | "angle" | "word";
             /** @default  */
             detail: string;
             documents?: number | null;
@@ -2773,6 +2773,11 @@ export interface components {
             limit?: number | null;
             cursor?: string | null;
             per?: "document" | null;
+            /**
+             * @default yes
+             * @enum {string}
+             */
+            guesses: "yes" | "no";
             /** @default false */
             explain: boolean;
             with?: string | null;
@@ -5599,6 +5604,7 @@ export interface operations {
                 limit?: number | null;
                 cursor?: string | null;
                 per?: "document" | null;
+                guesses?: "yes" | "no";
                 explain?: boolean;
                 with?: string | null;
             };

@@ -1,0 +1,199 @@
+"""Documents as questions about motion see them: plain lists, a frame after the other.
+
+What a quantity is in a frame `service.motion.bodies` says, which has a twin of its own; here it is on trial which
+frames are looked at.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from lxml import etree
+
+from service.actions.exporting.export_motion import ExportOptions, export_document
+from service.clips.bodies import read_body, read_turned
+from service.motion.bodies.local_fit import rate
+from service.motion.bodies.poses import NEEDS, at_rate, motion_distances, pose_distances, pose_features
+from service.motion.bodies.quantities import compute
+from service.storage.database import Database
+from service.storage.filtering import DocumentFilter
+
+TURNED = ("left-wrist-flexion", "head-left-rotation", "right-arm-medial-rotation", "pelvis-anterior-tilt")
+NEARLY = 1e-6
+Node = tuple[str, str]
+"""The id of a document, and an address in it."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A part of a question. of: what it is in a frame (from 0) of a document."""
+
+    text: str
+    of: Callable[[Document, int], Any]
+
+
+@dataclass
+class Frame:
+    names: list[str]
+    bones: list[tuple[str, dict[str, float]]]
+
+
+@dataclass
+class Document:
+    """revision: that it was read at. seconds: a frame, NaN where unknown."""
+
+    uuid: str
+    name: str
+    revision: int
+    frames: list[Frame]
+    body: Any
+    turned: dict[str, list[float]]
+    kept: dict[Any, Any] = field(default_factory=dict)
+
+    @property
+    def seconds(self) -> float:
+        return math.nan if self.body.frame_time is None else float(self.body.frame_time)
+
+    @property
+    def is_known(self) -> bool:
+        """Whether none of what it rests on is a guess."""
+        return not self.body.calibration.rests_on_guesses
+
+    @cached_property
+    def features(self) -> Any:
+        return pose_features(self.body.stretch(NEEDS)).astype(np.float32).astype(np.float64)
+
+    def quantity(self, name: str, *arguments: str) -> list[float]:
+        key = name, *arguments
+        if key not in self.kept:
+            if name == "angle" and arguments[0] in self.turned:
+                self.kept[key] = self.turned[arguments[0]]
+            else:
+                self.kept[key] = compute(name, arguments, self.body.stretch(self.body.names)).tolist()
+        found: list[float] = self.kept[key]
+        return found
+
+    def all(self, asked: Asked) -> list[Any]:
+        """What is asked, in every frame."""
+        if asked.text not in self.kept:
+            self.kept[asked.text] = [asked.of(self, frame) for frame in range(len(self.frames))]
+        found: list[Any] = self.kept[asked.text]
+        return found
+
+    def rates(self, asked: Asked) -> list[float]:
+        key = "rate", asked.text
+        if key not in self.kept:
+            self.kept[key] = rate(np.array(self.all(asked), float), self.body.frame_time).tolist()
+        found: list[float] = self.kept[key]
+        return found
+
+    def window(self, frame: int, low: float, high: float, *, by_frames: bool) -> list[int]:
+        """The frames around one."""
+        second = 1.0 if by_frames else self.seconds
+        found = []
+        for other in range(len(self.frames)):
+            away = other - frame
+            if low / second - NEARLY <= away <= high / second + NEARLY:
+                found.append(other)
+        return found
+
+    def runs(self, frames: Sequence[int], gap: float) -> list[tuple[int, int]]:
+        """First and last frames; between two of them are more frames than the gap has."""
+        found: list[tuple[int, int]] = []
+        for frame in frames:
+            between = frame - found[-1][1] - 1 if found else 0
+            if found and (between == 0 or between <= gap / self.seconds + NEARLY):
+                found[-1] = found[-1][0], frame
+            else:
+                found.append((frame, frame))
+        return found
+
+    def long_runs(self, frames: Sequence[int], least: float, gap: float) -> list[int]:
+        """The frames of runs of so many seconds, with those of closed gaps."""
+        found: list[int] = []
+        for first, last in self.runs(frames, gap):
+            if (last - first + 1 + NEARLY) * self.seconds >= least:
+                found += range(first, last + 1)
+        return found
+
+    def pose_distances(self, other: Document, position: int) -> list[float]:
+        key = "pose", other.uuid, position
+        if key not in self.kept:
+            pose = pose_features(other.body.stretch(NEEDS))[position - 1 : position]
+            self.kept[key] = [float(pose_distances(one[None], pose)[0, 0]) for one in self.features]
+        found: list[float] = self.kept[key]
+        return found
+
+    def motion_distances(self, other: Document, first: int, last: int) -> list[float]:
+        key = "motion", other.uuid, first, last
+        if key not in self.kept:
+            motion = pose_features(other.body.stretch(NEEDS))[first - 1 : last]
+            if self.body.frame_time is None or other.body.frame_time is None:
+                self.kept[key] = [math.nan] * len(self.frames)
+            else:
+                asked = motion
+                if self.body.frame_time != other.body.frame_time:
+                    asked = at_rate(motion, other.body.frame_time, self.body.frame_time)
+                self.kept[key] = motion_distances(self.features, asked).tolist()
+        found: list[float] = self.kept[key]
+        return found
+
+    def address(self, frame: int, bone: int | None = None) -> Node:
+        inner = "" if bone is None else f"/frame_bone[{bone + 1}]"
+        return self.uuid, f"/mcml/motion/frame[{frame + 1}]{inner}"
+
+
+def read_documents(database: Database, at: dict[str, int] | None = None) -> list[Document]:
+    """All of a store in the order of answers. at: revisions of some, which alone are read then."""
+    with database.read() as tx:
+        stored = list(tx.documents.page(DocumentFilter(), after=None, limit=1000))
+        commits = {uuid: tx.documents.commit_of(tx.documents.get(uuid).key, n) for uuid, n in (at or {}).items()}
+    if at is None:
+        with database.read() as tx:
+            return [_read(tx, one) for one in stored]
+    found = []
+    for uuid, commit in commits.items():
+        with database.read(commit) as tx:
+            found.append(_read(tx, tx.documents.get(uuid)))
+    return found
+
+
+def _read(tx: Any, stored: Any) -> Document:
+    content = b"".join(export_document(tx, stored, ExportOptions("mcml")).content)
+    tree = etree.parse(io.BytesIO(content), etree.XMLParser(remove_blank_text=True))
+    frames = [
+        Frame(
+            [str(name.text) for name in frame.iter("motion_name")],
+            [
+                (str(bone.get("name")), {str(key): float(value) for key, value in bone.items() if key != "name"})
+                for bone in frame.iter("frame_bone")
+            ],
+        )
+        for frame in tree.iter("frame")
+    ]
+    body = read_body(tx, stored, {})
+    turned = {name: read_turned(tx, stored, name, body).tolist() for name in TURNED}
+    return Document(stored.uuid, stored.name, stored.revision, frames, body, turned)
+
+
+def best_runs(documents: Sequence[Document], frames: Asked, wanted: int, key: Asked | None) -> list[Node]:
+    """The frames of the best runs, the best run first; of equal ones the one that comes first."""
+    found: list[tuple[float, list[Node]]] = []
+    for document in documents:
+        chosen = [number for number, holds in enumerate(document.all(frames)) if holds]
+        for first, last in document.runs(chosen, 0.0):
+            if key is None:
+                score = (last - first + 1) * document.seconds
+            else:
+                known = [v for v in document.all(key)[first : last + 1] if v is not None and v == v]
+                score = max(known) if known else math.nan
+            if score == score:
+                found.append((score, [document.address(frame) for frame in range(first, last + 1)]))
+    found.sort(key=lambda run: -run[0])
+    return [node for _, run in found[:wanted] for node in run]

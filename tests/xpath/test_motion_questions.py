@@ -1,0 +1,213 @@
+"""Questions about bodies in motion one by one: contexts, refusals, several documents of a name, runs and pages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
+from service.errors import LimitError, QueryError
+from service.settings import Settings
+from service.storage.database import Database
+from service.xpath.queries import Queries
+from tests.builders import ASF, MCML, amc, one_kind, store
+from tests.motion.bodies.made import person
+from tests.xpath.motion_twin import Document, read_documents
+
+pytestmark = one_kind
+FILES = {
+    "a.bvh": person(1, 30), "b.bvh": person(2, 20, 1 / 30), "hand.mcml": MCML, "leg.asf": ASF, "leg.amc": amc(4),
+}  # fmt: skip
+
+
+@pytest.fixture
+def engine(database: Database) -> Iterator[Queries]:
+    store(database, FILES)
+    engine = Queries(database, Settings(cache_dir="none"))
+    yield engine
+    engine.close()
+
+
+def nodes(engine: Queries, text: str, **asked: Any) -> list[tuple[str, str]]:
+    """(name of the document, address) of the nodes of an answer."""
+    found = []
+    names = {one.uuid: one.name for one in read_documents(engine.database)}
+    cursor = None
+    while True:
+        answer = engine.answer(QueryRequest(q=text, cursor=cursor, **asked))
+        found += [(names[i.document], i.address) for i in answer.items or [] if isinstance(i, NodeItem)]
+        cursor = answer.next_cursor
+        if cursor is None:
+            return found
+
+
+def values(engine: Queries, text: str, **asked: Any) -> list[Any]:
+    answer = engine.answer(QueryRequest(q=text, **asked))
+    return [item.value for item in answer.items or [] if isinstance(item, ValueItem | ScalarItem)]
+
+
+def twins(engine: Queries) -> dict[str, Document]:
+    return {one.name: one for one in read_documents(engine.database)}
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "what"),
+    [
+        ("//frame[mo:window(-mo:leg(), 0)]", 19, "the same from in every frame"),
+        ("//frame[mo:window(0, position())]", 22, "the same to in every frame"),
+        ("mo:runs(//frame, avg(//frame/mo:time()))", 18, "the same least"),
+        ("//frame[mo:pose-distance(@id, 1) < 1]", 26, "the same document"),
+        ("//frame[mo:rate(position()) > 0]", 17, "cannot ask for position"),
+        ("mo:top(2, //frame, last())", 20, "cannot ask for position"),
+        ("//frame[mo:angle('left-knee-flexoin') > 0]", 9, "is not the name of an angle"),
+        ("//frame[mo:angle('Root', 'Head') > 0]", 9, "three joints"),
+        ("//frame[mo:position('Root', 'w') > 0]", 9, "no axis"),
+        ("mo:runs('walk', 1)", 9, "where nodes are needed"),
+        ("mo:top(1, 3)", 11, "where nodes are needed"),
+    ],
+)
+def test_what_has_no_meaning_is_refused(engine: Queries, text: str, column: int, what: str) -> None:
+    with pytest.raises(QueryError, match=what) as caught:
+        engine.answer(QueryRequest(q=text))
+    assert caught.value.at is not None
+    assert caught.value.at.column == column
+    assert caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("mo:runs(/mcml, 1)", "Runs are of frames"),
+        ("mo:top(1, //frame_bone)", "Runs are of frames"),
+        ("//frame[mo:window(-1, 0, 'seconds')]", "of seconds, or of 'frames'"),
+        ("//frame[mo:pose-distance('nobody', 1) < 1]", "no document 'nobody'"),
+        ("//frame[mo:pose-distance('a', 31) < 1]", "no such frames"),
+        ("//frame[mo:pose-distance('a', 1.5) < 1]", "no such frames"),
+        ("//frame[mo:motion-distance('a', 9, 3) < 1]", "no such frames"),
+    ],
+)
+def test_what_is_not_there_is_told(engine: Queries, text: str, what: str) -> None:
+    with pytest.raises(QueryError, match=what):
+        engine.answer(QueryRequest(q=text))
+
+
+def test_what_columns_have_no_answer_to_is_refused(engine: Queries) -> None:
+    """Bodies are not in the XML, which is evaluated otherwise."""
+    with pytest.raises(LimitError, match="question about bodies"):
+        engine.answer(QueryRequest(q="//frame[some $x in (1, 2) satisfies mo:rate($x * mo:time()) > 3]"))
+
+
+def test_contexts(engine: Queries) -> None:
+    """A node inside of a frame is that frame; a head has no frame, but the document's leg and unit."""
+    assert nodes(engine, "//motion_name[mo:time() > 0.05]") == [("hand", "/mcml/motion/frame[3]/motion_name")]
+    assert nodes(engine, "//frame_bone/@Tx[mo:time() = 0]") == [
+        (name, "/mcml/motion/frame[1]/frame_bone[1]/@Tx") for name in ("a", "b", "hand")
+    ]
+    assert nodes(engine, "//header[mo:time() >= 0 or mo:contact('Root') or mo:window(-9, 9)]") == []
+    assert nodes(engine, "//header[mo:leg() > 0.5]") == [("a", "/mcml/header"), ("b", "/mcml/header")]
+    assert nodes(engine, "/mcml[not(mo:unit() > 0)]/header/filename") == [
+        (name, "/mcml/header/filename") for name in ("hand", "leg")
+    ]
+
+
+def test_a_frame_bone_is_the_joint_of_its_name(engine: Queries) -> None:
+    a = twins(engine)["a"]
+    names = [name for name, _ in a.frames[0].bones]
+    found = values(engine, "//frame[3]/frame_bone/mo:height(.)", document=[a.uuid], limit=100)
+    assert found == [a.quantity("height", name)[2] for name in names]
+    both = "//frame[mo:distance(frame_bone[@name='Head'], 'Root') != mo:distance('Root', 'Head')]"
+    assert nodes(engine, both, document=[a.uuid]) == []
+
+
+def test_extremes_of_what_is_not_known(engine: Queries) -> None:
+    """As XPath says, NaN; so a document without frame times is not longer than anything."""
+    assert engine.answer(QueryRequest(q="max(//frame/mo:time())")).value == "NaN"
+    assert engine.answer(QueryRequest(q="max(//frame[mo:time() >= 0]/mo:time())")).value == pytest.approx(19 / 30)
+    longer = nodes(engine, "/mcml[max(motion/frame/mo:time()) > 0.1]/header/filename")
+    assert [name for name, _ in longer] == ["a", "b"]
+    assert nodes(engine, "//frame[min(mo:window(-0.1, 0)[mo:time() >= 0]/mo:speed('Root')) > 1000]") == []
+
+
+def test_values_of_documents(engine: Queries) -> None:
+    found = values(engine, "count(//frame[mo:height('Head') > 1.6])", per="document")
+    wanted = [sum(height > 1.6 for height in one.quantity("height", "Head")) for one in twins(engine).values()]
+    assert found == wanted
+    assert sum(wanted) > 0
+
+
+@pytest.mark.parametrize("limit", [1, 2, 100])
+def test_runs_and_their_pages(engine: Queries, limit: int) -> None:
+    text = "mo:runs(//frame[mo:height('left_hand') > 0.9], 0.05, 0.04)"
+    twin = twins(engine)
+    wanted = []
+    for one in twin.values():
+        high = [n for n, height in enumerate(one.quantity("height", "left_hand")) if height > 0.9]
+        kept = one.long_runs(high, 0.05, 0.04)
+        wanted += [(one.uuid, first + 1, last + 1) for first, last in one.runs(kept, 0.0)]
+    found = []
+    cursor = None
+    while True:
+        answer = engine.answer(QueryRequest(q=text, limit=limit, cursor=cursor, **{"as": "runs"}))
+        found += [(item.document, item.first, item.last) for item in answer.items or [] if isinstance(item, RunItem)]
+        cursor = answer.next_cursor
+        if cursor is None:
+            break
+    assert found == wanted
+    assert len(wanted) > 1
+
+
+def test_the_best_runs_come_best_first(engine: Queries) -> None:
+    """On every page, and as runs; those of one score in the order of the scope."""
+    frames = "//frame[mo:height('left_hand') > 1]"
+    whole = nodes(engine, f"mo:top(5, {frames}, mo:speed('left_hand'))", limit=1000)
+    assert nodes(engine, f"mo:top(5, {frames}, mo:speed('left_hand'))", limit=7) == whole
+    runs = engine.answer(QueryRequest(q=f"mo:top(5, {frames}, mo:speed('left_hand'))", **{"as": "runs"})).items or []
+    twin = twins(engine)
+    found = [
+        max(twin[run.name].quantity("speed", "left_hand")[run.first - 1 : run.last])
+        for run in runs
+        if isinstance(run, RunItem)
+    ]
+    assert found == sorted(found, reverse=True)
+    assert len(found) > 1
+    assert nodes(engine, "mo:top(1, //frame[mo:time() = 0], 7)") == [("a", "/mcml/motion/frame[1]")]
+    assert nodes(engine, "mo:top(0, //frame)") == nodes(engine, "mo:top(-3, //frame)") == []
+    assert nodes(engine, "mo:top(9, //frame[mo:time() = 0], mo:height('nobody'))") == []
+
+
+def test_documents_are_named_by_their_names_or_ids(engine: Queries) -> None:
+    twin = twins(engine)["a"]
+    by_name = nodes(engine, "//frame[mo:pose-distance('a', 3) < 0.3]")
+    assert by_name == nodes(engine, f"//frame[mo:pose-distance('{twin.uuid}', 3) < 0.3]")
+    assert ("a", "/mcml/motion/frame[3]") in by_name
+    assert values(engine, "//frame[3]/mo:pose-distance('a', 3)", document=[twin.uuid]) == [pytest.approx(0, abs=1e-6)]
+    store(engine.database, {"a.bvh": person(3, 5)})
+    with pytest.raises(QueryError, match="2 documents are named 'a'") as caught:
+        nodes(engine, "//frame[mo:pose-distance('a', 3) < 0.3]")
+    assert twin.uuid in (caught.value.remedy or "")
+
+
+def test_guesses(engine: Queries) -> None:
+    """Everything here rests on some: no document is left."""
+    assert nodes(engine, "//frame[mo:height('Head') > 0]", guesses="no") == []
+    assert len(nodes(engine, "//header", guesses="no")) == 4
+    warnings = engine.answer(QueryRequest(q="//frame[mo:height('Head') > 0]")).warnings
+    assert any("guesses=no" in one for one in warnings)
+
+
+def test_plans_say_what_is_looked_at(engine: Queries) -> None:
+    def plan(text: str) -> list[str]:
+        explained = engine.answer(QueryRequest(q=text, explain=True)).explain
+        assert explained is not None
+        return explained.plan
+
+    rise = "//frame[mo:height('Root') - min(mo:window(-1, 0)/mo:height('Root')) > 0.2]"
+    assert plan(rise)[-2:] == [
+        "columns of mo:height('Root'): a number for every frame of 4 documents",
+        "mo:window(-1, 0) of all frames together",
+    ]
+    fast = plan("count(mo:top(2, //frame, mo:rate(mo:angle('left-knee-flexion'))))")
+    assert fast[-1].startswith("columns of mo:rate(mo:angle('left-knee-flexion')), mo:angle('left-knee-flexion'): ")
+    assert not any("columns of mo" in step for step in plan("//frame[@id='1']"))
