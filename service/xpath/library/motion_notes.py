@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 
 import numpy as np
 
-from service.errors import McmlError
+from service.errors import LimitError, McmlError
 from service.motion.bodies.quantities import QUANTITIES, joints_of
 from service.storage.columns import Listed
 from service.storage.database import Transaction
@@ -31,6 +31,15 @@ OF_TIMES = frozenset({"s", "m/s", "m/s2", "per s"})
 def motion_calls(tree: Expression) -> list[Call]:
     """The calls of functions of bodies in motion."""
     return [part for part in walk(tree) if isinstance(part, Call) and part.function in MOTION_FUNCTIONS]
+
+
+def beyond_columns() -> LimitError:
+    """The error of a question about bodies that columns do not answer: no XML has what it asks for."""
+    return LimitError(
+        "This question about bodies reaches too much at once, or asks for what columns have no answer to.",
+        remedy="Ask fewer documents, or put what is asked of a frame into a predicate of //frame.",
+        code="query-too-large",
+    )
 
 
 def notes(tx: Transaction, caches: Caches, scope: Scope, calls: Sequence[Call]) -> list[str]:
