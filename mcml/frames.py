@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,22 +12,26 @@ class Frames(np.ndarray):
     """Frames of frames: (frames, columns) of channels, or (frames, bones, 3 or 4) of positions or rotations.
 
     columns: what the second axis is: BONE.CHANNEL, or bones. times: (frames,) seconds from the first frame, NaN where
-    the rate is unknown. ids: of the frames. What is made of it by NumPy is a plain array, without them.
+    the rate is unknown. ids: of the frames. units: of the columns, where quantities of the body were asked; "" of
+    channels. What is made of it by NumPy is a plain array, without them.
     """
 
     columns: list[str]
     times: np.ndarray
     ids: list[str]
+    units: list[str]
 
     @classmethod
-    def of(cls, values: np.ndarray, columns: list[str], times: np.ndarray, ids: list[str]) -> Frames:
+    def of(
+        cls, values: np.ndarray, columns: list[str], times: np.ndarray, ids: list[str], units: Sequence[str] = ()
+    ) -> Frames:
         """The values with what they are."""
         made = np.asarray(values).view(cls)
-        made.columns, made.times, made.ids = columns, times, ids
+        made.columns, made.times, made.ids, made.units = columns, times, ids, list(units)
         return made
 
     def __array_finalize__(self, made_of: Any) -> None:
-        self.columns, self.times, self.ids = [], np.empty(0), []
+        self.columns, self.times, self.ids, self.units = [], np.empty(0), [], []
 
     def __array_wrap__(self, made: np.ndarray, context: Any = None, return_scalar: bool = False) -> Any:
         return made[()] if return_scalar else np.asarray(made)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -231,17 +231,26 @@ class Document:
         return list(self._repository._client.every("list_labels", id=self.id).items)
 
     def frames(
-        self, *bones: str, space: Space = "channels", first: int = 1, last: int | None = None, step: int = 1
+        self,
+        *bones: str,
+        space: Space = "channels",
+        quantity: str | Sequence[str] = (),
+        first: int = 1,
+        last: int | None = None,
+        step: int = 1,
     ) -> Frames:
         """Frames of frames first to last as an array: channels in the source's units, or positions or rotations.
 
         bones: MCML's names; default all. space: "channels" (frames, columns), "positions" (frames, bones, 3) or
-        "rotations" (frames, bones, 4; x y z w), global, by forward kinematics.
+        "rotations" (frames, bones, 4; x y z w), global, by forward kinematics. quantity: of the body, in metres,
+        seconds and degrees, such as "height:left_hand" or "speed:right_hand,Root", as columns after those of bones;
+        without bones alone. Their units are the `units` of the answer.
         """
         content = self._call(
             "get_frames",
             bone=list(bones) or None,
             space=space,
+            quantity=([quantity] if isinstance(quantity, str) else list(quantity)) or None,
             first=first,
             last=last,
             step=step,
@@ -300,4 +309,5 @@ def _numbers(content: Content) -> Frames:
     import io
 
     found = np.load(io.BytesIO(b"".join(map(bytes, content.blocks))))
-    return Frames.of(found["values"], found["columns"].tolist(), found["times"], found["ids"].tolist())
+    units = found["units"].tolist() if "units" in found else []
+    return Frames.of(found["values"], found["columns"].tolist(), found["times"], found["ids"].tolist(), units)

@@ -32,6 +32,7 @@ BY_HAND = {
     "delete": "documents:delete",
     "purge": "purging:purge",
     "frames": "frames:frames",
+    "numbers": "numbers:numbers",
     "compose": "composing:compose",
     "retarget": "composing:retarget",
     "labels suggest": "labels:suggest",

@@ -6,8 +6,9 @@ import io
 import math
 import zlib
 from collections.abc import Iterator
+from functools import partial
 from itertools import chain
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 from urllib.parse import quote
 
 import numpy as np
@@ -25,9 +26,11 @@ from service.actions.exporting.write_tables import (
     npz_blocks,
     plain_blocks,
     write_columns,
+    write_csv,
 )
 from service.actions.reading.read_numbers import Numbers, Space, chosen_bones, read_numbers
 from service.actions.reading.read_origin import origin_of
+from service.actions.reading.read_quantities import asked_quantity, quantity_columns, with_quantities
 from service.actions.reading.reduce_frames import reduce_frames
 from service.clips.read_clip import StoredClip, read_clip
 from service.errors import DocumentError, RequestError
@@ -47,6 +50,7 @@ from service.operations.arguments import (
 )
 from service.operations.call import Call, Content
 from service.operations.operation import Body, gives
+from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 
@@ -58,7 +62,7 @@ NPY = "a NumPy file of (frames, columns), the columns named by `column`"
 
 @gives(
     "A page of frames; or with another `format` a file of all of them",
-    {"application/octet-stream": None, TYPES["block"]: None, TYPES["arrow"]: None, TYPES["parquet"]: None},
+    {"application/octet-stream": None, **{TYPES[form]: None for form in ("block", "arrow", "parquet", "csv")}},
 )
 def get_frames(
     call: Call,
@@ -69,7 +73,18 @@ def get_frames(
     last: Last = None,
     step: Annotated[int, Field(ge=1, le=MOST, description="Every step-th frame, from `first` on", examples=[4])] = 1,
     bone: Annotated[
-        list[str] | None, Field(description="Bones by MCML name; default all", examples=[["Root", "left_up_leg"]])
+        list[str] | None,
+        Field(
+            description="Bones by MCML name; default all, or none beside quantities", examples=[["Root", "left_up_leg"]]
+        ),
+    ] = None,
+    quantity: Annotated[
+        list[str] | None,
+        Field(
+            max_length=100,
+            description="Quantities of the body, as columns after those of bones: NAME:JOINT,JOINT or angle:NAME",
+            examples=[["angle:left-knee-flexion", "speed:right_hand,Root"]],
+        ),
     ] = None,
     space: Annotated[
         Space,
@@ -77,7 +92,7 @@ def get_frames(
     ] = "channels",
     dtype: Annotated[Literal["f8", "f4"], Field(description="Numbers of the file")] = "f8",
     format: Annotated[
-        Literal["json", "npy", "npz", "block", "arrow", "parquet"],
+        Literal["json", "npy", "npz", "block", "arrow", "parquet", "csv"],
         Field(description="A page of JSON; or one array, arrays with their columns, numbers alone, a table"),
     ] = "json",
     origin: Annotated[
@@ -102,7 +117,13 @@ def get_frames(
     rotations (frames, bones, 4), bones in the order of `columns`. `npy` is `values` alone; a header names its columns
     where they are few. `block` is `npy` without its head: numbers alone, little-endian, frame after frame; the header
     `x-mcml-shape` has the lengths of its axes. `arrow` (an IPC stream) and `parquet` are tables of frame, id, time and
-    a column for each number; they need the extra `arrow`. With a `revision` the answer never changes, and says so.
+    a column for each number, as is `csv`; the first two need the extra `arrow`. With a `revision` the answer never
+    changes, and says so.
+
+    A `quantity` (docs/motion.md) is in metres, seconds and degrees, NaN where unknown: `height:left_hand`,
+    `position:left_hand,up`, `angle:left-knee-flexion`, `speed:right_hand,Root`, `contact:left_toes` (1 or 0). The
+    units of columns are `units` in `npz`, the header `x-mcml-units` of `npy` and `block`, and `unit` of the fields of
+    `arrow` and `parquet`; those of channels are empty.
 
     `reduce=minmax` answers (stretches, columns, 2) as `npy` or `block`; the header `x-mcml-step` says how many frames a
     stretch has (a multiple of 256 where that is 256 or more: then nothing is unpacked for it).
@@ -111,6 +132,8 @@ def get_frames(
         raise RequestError("Only positions have an origin.", remedy="Ask with space=positions, in a format of numbers.")
     if tips and (space != "positions" or format == "json"):
         raise RequestError("Only positions have tips.", remedy="Ask with space=positions, in a format of numbers.")
+    if quantity and (space != "channels" or format == "json" or reduce is not None):
+        raise RequestError("Quantities stand beside channels.", remedy="Ask with format=npz, arrow or csv, say.")
     if reduce is not None:
         if space != "channels" or format not in ("npy", "block") or step != 1:
             raise RequestError(
@@ -118,12 +141,18 @@ def get_frames(
             )
         return _reduced(call, id, revision, (first, last, pixels), bone, dtype, format)
     if format != "json":
+        asked_for = [asked_quantity(one) for one in dict.fromkeys(quantity or ())]
         then, stored = at_revision(call.read(), id, revision)
-        asked = f"{space}-{dtype}-{zlib.crc32(repr(bone).encode())}-{origin}-{missing}-{tips}"
+        asked = f"{space}-{dtype}-{zlib.crc32(repr((bone, quantity)).encode())}-{origin}-{missing}-{tips}"
         call.tagged(tag(stored, f"{format}-{first}-{last}-{step}-{asked}"), lasting=revision is not None)
         source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
         point = origin_of(then, source) if origin == "subtract" else None
         numbers = read_numbers(source.clip, source.names, bone, space, origin=point, held=missing == "hold", tips=tips)
+        if asked_for:
+            # Kept with those that queries look at; a document has all that a body is read by.
+            (body,) = call.queries.caches.bodies.read(then, [cast("Listed", stored)])
+            made = quantity_columns(then, stored, body, asked_for, source.first, source.last)[::step]
+            numbers = with_quantities(numbers, asked_for, made, alone=not bone)
         found = _file(source, numbers, first, step, dtype, format)
         if point is not None:
             found.facts["origin"] = ",".join(map(repr, point.tolist()))
@@ -182,10 +211,10 @@ def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: st
     if form == "npy":
         size = len(npy_header(shape, dtype)) + math.prod(shape) * np.dtype(dtype).itemsize
         values: Iterator[bytes | memoryview] = npy_blocks((block for block, _ in numbers.blocks()), shape, dtype)
-        return Content(values, TYPES[form], name, size=size, facts=_short(numbers.columns))
+        return Content(values, TYPES[form], name, size=size, facts=_told(numbers))
     if form == "block":
         values = plain_blocks((block for block, _ in numbers.blocks()), dtype)
-        facts = _short(numbers.columns) | {"shape": ",".join(map(str, shape))}
+        facts = _told(numbers) | {"shape": ",".join(map(str, shape))}
         return Content(values, TYPES[form], size=math.prod(shape) * np.dtype(dtype).itemsize, facts=facts)
     if form == "npz":
         ids: list[str] = []
@@ -201,7 +230,12 @@ def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: st
             "ids": lambda: npy_of(ids),
             "times": lambda: npy_of(np.arange(frames) * seconds),
         }
+        if numbers.units is not None:
+            arrays["units"] = partial(npy_of, numbers.units)
         return Content(npz_blocks(arrays), TYPES[form], name)
+
+    # The quantity `time`, from frame 1, is not the time from the first frame of the table.
+    columns = ["mo:time" if column == "time" else column for column in numbers.flat_columns]
 
     def batches() -> Iterator[dict[str, Any]]:
         done = 0
@@ -212,11 +246,20 @@ def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: st
                 "frame": first + places * step,
                 "id": list(map(str, names)),
                 "time": places * seconds,
-                **{column: rows[:, index] for index, column in enumerate(numbers.flat_columns)},
+                **{column: rows[:, index] for index, column in enumerate(columns)},
             }
             done += len(block)
 
-    return Content(write_columns(form, batches()), TYPES[form], name)
+    if form == "csv":
+        return Content(write_csv(batches()), TYPES[form], name)
+    units = {} if numbers.units is None else dict(zip(columns, numbers.units, strict=True))
+    return Content(write_columns(form, batches(), units=units), TYPES[form], name)
+
+
+def _told(numbers: Numbers) -> dict[str, str]:
+    """The names of columns, and their units where some are quantities."""
+    found = _short(numbers.columns)
+    return found if numbers.units is None or not found else found | {"units": ",".join(numbers.units)}
 
 
 def _short(columns: list[str]) -> dict[str, str]:

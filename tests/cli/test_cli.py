@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from service.cli import main
@@ -61,6 +62,24 @@ def test_a_first_session(mcml: Mcml, tmp_path: Path) -> None:
     assert (tmp_path / "out.bvh").read_bytes() == bvh(30)
     assert mcml("export", uuid, "--format", "mcml", "-o", "-")[1].startswith("<?xml")
     assert "skipped" in mcml("import", "walk.bvh")[1]
+
+
+def test_numbers(mcml: Mcml, tmp_path: Path) -> None:
+    mcml("import", "walk.bvh")
+    code, output, _ = mcml("numbers", "walk", "--bone", "Head", "--quantity", "time", "--first", "3", "--last", "4")
+    assert code == 0
+    head, *rows = output.splitlines()
+    assert head == "frame,id,time,Head.Rz,Head.Rx,Head.Ry,mo:time"
+    assert [row.split(",")[:2] for row in rows] == [["3", "3"], ["4", "4"]]
+    assert [float(rows[0].split(",")[place]) for place in (2, -1)] == [0.0, 2 * 0.0083333]
+    assert mcml("numbers", "walk", "some.npz", "--quantity", "height:Head")[0] == 0
+    assert np.load(tmp_path / "some.npz")["units"].tolist() == ["m"]
+    code, _, errors = mcml("numbers", "walk", "some.txt")
+    assert code == 2
+    assert "some.txt" in errors
+    code, _, errors = mcml("numbers", "walk", "--quantity", "hight:Head")
+    assert code == 2
+    assert "no quantity 'hight'" in errors
 
 
 def test_a_folder_with_a_bad_file_is_done_in_part(mcml: Mcml) -> None:

@@ -1,7 +1,8 @@
-"""Numbers and rows as files of columns: NumPy's npy and npz, Arrow IPC, Parquet. Streams: a block at a time."""
+"""Numbers and rows as files of columns: NumPy's npy and npz, Arrow IPC, Parquet, CSV. Streams: a block at a time."""
 
 from __future__ import annotations
 
+import csv
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain, islice
@@ -26,6 +27,7 @@ TYPES = {
     "npz": "application/octet-stream",
     "arrow": "application/vnd.apache.arrow.stream",
     "parquet": "application/vnd.apache.parquet",
+    "csv": "text/csv",
 }
 """Media types by form."""
 
@@ -67,8 +69,24 @@ def batches_of(rows: Iterator[tuple[Any, ...]], names: Sequence[str]) -> Batches
         yield dict(zip(names, map(list, zip(*some, strict=True)), strict=True))
 
 
-def write_columns(form: str, batches: Batches, types: Mapping[str, str] | None = None) -> Iterator[bytes]:
-    """Batches as an Arrow stream or a Parquet file. form: "arrow" or "parquet".
+def write_csv(batches: Batches) -> Iterator[bytes]:
+    """Batches as CSV (RFC 4180) with a row of names; what is not known is empty."""
+    head = True
+    for batch in batches:
+        content = io.StringIO()
+        writer = csv.writer(content)
+        if head:
+            writer.writerow(batch)
+            head = False
+        columns = [np.asarray(column).tolist() for column in batch.values()]
+        writer.writerows(["" if value != value else value for value in row] for row in zip(*columns, strict=True))
+        yield content.getvalue().encode()
+
+
+def write_columns(
+    form: str, batches: Batches, types: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None
+) -> Iterator[bytes]:
+    """Batches as an Arrow stream or a Parquet file. form: "arrow" or "parquet". units: of some columns.
 
     types: of the columns, as Arrow names them ("string", "int64"), where there may be no batch to tell them.
     UnsupportedError where pyarrow is not installed.
@@ -85,6 +103,9 @@ def write_columns(form: str, batches: Batches, types: Mapping[str, str] | None =
     schema = None if types is None else pa.schema([(name, pa.type_for_alias(kind)) for name, kind in types.items()])
     empty: dict[str, Any] = {} if types is None else {name: [] for name in types}
     first = pa.RecordBatch.from_pydict(dict(next(batches, empty)), schema)
+    if units:
+        fields = [one.with_metadata({"unit": units[one.name]}) if one.name in units else one for one in first.schema]
+        first = pa.RecordBatch.from_arrays(first.columns, schema=pa.schema(fields))
     sink = pa.PythonFile(tail, "w")
     if form == "arrow":
         writer: Any = pa.ipc.new_stream(sink, first.schema)

@@ -26,11 +26,13 @@ class Numbers:
     """columns: what the numbers of a frame are: BONE.CHANNEL, or bones where each has a vector.
 
     shape: of one frame, (columns,) or (bones, 3) or (bones, 4). blocks: (numbers (F, *shape), ids of the frames).
+    units: of the columns, where some are quantities of the body; channels have none here.
     """
 
     columns: list[str]
     shape: tuple[int, ...]
     blocks: Callable[[], Iterator[tuple[Array, NDArray[np.int64] | list[str]]]]
+    units: list[str] | None = None
 
     @property
     def flat_columns(self) -> list[str]:

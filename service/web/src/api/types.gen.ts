@@ -4598,9 +4598,10 @@ export interface operations {
                 last?: number | null;
                 step?: number;
                 bone?: string[] | null;
+                quantity?: string[] | null;
                 space?: "channels" | "positions" | "rotations";
                 dtype?: "f8" | "f4";
-                format?: "json" | "npy" | "npz" | "block" | "arrow" | "parquet";
+                format?: "json" | "npy" | "npz" | "block" | "arrow" | "parquet" | "csv";
                 origin?: "keep" | "subtract";
                 missing?: "hold" | "nan";
                 tips?: boolean;
@@ -4625,6 +4626,7 @@ export interface operations {
                     "application/vnd.mcml.block": unknown;
                     "application/vnd.apache.arrow.stream": unknown;
                     "application/vnd.apache.parquet": unknown;
+                    "text/csv": unknown;
                 };
             };
             503: {
