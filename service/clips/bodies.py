@@ -53,10 +53,14 @@ class Body:
     def nbytes(self) -> int:
         return sum(map(len, self.blocks)) + 2000
 
-    def stretch(self, joints: Collection[str]) -> Stretch:
-        """All of it, with the joints of these names that it has."""
-        places = {name: unpack(self.blocks, place) for place, name in enumerate(self.names) if name in joints}
-        return Stretch(places, self.frames, self.frame_time, self.calibration)
+    def stretch(self, joints: Collection[str], first: int = 0, end: int | None = None) -> Stretch:
+        """The frames from `first` (from 0) to before `end`, by default all, with the joints of these names that it
+        has."""
+        frames = range(self.frames)[first:end]
+        places = {
+            name: unpack(self.blocks, place)[first:end] for place, name in enumerate(self.names) if name in joints
+        }
+        return Stretch(places, len(frames), self.frame_time, self.calibration, first=first)
 
     def facts(self) -> dict[str, Any]:
         """All but the positions, as plain values for JSON."""
