@@ -77,9 +77,9 @@ def test_numbers(mcml: Mcml, tmp_path: Path) -> None:
     code, _, errors = mcml("numbers", "walk", "some.txt")
     assert code == 2
     assert "some.txt" in errors
-    code, _, errors = mcml("numbers", "walk", "--quantity", "hight:Head")
+    code, _, errors = mcml("numbers", "walk", "--quantity", "altitude:Head")
     assert code == 2
-    assert "no quantity 'hight'" in errors
+    assert "no quantity 'altitude'" in errors
 
 
 def test_a_folder_with_a_bad_file_is_done_in_part(mcml: Mcml) -> None:

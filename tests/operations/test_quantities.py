@@ -95,7 +95,7 @@ def test_what_is_not_known_is_nan_and_empty_in_tables(client: TestClient, databa
 @pytest.mark.parametrize(
     ("query", "status", "words"),
     [
-        ({"quantity": "hight:Head"}, 422, ["no quantity 'hight'", "height"]),
+        ({"quantity": "altitude:Head"}, 422, ["no quantity 'altitude'", "height"]),
         ({"quantity": "height"}, 422, ["does not take 0 arguments", "joint"]),
         ({"quantity": "height:Head,Root"}, 422, ["does not take 2 arguments"]),
         ({"quantity": "angle:left-knee-flexoin"}, 422, ["not the name of an angle", "left-knee-flexion"]),
