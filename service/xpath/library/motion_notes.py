@@ -79,7 +79,7 @@ def _notes(parts: Sequence[BodyFacts], calls: Sequence[Call]) -> Iterator[str]:
         yield f"{count:,} {many} left out: their frame time is not known."
     for call in dict.fromkeys(calls):
         if count := sum(_lacking(part, call) for part in parts):
-            yield f"{count:,} {many} left out: they have not the joints of {_written(call)}."
+            yield f"{count:,} {many} left out: they lack joints of {_written(call)}."
     needed = rested_on(calls)
     if count := sum(int(part.rests_on_guesses(needed).sum()) for part in parts):
         yield f"{count:,} {many} rest on a guessed {_listed(needed)}; guesses=no leaves them out."
