@@ -52,6 +52,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, d
                 "nothing": "/library?q=nothing+is+called+so",
                 "tree": clip,
                 "graph": f"{clip}&tab=graph",
+                "body": f"{clip}&tab=body",
                 "structure": f"{clip}&tab=structure",
                 "text": f"{clip}&tab=text",
                 "history": f"{clip}&tab=history",
@@ -90,7 +91,8 @@ def beats_of(database: Database) -> str:
 
 
 PAGES = [
-    "library", "list", "nothing", "tree", "graph", "structure", "text", "history", "info", "xpath", "xpath-empty",
+    "library", "list", "nothing", "tree", "graph", "body", "structure", "text", "history", "info", "xpath",
+    "xpath-empty",
     "composer", "composer-empty", "retarget", "retarget-empty", "analyses", "analysis", "result",
     "result-table", "blender-empty", "blender", "blender-gap", "blender-examples", "blender-fit",
     "faces", "faces-start", "dance-start", "settings",
@@ -107,7 +109,7 @@ def shown(page: Any, name: str) -> None:
           return window.still > 4;
         }"""
     )
-    if name in ("tree", "graph", "structure", "text", "history", "info"):
+    if name in ("tree", "graph", "body", "structure", "text", "history", "info"):
         ready(page)
     if name in ("library", "list"):
         page.wait_for_function("() => document.querySelectorAll('[data-id], .list-row[data-row]').length >= 8")

@@ -193,6 +193,11 @@ export async function curvesOf(id: string, revision: number, bone: string, signa
   return new Float64Array(await bytes(id, { revision, bone, format: "block", dtype: "f8" }, signal));
 }
 
+/** A quantity of the body (`height:left_hand`) in all frames, NaN where unknown: (frames,). */
+export async function quantityOf(id: string, revision: number, quantity: string, signal: AbortSignal): Promise<Float64Array> {
+  return new Float64Array(await bytes(id, { revision, quantity, format: "block", dtype: "f8" }, signal));
+}
+
 async function bytes(id: string, query: object, signal: AbortSignal): Promise<ArrayBuffer> {
   return (await fetched(address("/documents/{id}/frames", { id }, query), { signal })).arrayBuffer();
 }

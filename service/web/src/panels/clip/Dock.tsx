@@ -4,6 +4,7 @@ import { param, setParams } from "../../state/route";
 import { Tabs } from "../../ui/Tabs";
 import type { Word } from "../../words";
 import { w } from "../../words";
+import { Body } from "./Body";
 import { Graph } from "./Graph";
 import { History } from "./History";
 import { Info } from "./Info";
@@ -14,7 +15,7 @@ import { lazy } from "../../shell/lazy";
 const Text = lazy(async () => (await import("./Text")).TextView);
 
 const VIEWS: { id: string; word: Word }[] = [
-  { id: "tree", word: "tree" }, { id: "graph", word: "graph" }, { id: "structure", word: "structure" },
+  { id: "tree", word: "tree" }, { id: "graph", word: "graph" }, { id: "body", word: "bodyTab" }, { id: "structure", word: "structure" },
   { id: "text", word: "text" }, { id: "history", word: "history" }, { id: "info", word: "info" },
 ];
 
@@ -26,6 +27,7 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
       <div class="dock-view" role="tabpanel" id={`panel-${open}`} aria-labelledby={`tab-${open}`}>
         {open === "tree" && <Tree clip={clip} />}
         {open === "graph" && <Graph clip={clip} reload={reload} />}
+        {open === "body" && <Body clip={clip} reload={reload} />}
         {open === "structure" && <Structure clip={clip} />}
         {open === "text" && <Text clip={clip} reload={reload} />}
         {open === "history" && <History clip={clip} reload={reload} />}

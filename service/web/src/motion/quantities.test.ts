@@ -1,0 +1,33 @@
+import { expect, test } from "vitest";
+import { argumentOf, expression, known, likeThis, rounded, startOf, textOf } from "./quantities";
+
+const bones = ["Root", "left_hand", "it's"];
+
+test("the address says what is shown, else the selected joint", () => {
+  expect(startOf("", "Root", bones)).toEqual({ kind: "height", argument: "Root" });
+  expect(startOf("", undefined, bones)).toEqual({ kind: "height", argument: "left_hand" });
+  expect(startOf("speed:Root", undefined, bones)).toEqual({ kind: "speed", argument: "Root" });
+  expect(startOf("speed:nothing", undefined, bones)).toEqual({ kind: "speed", argument: "left_hand" });
+  expect(startOf("heading", "Root", bones)).toEqual({ kind: "heading", argument: "" });
+  expect(startOf("nonsense:Root", undefined, [])).toEqual({ kind: "height", argument: "" });
+});
+
+test("another kind keeps the joint where it takes one", () => {
+  expect(argumentOf("speed", { kind: "height", argument: "Root" }, bones)).toBe("Root");
+  expect(argumentOf("angle", { kind: "height", argument: "Root" }, bones)).toBe("left-knee-flexion");
+  expect(argumentOf("height", { kind: "angle", argument: "left-knee-flexion" }, bones)).toBe("left_hand");
+  expect(textOf({ kind: "angle", argument: "left-knee-flexion" })).toBe("angle:left-knee-flexion");
+});
+
+test("a threshold becomes a question", () => {
+  expect(expression({ kind: "height", argument: "left_hand" }, 1.5, true)).toBe("//frame[mo:height('left_hand') > 1.5]");
+  expect(expression({ kind: "heading", argument: "" }, -90, false)).toBe("//frame[mo:heading() < -90]");
+  expect(expression({ kind: "contact", argument: "it's" }, 0, true)).toBe('//frame[mo:contact("it\'s")]');
+  expect(likeThis("01a2", 7)).toBe("mo:top(20, //frame[mo:pose-distance('01a2', 7) < 0.15], -mo:pose-distance('01a2', 7))");
+});
+
+test("what is not known has no ends", () => {
+  expect(known(Float64Array.of(NaN, 3, -1, NaN))).toEqual({ low: -1, high: 3 });
+  expect(known(Float64Array.of(NaN))).toBeNull();
+  expect(rounded(1234.567)).toBe(1235);
+});
