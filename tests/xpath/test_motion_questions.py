@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from typing import Any
 
@@ -11,6 +12,7 @@ from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueIt
 from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.database import Database
+from service.xpath.answer.writing import STREAMS
 from service.xpath.queries import Queries
 from tests.builders import ASF, MCML, amc, one_kind, store
 from tests.motion.bodies.made import person
@@ -99,6 +101,19 @@ def test_what_columns_have_no_answer_to_is_refused(engine: Queries) -> None:
         engine.answer(QueryRequest(q="//frame[some $x in (1, 2) satisfies mo:rate($x * mo:time()) > 3]"))
 
 
+@pytest.mark.parametrize(
+    ("text", "per"),
+    [
+        ("//frame[count(mo:top(1, //frame)) > 0]", None),
+        ("mo:top(1, //frame) | //frame[1]", None),
+        ("mo:top(1, //frame)", "document"),
+    ],
+)
+def test_the_best_are_those_of_the_scope(engine: Queries, text: str, per: str | None) -> None:
+    with pytest.raises(QueryError, match="of the whole scope"):
+        engine.answer(QueryRequest(q=text, per=per))
+
+
 def test_contexts(engine: Queries) -> None:
     """A node inside of a frame is that frame; a head has no frame, but the document's leg and unit."""
     assert nodes(engine, "//motion_name[mo:time() > 0.05]") == [("hand", "/mcml/motion/frame[3]/motion_name")]
@@ -156,6 +171,26 @@ def test_runs_and_their_pages(engine: Queries, limit: int) -> None:
             break
     assert found == wanted
     assert len(wanted) > 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "mo:top(5, //frame[mo:height('left_hand') > 1], mo:speed('left_hand'))",
+        "mo:top(5, //frame[mo:height('left_hand') > 1], mo:speed('left_hand'))[2]",
+        "mo:top(2, //frame[mo:height('left_hand') > 1])/frame_bone[1]",
+        "mo:top(1, mo:top(3, //frame[mo:height('left_hand') > 1], mo:speed('Root')))",
+        "mo:runs(//frame[mo:height('left_hand') > 1], 0.05)",
+        "//frame[mo:speed('Root') > 1]/frame_bone[mo:height(.) > 1]",
+        "(//frame[mo:height('left_hand') > 1])[3]",
+    ],
+)
+def test_streams_are_the_pages(engine: Queries, text: str) -> None:
+    names = {one.uuid: one.name for one in read_documents(engine.database)}
+    lines = b"".join(STREAMS["ndjson"][0](engine.stream(QueryRequest(q=text)))).splitlines()
+    found = [(names[node["document"]], node["address"]) for node in map(json.loads, lines)]
+    assert found == nodes(engine, text, limit=11)
+    assert found
 
 
 def test_the_best_runs_come_best_first(engine: Queries) -> None:
