@@ -88,6 +88,8 @@ def test_what_has_no_meaning_is_refused(engine: Queries, text: str, column: int,
         ("//frame[mo:pose-distance('a', 31) < 1]", "no such frames"),
         ("//frame[mo:pose-distance('a', 1.5) < 1]", "no such frames"),
         ("//frame[mo:motion-distance('a', 9, 3) < 1]", "no such frames"),
+        ("//frame[mo:pose-distance('a', 0 div 0) < 1]", "Frames have numbers"),
+        ("//frame[mo:motion-distance('a', 1, 1 div 0) < 1]", "Frames have numbers"),
     ],
 )
 def test_what_is_not_there_is_told(engine: Queries, text: str, what: str) -> None:
@@ -125,6 +127,37 @@ def test_contexts(engine: Queries) -> None:
     assert nodes(engine, "/mcml[not(mo:unit() > 0)]/header/filename") == [
         (name, "/mcml/header/filename") for name in ("hand", "leg")
     ]
+
+
+def test_documents_are_contexts_of_what_is_asked_of_nothing_else(engine: Queries) -> None:
+    legs = [one.quantity("leg")[0] for one in twins(engine).values()]
+    assert values(engine, "mo:leg() > 0") == [leg > 0 for leg in legs]
+    assert values(engine, "mo:leg() * count(//header)")[0] == pytest.approx(legs[0] * len(legs))
+    assert values(engine, "mo:height('Root')") == ["NaN"] * len(legs)
+    assert values(engine, "not(mo:contact('Root'))") == [True] * len(legs)
+    assert values(engine, "(1, 2) ! mo:height('Root')") == ["NaN", "NaN"]
+
+
+def test_bounds_that_are_no_numbers(engine: Queries) -> None:
+    """No frames are between such; what has no end ends with the document."""
+    everything = nodes(engine, "//frame", limit=1000)
+    assert nodes(engine, "//frame[mo:window(0 div 0, 1) or mo:window(0, 0 div 0, 'frames')]") == []
+    assert nodes(engine, "//frame[count(mo:window(-1 div 0, 1 div 0, 'frames')) = count(../frame)]") == everything
+    assert nodes(engine, "mo:runs(//frame, 0 div 0)") == nodes(engine, "mo:runs(//frame, 1 div 0)") == []
+    assert nodes(engine, "mo:top(0 div 0, //frame)") == []
+    assert sorted(nodes(engine, "mo:top(1 div 0, //frame, 1)")) == sorted(everything)
+
+
+def test_runs_of_sequences(engine: Queries) -> None:
+    """They are those of their nodes, each once, in the order of documents."""
+    known = "//frame[mo:time() >= 0]"
+    one, two = f"{known}[2]", f"{known}[1]"
+    wanted = nodes(engine, f"mo:runs({one} | {two}, 0)")
+    assert len(wanted) == 6
+    for sequence in (f"({one}, {two})", f"({two}, {one}, {two})", f"mo:top(9, ({one}, {two}))"):
+        assert nodes(engine, f"mo:runs({sequence}, 0)") == wanted
+        assert nodes(engine, f"mo:top(9, {sequence}, 1)") == wanted
+    assert nodes(engine, f"mo:runs(head({known}), 0)") == wanted[:1]
 
 
 def test_a_frame_bone_is_the_joint_of_its_name(engine: Queries) -> None:
