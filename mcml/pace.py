@@ -14,9 +14,10 @@ FEWEST_SECONDS = 0.5
 
 
 class Pace:
-    """Told how many files are done, of how many. clock: seconds."""
+    """Told how many things are done, of how many. things: what they are. clock: seconds."""
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, things: str = "files", clock: Callable[[], float] = time.monotonic) -> None:
+        self._things = things
         self._clock = clock
         self._told: deque[tuple[float, int]] = deque()
         self._of = 0
@@ -51,9 +52,9 @@ class Pace:
         if rate is None or left is None:
             return ""
         shown = (
-            f"{rate:.0f} files/s"
+            f"{rate:.0f} {self._things}/s"
             if rate >= 10
-            else f"{rate:.1f} files/s"
+            else f"{rate:.1f} {self._things}/s"
             if rate >= 0.1
             else f"{60 * rate:.1f} a minute"
         )

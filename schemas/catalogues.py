@@ -29,8 +29,8 @@ class FormatInfo(BaseModel):
     title: str
     parts: list[FormatPart]
     convention: str
-    reads: bool = True
-    writes: bool = True
+    reads: bool = Field(True, description="Whether it can be uploaded")
+    writes: bool = Field(True, description="Whether it can be exported: USD where the server has the extra `usd`")
 
 
 class UnsupportedFormat(BaseModel):

@@ -16,7 +16,9 @@ class ExportRequest(BaseModel):
     )
 
     selection: Selection = Field(description="Which documents")
-    format: str = Field("bvh", description="bvh, asf-amc, asf, amc, htr, c3d, trc, mcml or csv")
+    format: str = Field(
+        "bvh", description="bvh, asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml or csv"
+    )
     names: str | None = Field(None, description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's")
     unit: str | None = Field(None, description="Scale lengths to this unit; the documents must state their own")
     up: str | None = Field(None, description="Turn so that this axis points up")

@@ -45,6 +45,7 @@ BY_HAND = {
     "db backup": "store:backup_",
     "db restore": "store:restore_",
     "db check": "store:check",
+    "db derive": "deriving:derive",
     "db prune": "store:prune",
     "db compact": "store:compact",
     "token add": "store:token_add",

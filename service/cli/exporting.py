@@ -18,7 +18,9 @@ def export(
     project: ProjectOption = None,
     motion_name: MotionNameOption = None,
     xpath: XPathOption = None,
-    format: Annotated[str, typer.Option(help="bvh, asf-amc, asf, amc, htr, c3d, trc, mcml or csv")] = "bvh",
+    format: Annotated[
+        str, typer.Option(help="bvh, asf-amc, asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml or csv")
+    ] = "bvh",
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="File or folder; default this folder, - prints")
     ] = None,

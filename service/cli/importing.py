@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import sys
-import time
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.text import Text
 
 from mcml.choosing import id_of
 from mcml.folders import import_paths
-from mcml.pace import Pace
 from schemas.documents import ImportedDocument
+from service.cli.bar import Bar
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, write_to_the_end
 
-SECONDS_DRAWN = 0.1
-"""Between two drawings of the bar, each of which takes as long as to read a short clip."""
+MANY = 100
+"""Documents whose bodies are worth being derived before somebody asks for them."""
 
 
 def import_(
@@ -72,7 +70,7 @@ def import_(
         "on_duplicate": "new" if again else "skip",
     }
     stored, failed, answers = 0, 0, []
-    with _Bar(disable=as_json or not sys.stderr.isatty()) as bar:
+    with Bar("importing", disable=as_json or not sys.stderr.isatty()) as bar:
         for answer in import_paths(client, paths, options, bar.tell):
             answers.append(answer)
             for document in answer.documents:
@@ -92,6 +90,8 @@ def import_(
         print_json({"documents": documents, "problems": problems})
     else:
         console.print(f"{stored} stored, {failed} failed")
+        if stored >= MANY:
+            console.print("mcml db derive works out their bodies once, for questions about motion", style="dim")
     if failed:
         raise typer.Exit(3 if stored else 1)
 
@@ -110,33 +110,3 @@ def _print_imported(document: ImportedDocument) -> None:
     for notice in facts.notices:
         if notice.kind in ("repair", "warning"):
             console.print(f"         {notice.kind}: {notice.what}", style="yellow")
-
-
-class _Bar:
-    """How many files are done, how fast, and how long the others take.
-
-    It is drawn by whoever tells it: beside a thread that drew it, no import could fork.
-    """
-
-    def __init__(self, *, disable: bool) -> None:
-        what = TextColumn("{task.description}", markup=False)
-        columns = (what, BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[pace]}"))
-        self._bar = Progress(*columns, console=console, transient=True, disable=disable, auto_refresh=False)
-        self._task = self._bar.add_task("importing", total=None, pace="")
-        self._pace = Pace()
-        self._drawn = 0.0
-
-    def __enter__(self) -> _Bar:
-        self._bar.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()
-
-    def tell(self, done: int, of: int, name: str) -> None:
-        """Draw it, if it was not just now."""
-        if time.monotonic() - self._drawn > SECONDS_DRAWN:
-            self._pace.tell(done, of)
-            pace = str(self._pace)
-            self._bar.update(self._task, description=name[:40], completed=done, total=of, pace=pace, refresh=True)
-            self._drawn = time.monotonic()

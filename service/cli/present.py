@@ -14,6 +14,7 @@ from service.operations.operation import Effect, Operation
 
 if TYPE_CHECKING:
     # A command makes the models of its own answer, and no others.
+    from schemas.bodies import Calibration, CalibrationValue
     from schemas.documents import ChangedDocuments, DocumentDetail
     from schemas.elements import ElementEdited
     from schemas.frames import FramesEdited
@@ -202,6 +203,16 @@ def _aliases(made: AliasTable) -> None:
     console.print(f"project {made.project}, version {made.version}")
 
 
+def _calibration(found: Calibration) -> None:
+    rows = table("what", "value", "metres#", "origin", "reason")
+    for name in ("unit", "up", "floor", "leg", "reference", "leaps"):
+        one: CalibrationValue = getattr(found, name)
+        value = f"{one.value:g}" if isinstance(one.value, float) else "" if one.value is None else str(one.value)
+        rows.add_row(name, value, "" if one.metres is None else f"{one.metres:.4g}", one.origin, one.reason)
+    console.print(rows)
+    console.print(f"positions in steps of {found.step:g}" + ("" if found.kept else ", not kept yet: mcml db derive"))
+
+
 SHOW: dict[str, Callable[[Any], None]] = {
     "DocumentDetail": _document,
     "ChangedDocuments": _changed,
@@ -210,6 +221,7 @@ SHOW: dict[str, Callable[[Any], None]] = {
     "Difference": _difference,
     "Mapping": _mapping,
     "AliasTable": _aliases,
+    "Calibration": _calibration,
     "Job": show_job,
     "Result": show_result,
 }

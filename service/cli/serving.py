@@ -126,7 +126,7 @@ def _load_demo(database: str | None, seed: int = 1) -> int:
         store.close()
 
 
-EXTRAS = {"arrow": "pyarrow", "audio": "librosa", "plots": "matplotlib", "xpath2": "saxonche"}
+EXTRAS = {"arrow": "pyarrow", "audio": "librosa", "plots": "matplotlib", "usd": "pxr", "xpath2": "saxonche"}
 """What can be installed beside the program, and a module of it."""
 
 

@@ -2,70 +2,135 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import orjson
 
-from service.clips.read_clip import Skeletons, read_clip
-from service.errors import ConversionError
-from service.motion.bodies.calibration import Calibration, calibrate, calibration_frames
-from service.motion.bodies.positions import Steps, clip_positions, rounded
+from service.clips.read_clip import Skeletons, StoredClip, read_clip
+from service.errors import ConversionError, RequestError
+from service.motion.bodies.calibration import Calibration, calibrate, calibration_frames, checked_overrides
+from service.motion.bodies.positions import clip_positions, filled, rounded
 from service.motion.bodies.stretch import Stretch
 from service.motion.bodies.turned_angles import reference_stance, turned_angle
+from service.motion.clip import ClipHead
 from service.motion.figures import axis_of
 from service.motion.hub import rest_of
 from service.motion.kinematics import Walker
 from service.motion.skeleton import Array
-from service.motion.units import reading_of
+from service.motion.units import Reading, reading_of
+from service.storage.bodies import StoredBody
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.steps import pack, unpack
+
+FRAMES_TOGETHER = 8192
+"""Frames of documents whose joints are placed together."""
+MADE = 1
+"""Counts on when positions or calibrations come to be made in another way: what was kept before is derived again."""
+
+OVERRIDES = "calibration "
+"""Properties of the header that begin so are values of the calibration that people set: "calibration floor" and so on;
+the unit and the up axis are set by the header's own elements."""
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """names: of the joints, MCML's where they are known. steps: (n, J, 3) rounded positions in the document's order of
-    frames. frame_time: seconds, None where unknown."""
+    """names: of the joints, MCML's where they are known. frame_time: seconds, None where unknown. blocks: rounded
+    positions in the document's order of frames, as `steps.pack` makes them."""
 
     names: tuple[str, ...]
-    steps: Steps
+    frames: int
     calibration: Calibration
     frame_time: float | None
+    blocks: tuple[bytes, ...]
 
     @property
     def nbytes(self) -> int:
-        return self.steps.nbytes + 2000
+        return sum(map(len, self.blocks)) + 2000
 
-    def stretch(self, joints: Collection[str]) -> Stretch:
-        """All of it, with the joints of these names that it has."""
-        places = {name: self.steps[:, place] for place, name in enumerate(self.names) if name in joints}
-        return Stretch(places, len(self.steps), self.frame_time, self.calibration)
+    def stretch(self, joints: Collection[str], first: int = 0, end: int | None = None) -> Stretch:
+        """The frames from `first` (from 0) to before `end`, by default all, with the joints of these names that it
+        has."""
+        frames = range(self.frames)[first:end]
+        places = {
+            name: unpack(self.blocks, place)[first:end] for place, name in enumerate(self.names) if name in joints
+        }
+        return Stretch(places, len(frames), self.frame_time, self.calibration, first=first)
+
+    def facts(self) -> dict[str, Any]:
+        """All but the positions, as plain values for JSON."""
+        known = self.calibration.to_json()
+        told = {"names": self.names, "frames": self.frames, "calibration": known, "frame_time": self.frame_time}
+        return {**told, "blocks": len(self.blocks), "made": MADE}
+
+    @classmethod
+    def restored(cls, stored: StoredBody) -> Body | None:
+        """What was kept; None where it was made in another way."""
+        facts = stored.facts
+        if facts["made"] != MADE:
+            return None
+        calibration = Calibration.from_json(facts["calibration"])
+        return cls(tuple(facts["names"]), facts["frames"], calibration, facts["frame_time"], stored.blocks)
 
 
-def read_body(
-    tx: Transaction,
-    stored: StoredDocument | Listed,
-    skeletons: Skeletons,
-    overrides: Mapping[str, Any] | None = None,
-) -> Body:
-    """The body of a document, worked out from its frames. skeletons: as `read_clip` takes them. overrides: of the
-    calibration, as people set them."""
-    clip = read_clip(tx, stored, labelled=False, skeletons=skeletons)
+def derive_bodies(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> Iterator[Body]:
+    """The body of each document, worked out from its frames. skeletons: as `read_clip` takes them."""
+    first = 0
+    while first < len(documents):
+        # Kinematics of short clips takes as long for one as for ten.
+        last, frames = first + 1, documents[first].frames
+        while last < len(documents) and frames + documents[last].frames <= FRAMES_TOGETHER:
+            frames += documents[last].frames
+            last += 1
+        yield from _derived(tx, documents[first:last], skeletons)
+        first = last
+
+
+def _derived(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> list[Body]:
+    clips = [read_clip(tx, listed, labelled=False, skeletons=skeletons) for listed in documents]
+    same: dict[tuple[int, Reading], list[int]] = {}
+    for place, clip in enumerate(clips):
+        same.setdefault((id(clip.clip.head.skeleton), reading_of(clip.clip.head)), []).append(place)
+    found: dict[int, Body] = {}
+    for (_, reading), places in same.items():
+        skeleton = clips[places[0]].clip.head.skeleton
+        frames = [filled(skeleton, clips[place].clip.blocks()) for place in places]
+        for place, positions in zip(places, clip_positions(skeleton, frames, reading), strict=True):
+            found[place] = _body(clips[place], positions)
+    return [found[place] for place in range(len(clips))]
+
+
+def _body(clip: StoredClip, positions: Array) -> Body:
     head = clip.clip.head
-    positions = clip_positions(head.skeleton, clip.clip.blocks(), reading_of(head))
     frames = calibration_frames(len(positions))
     sample = positions if len(frames) == len(positions) else positions[frames]
-    calibration = calibrate(head, sample, overrides, frames)
-    return Body(clip.names, rounded(positions, calibration.step), calibration, head.seconds_per_frame())
+    calibration = calibrate(head, sample, _overrides(head), frames)
+    blocks = pack(rounded(positions, calibration.step))
+    return Body(clip.names, len(positions), calibration, head.seconds_per_frame(), tuple(blocks))
+
+
+def _overrides(head: ClipHead) -> dict[str, Any]:
+    """Values of the calibration that people set; what cannot be one is none."""
+    found: dict[str, Any] = {}
+    for name, value, _ in head.properties:
+        if name.startswith(OVERRIDES):
+            with suppress(ValueError, RequestError):
+                found |= checked_overrides({name.removeprefix(OVERRIDES): orjson.loads(value)})
+    return found
 
 
 def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]:
-    """By the keys of documents."""
-    skeletons: Skeletons = {}
-    return {listed.key: read_body(tx, listed, skeletons) for listed in documents}
+    """By the keys of documents: what is kept of them, else worked out now."""
+    restored = {key: Body.restored(stored) for key, stored in tx.bodies.of(documents).items()}
+    found = {key: body for key, body in restored.items() if body is not None}
+    missing = [listed for listed in documents if listed.key not in found]
+    made = zip(missing, derive_bodies(tx, missing, {}), strict=True)
+    return found | {listed.key: body for listed, body in made}
 
 
 def read_turned(tx: Transaction, stored: StoredDocument | Listed, name: str, body: Body) -> Array:

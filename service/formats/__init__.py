@@ -1,16 +1,22 @@
-"""Motion files to clips and back. `FORMATS` is the catalogue; `find_format` tells what a file is."""
+"""Motion files to clips and back. `FORMATS` is the catalogue of what is read, `WRITERS` of what is written.
+
+`find_format` tells what a file is.
+"""
 
 from __future__ import annotations
 
 from service.formats.asf_amc import AsfAmc
 from service.formats.bvh import Bvh
 from service.formats.c3d import C3d
-from service.formats.format import Format
+from service.formats.format import Format, Writer
 from service.formats.htr import Htr
+from service.formats.opensim.storage import OpenSim
 from service.formats.recognition import UNSUPPORTED, recognise
+from service.formats.scenes.glb import Glb
+from service.formats.scenes.usd import Usd
 from service.formats.trc import Trc
 
-__all__ = ["FORMATS", "UNSUPPORTED", "find_format"]
+__all__ = ["FORMATS", "NEEDED", "UNSUPPORTED", "WRITERS", "find_format"]
 
 FORMATS: dict[str, Format] = {
     "bvh": Bvh(),
@@ -20,6 +26,19 @@ FORMATS: dict[str, Format] = {
     "trc": Trc(),
 }
 """Every format that is read and written, by its name."""
+
+WRITERS: dict[str, Writer] = {
+    **FORMATS,
+    "glb": Glb(),
+    "usd": Usd("usd", "USD", (".usd", ".usdc")),
+    "usda": Usd("usda", "USD as text", (".usda",)),
+    "mot": OpenSim("mot", "OpenSim motion"),
+    "sto": OpenSim("sto", "OpenSim storage"),
+}
+"""Every format that is written, by its name: those that are read, and ways out."""
+
+NEEDED = {"usd": "pxr", "usda": "pxr"}
+"""Modules that writers need and that are not always installed, by format."""
 
 
 def find_format(file_name: str, first_bytes: bytes) -> tuple[Format, str]:

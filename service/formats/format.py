@@ -125,10 +125,11 @@ class SourceFile:
             raise error.in_file(self.name) from None
 
 
-class Format(Protocol):
-    """A file format: bytes to clips and back.
+class Writer(Protocol):
+    """A file format that clips leave in.
 
-    name: as in the catalogue. convention: the only one that `write` takes. media_type: of its files.
+    name: as in the catalogue. convention: the only one that `write` takes, None where it takes any. media_type: of its
+    files.
     """
 
     @property
@@ -138,9 +139,23 @@ class Format(Protocol):
     @property
     def parts(self) -> tuple[FileKind, ...]: ...
     @property
-    def convention(self) -> Convention: ...
+    def convention(self) -> Convention | None: ...
     @property
     def media_type(self) -> str: ...
+
+    def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
+        """One part of the clip as bytes. Raises ConversionError where the clip is in another convention.
+
+        What could not be written as it was is appended to `clip.notices`.
+        """
+        ...
+
+
+class Format(Writer, Protocol):
+    """A file format: bytes to clips and back."""
+
+    @property
+    def convention(self) -> Convention: ...
 
     def sniff(self, name: str, first_bytes: bytes) -> str | None:
         """The part that a file is, by its first bytes (at least 4 kB or all) and its name; None if it is none."""
@@ -150,13 +165,6 @@ class Format(Protocol):
         """The clip that the files, by part, hold. The frames are read when `blocks()` is iterated.
 
         Raises FormatError (also while frames are read), UnsupportedError, LimitError; each with file, line, column.
-        """
-        ...
-
-    def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
-        """One part of the clip as bytes. Raises ConversionError where the clip is in another convention.
-
-        What could not be written as it was is appended to `clip.notices`.
         """
         ...
 

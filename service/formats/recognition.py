@@ -32,6 +32,12 @@ _EXTENSIONS = {
     ".gtr": "gtr",
 }
 _LFS: Final = b"version https://git-lfs.github.com/spec/"
+_WRITTEN: Final = (
+    (rb"glTF", "glTF"),
+    (rb"PXR-USDC|#usda ", "USD"),
+    (rb"(?s).*\ninDegrees=(yes|no)\s", "OpenSim's MOT and STO"),
+)
+"""How files begin that are written and not read."""
 _TITLES = {"ask-sdl": "ASK/SDL", "skl-mot": "SKL/MOT"}
 _READ: Final = "Send BVH, ASF with AMC, HTR, C3D, TRC or MCML."
 
@@ -54,6 +60,9 @@ def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes)
         part = format.sniff(file_name, first_bytes)
         if part is not None:
             return format, part
+    for beginning, title in _WRITTEN:
+        if re.match(beginning, first_bytes):
+            raise UnsupportedError(f"{title} files are written, not read", at=at, remedy=_READ)
     if b"\0" in first_bytes:
         raise _binary(file_name, first_bytes, at)
     for extension, name in _EXTENSIONS.items():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Container
 
 from service.errors import Notice
 from service.motion.skeleton import Skeleton
@@ -10,7 +10,7 @@ from service.motion.skeleton import Skeleton
 
 def legal_names(
     skeleton: Skeleton,
-    illegal: Collection[str],
+    illegal: Container[str],
     illegal_first: str,
     reserved: Collection[str],
     notices: list[Notice],

@@ -39,6 +39,10 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
             "TRC says how fast frames follow, and the document does not", remedy="State its frame time first."
         )
     codec = source.encoding if source else "utf-8"
+    if "Units" not in said and not head.fields.get("calibration_unit"):
+        clip.notices.append(
+            Notice("note", "the document states no unit of length: its numbers were written as they are, without Units")
+        )
     other = {name for joint in head.skeleton.joints for name in joint.channels} - set(TRANSLATIONS)
     if other:
         clip.notices.append(Notice("warning", f"TRC has no place for {', '.join(sorted(other, key=CHANNELS.index))}"))

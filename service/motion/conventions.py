@@ -25,7 +25,7 @@ from service.motion.skeleton import CHANNEL_INDEX, Array, Convention, Skeleton
 from service.motion.survey import Survey, survey
 from service.motion.units import Reading, metres_of, reading_of
 
-__all__ = ["convert", "scale", "turn_up"]
+__all__ = ["convert", "scale", "turn_up", "with_scale_factor"]
 
 _KEPT_FIELDS = ("filename", "skeleton_name", "dataframe_rate", "calibration_unit", "global_axis_of_gravity")
 _SIGNS_OF_FLIP = {"X": 1.0, "Y": -1.0, "Z": -1.0}
@@ -49,10 +49,7 @@ def convert(clip: ClipStream, to: Convention, *, keep_translations: bool = False
     if to is Convention.MARKER:
         return within_doubles(as_markers(clip))
     notices = clip.notices
-    factor = float(clip.head.fields.get("scale_factor", "1"))
-    if factor != 1.0:
-        notices.append(Notice("warning", f"lengths were multiplied by the file's ScaleFactor {factor}"))
-        clip = scale(clip, factor)
+    clip = with_scale_factor(clip)
     reading = reading_of(clip.head)
     found = survey(clip, reading)
     _report(clip.head, to, found, notices)
@@ -72,6 +69,15 @@ def convert(clip: ClipStream, to: Convention, *, keep_translations: bool = False
         _report_missing(translator.missing, notices)
 
     return within_doubles(ClipStream(_head(clip.head, plan, to), blocks, clip.frames, notices))
+
+
+def with_scale_factor(clip: ClipStream) -> ClipStream:
+    """The clip with its lengths times the ScaleFactor of its file, which a conversion does and says."""
+    factor = float(clip.head.fields.get("scale_factor", "1"))
+    if factor == 1.0:
+        return clip
+    clip.notices.append(Notice("warning", f"lengths were multiplied by the file's ScaleFactor {factor}"))
+    return scale(clip, factor)
 
 
 def _head(head: ClipHead, plan: Plan, to: Convention) -> ClipHead:

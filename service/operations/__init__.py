@@ -70,6 +70,13 @@ _ROWS = [
     Operation("get_thumbnail", "GET /documents/{id}/thumbnail", STREAMS, READ,
               "A small moving picture of a document's skeleton.", "viewing"),
 
+    Operation("get_calibration", "GET /documents/{id}/calibration", READS, READ,
+              "What questions about motion rest on: unit, up axis, floor, leg, and where each is from.", "viewing",
+              "calibration ID"),
+    Operation("change_calibration", "PATCH /documents/{id}/calibration", WRITES, EDIT,
+              "Set the unit, up axis, floor, leg or reference pose of a document, as a revision.", "viewing",
+              "calibrate ID"),
+
     # what one looks at beside the motion
     Operation("put_media", "PUT /documents/{id}/media", WRITES, EDIT,
               "Let a document carry video or audio for reference.", "media"),

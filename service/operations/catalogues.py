@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+
 from schemas.catalogues import (
     BodyPart,
     FormatInfo,
@@ -17,7 +19,7 @@ from schemas.catalogues import (
     SkeletonPage,
     UnsupportedFormat,
 )
-from service.formats import FORMATS, UNSUPPORTED
+from service.formats import FORMATS, NEEDED, UNSUPPORTED, WRITERS
 from service.mcml import joint_names, motion_names
 from service.mcml.elements import to_head
 from service.motion.kinematics import rest_positions
@@ -34,9 +36,11 @@ def list_formats(call: Call) -> FormatList:
             parts=[
                 FormatPart(name=part.name, title=part.title, extensions=list(part.extensions)) for part in format_.parts
             ],
-            convention=format_.convention.value,
+            convention="any" if format_.convention is None else format_.convention.value,
+            reads=format_.name in FORMATS,
+            writes=find_spec(NEEDED.get(format_.name, "service")) is not None,
         )
-        for format_ in FORMATS.values()
+        for format_ in WRITERS.values()
     ]
     mcml = FormatPart(name="mcml", title="Motion Capture Markup Language", extensions=[".mcml", ".xml"])
     items.append(FormatInfo(name="mcml", title=mcml.title, parts=[mcml], convention="any"))

@@ -14,13 +14,13 @@ from service.actions.exporting.export_motion import ExportOptions
 from service.actions.exporting.export_motion import export_document as exported
 from service.actions.exporting.text_windows import find_text as find
 from service.actions.exporting.text_windows import frames_window, head_window
-from service.formats import FORMATS
+from service.formats import WRITERS
 from service.mcml.writer import Layout
 from service.operations.arguments import MOST, AtRevision, DocumentId, First, Last, at_revision, tag
 from service.operations.call import Call, Content
 from service.operations.operation import gives
 
-TYPES = [*(item.media_type for item in FORMATS.values()), "application/zip", "application/xml", "text/csv"]
+TYPES = [*(item.media_type for item in WRITERS.values()), "application/zip", "application/xml", "text/csv"]
 
 
 @gives("The document", {"application/xml": MCML})
@@ -48,14 +48,18 @@ def get_mcml(
 
 
 @gives(
-    "The file: text in its own format, asf-amc a zip of both, mcml XML, csv a table of frames",
+    "The file in its own format; asf-amc a zip of both, mcml XML, csv a table of frames, glb and usd a scene",
     dict.fromkeys(name.partition(";")[0] for name in TYPES),
 )
 def export_document(
     call: Call,
     id: DocumentId,
     format: Annotated[
-        str, Field(description="bvh, asf-amc (a zip), asf, amc, htr, c3d, trc, mcml or csv", examples=["htr"])
+        str,
+        Field(
+            description="bvh, asf-amc (a zip), asf, amc, htr, c3d, trc, glb, usd, usda, mot, sto, mcml or csv",
+            examples=["htr"],
+        ),
     ],
     revision: AtRevision = None,
     first: First = 1,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from schemas.bodies import Calibration, CalibrationChange
 from schemas.skeletons import SkeletonView
 from service.errors import NotFoundError
-from service.operations.arguments import AtRevision, DocumentId, at_revision, tag
+from service.operations.arguments import AtRevision, DocumentId, IfMatch, at_revision, checked_for_write, tag
 from service.operations.call import Call, Content
 from service.operations.operation import gives
 
@@ -22,6 +23,27 @@ def get_skeleton(call: Call, id: DocumentId, revision: AtRevision = None) -> Ske
         then, stored = at_revision(tx, id, revision)
         call.tagged(tag(stored, "skeleton"), lasting=revision is not None)
         return describe_skeleton(then, stored)
+
+
+def get_calibration(call: Call, id: DocumentId, revision: AtRevision = None) -> Calibration:
+    """Each value says whether the file states it, or it was measured, guessed or set."""
+    from service.actions.editing.calibrate import describe_calibration
+
+    with call.database.read() as tx:
+        then, stored = at_revision(tx, id, revision)
+        return describe_calibration(then, stored)
+
+
+def change_calibration(call: Call, id: DocumentId, change: CalibrationChange, if_match: IfMatch = None) -> Calibration:
+    """Makes a revision. The unit and the up axis are those of the header, all else are properties of it."""
+    from service.actions.editing.calibrate import change_calibration as changed
+    from service.actions.editing.calibrate import describe_calibration
+
+    with call.database.write(call.author) as tx:
+        stored = changed(tx, checked_for_write(tx, id, if_match), change)
+        call.tag = tag(stored)
+    with call.database.read() as tx:
+        return describe_calibration(tx, tx.documents.get(id))
 
 
 @gives("A moving picture of at most 4 KB, in the form MT1", {THUMBNAIL: None})

@@ -3,10 +3,7 @@
     with database.read() as tx: ...
     with database.write("kim") as tx: ...      # committed at the end, or nothing happened
 
-A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.heads`, `tx.tracks`,
-`tx.spans`, `tx.uploads`, `tx.projects`, `tx.tokens`, `tx.jobs`, `tx.results`,
-`tx.mappings`, `tx.aliases`, `tx.thumbnails`, `tx.saved`, `tx.media`, `tx.purging`,
-`tx.pruning`.
+A transaction offers one small repository class for each kind of thing: `tx.documents`, `tx.tracks`, `tx.jobs`, ….
 """
 
 from __future__ import annotations
@@ -36,6 +33,7 @@ from service.errors import StoreError
 from service.resources import migrations_path
 from service.storage import tables
 from service.storage.aliases import Aliases
+from service.storage.bodies import Bodies
 from service.storage.columns import Columns
 from service.storage.damage import describe_damage
 from service.storage.dialects import DIALECTS, Dialect, find_dialect
@@ -211,6 +209,10 @@ class Transaction:
     @cached_property
     def thumbnails(self) -> Thumbnails:
         return Thumbnails(self)
+
+    @cached_property
+    def bodies(self) -> Bodies:
+        return Bodies(self)
 
     @cached_property
     def uploads(self) -> Uploads:

@@ -106,6 +106,7 @@ class Pruning:
             connection.execute(delete(table).where(table.c.document == old.key, table.c.to_commit <= old.at))
         connection.execute(delete(revision).where(revision.c.document == old.key, revision.c.number < old.keep))
         self._tx.thumbnails.forget(old.key, old.keep)
+        self._tx.bodies.forget(old.key, old.keep)
         self._begin_with(old)
         if not self._needs_files(old.key, old.at):
             self._tx.uploads.forget(old.key)

@@ -90,6 +90,7 @@ _COVERED: dict[Table, tuple[str, ...]] = {
     tables.shape_run: ("document", "slot", "count", "shape"),
     tables.span: ("document", "name", "first", "last", "rank"),
     tables.thumbnail: ("document", "revision", "facts", "data"),
+    tables.body: ("document", "revision", "block", "facts", "data"),
     tables.upload_block: ("upload", "number", "data"),
     tables.document_media: ("document", "upload", "file_name", "media_type", "offset"),
     tables.document_upload: ("document", "part", "file_name", "upload"),
@@ -103,7 +104,7 @@ _COVERED: dict[Table, tuple[str, ...]] = {
     work_tables.result_block: ("result", "part", "array", "number", "data"),
 }
 _LAST: dict[Table, type[bytes | bool]] = {
-    **dict.fromkeys((tables.shape, tables.thumbnail, tables.upload_block), bytes),
+    **dict.fromkeys((tables.shape, tables.thumbnail, tables.body, tables.upload_block), bytes),
     **dict.fromkeys((work_tables.result_part, work_tables.result_block), bytes),
     tables.content: bool,
 }

@@ -295,6 +295,18 @@ thumbnail = Table(
 )
 """`data`: as `service.motion.thumbnails` says; empty where nothing can be drawn. `facts`: JSON, what was guessed."""
 
+body = Table(
+    "body",
+    metadata,
+    Column("document", ForeignKey("document.id"), primary_key=True),
+    Column("revision", Integer, primary_key=True),
+    Column("block", Integer, primary_key=True),
+    Column("facts", Text, nullable=False),
+    Column("data", LargeBinary, nullable=False),
+    checksum(),
+)
+"""`data`: positions of joints, as `service.storage.steps` says. `facts`: JSON of block 0, what is known beside them."""
+
 upload = Table(
     "upload",
     metadata,

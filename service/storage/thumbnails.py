@@ -10,14 +10,14 @@ import orjson
 from sqlalchemy import and_, delete, select
 
 from service.storage.seals import checked
-from service.storage.tables import revision, thumbnail
+from service.storage.shown import Shown
+from service.storage.tables import thumbnail
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction
     from service.storage.documents import StoredDocument
 
-STILL = ("label", "unlabel", "delete")
-"""Operations of revisions that change nothing that is drawn. Undoing, restoring and editing elements may."""
+_SHOWN = Shown(thumbnail)
 
 
 @dataclass(frozen=True)
@@ -46,31 +46,16 @@ class Thumbnails:
 
         The newest that is not younger, where no revision since then has changed what is drawn.
         """
-        wanted = {stored.key: stored.revision for stored in documents}
-        numbers: dict[int, int] = {}
-        pictured = select(thumbnail.c.document, thumbnail.c.revision).where(thumbnail.c.document.in_(wanted))
-        for key, number in self._tx.connection.execute(pictured):
-            if numbers.get(key, 0) < number <= wanted[key]:
-                numbers[key] = number
+        numbers = _SHOWN.of(self._tx, {stored.key: stored.revision for stored in documents})
         # Not pairs of both, for which SQLite would read all pictures of the store.
         near = and_(thumbnail.c.document.in_(numbers), thumbnail.c.revision.in_(set(numbers.values())))
         columns = (thumbnail.c.document, thumbnail.c.revision, thumbnail.c.facts, thumbnail.c.data)
         rows = self._tx.checked_once(checked(select(*columns).where(near), thumbnail)) if numbers else []
-        stale = self._moved_since({key: number for key, number in numbers.items() if number < wanted[key]}, wanted)
         return {
             key: StoredThumbnail(bytes(data), orjson.loads(facts))
             for key, number, facts, data in rows
-            if numbers[key] == number and key not in stale
+            if numbers[key] == number
         }
-
-    def _moved_since(self, shown: dict[int, int], wanted: dict[int, int]) -> set[int]:
-        """Documents of which a revision after the one that is shown, up to the wanted one, may have changed it."""
-        if not shown:
-            return set()
-        query = select(revision.c.document, revision.c.number).where(
-            revision.c.document.in_(shown), revision.c.operation.not_in(STILL)
-        )
-        return {key for key, number in self._tx.connection.execute(query) if shown[key] < number <= wanted[key]}
 
     def forget(self, document_key: int, before: int) -> None:
         """Remove the pictures of revisions before one."""

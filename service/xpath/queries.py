@@ -96,13 +96,15 @@ class Queries:
             try:
                 answer = asking.answer(page)
             except LimitError as error:
+                if asking.motion and error.details.get("code") == "query-timeout":
+                    error.remedy = "Derive the bodies once, which questions then find: mcml db derive."
                 if request.explain:
                     error.details["explain"] = asking.explained((time.perf_counter() - start) * 1000).model_dump()
                 raise
             if request.explain:
                 answer.explain = asking.explained((time.perf_counter() - start) * 1000)
             answer.warnings += [*query.warnings, *unknown_names(query.tree), *scope.unused_names(query.tree)]
-            answer.warnings += notes(self.caches, scope, asking.motion)
+            answer.warnings += notes(tx, self.caches, scope, asking.motion)
         return answer
 
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
@@ -233,7 +235,8 @@ class _Asking:
     def leave_out_guesses(self, guesses: str) -> None:
         """Where they are not wanted, ask no documents of which what a function of bodies needs is guessed."""
         if guesses == "no" and self.motion:
-            self.scope.narrow(without_guesses(self.tx, self.engine.caches, self.scope.groups(), self.limits.check))
+            groups = self.scope.groups()
+            self.scope.narrow(without_guesses(self.tx, self.engine.caches, groups, self.motion, self.limits.check))
 
     def _on_columns(self, tree: Expression, page: Page) -> QueryAnswer:
         if self.query.only_saxon:
@@ -280,7 +283,8 @@ class _Asking:
         """How the answer came about."""
         self.explain.milliseconds = milliseconds
         if self.motion:
-            self.explain.plan += body_steps(self.motion, len(looked_at(self.engine.caches, self.scope)))
+            documents = sum(map(len, looked_at(self.tx, self.engine.caches, self.scope)))
+            self.explain.plan += body_steps(self.motion, documents)
         if self._scan is not None:
             self.explain.tracks_read = self._scan.tracks_read
             self.explain.tracks_skipped = self._scan.all_tracks() - self._scan.tracks_read

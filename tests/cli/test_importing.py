@@ -13,7 +13,7 @@ from mcml import folders
 from mcml.client import Client
 from mcml.folders import _stored, groups_of
 from mcml.pace import Pace
-from service.cli import importing
+from service.cli import bar as bars
 from service.errors import UnsupportedError
 from tests.builders import ASF, amc, bvh, read_by
 from tests.cli.test_access import library as server  # noqa: F401
@@ -107,7 +107,7 @@ def test_all_bad_is_failed(mcml: Mcml, folder: Path) -> None:  # noqa: F811
     assert mcml("import", str(folder / "4.bvh"), str(folder / "5.bvh"))[0] == 1
 
 
-def _drawn(bar: importing._Bar) -> str:
+def _drawn(bar: bars.Bar) -> str:
     with (shown := Console(width=100)).capture() as drawn:
         shown.print(bar._bar.get_renderable())
     return drawn.get()
@@ -115,9 +115,9 @@ def _drawn(bar: importing._Bar) -> str:
 
 def test_the_bar_counts_files_and_tells_the_rate_and_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     now = 0.0
-    monkeypatch.setattr(importing, "SECONDS_DRAWN", -1)
-    monkeypatch.setattr(importing, "Pace", lambda: Pace(lambda: now))
-    with importing._Bar(disable=False) as bar:
+    monkeypatch.setattr(bars, "SECONDS_DRAWN", -1)
+    monkeypatch.setattr(bars, "Pace", lambda things: Pace(things, lambda: now))
+    with bars.Bar("importing", disable=False) as bar:
         task = bar._bar.tasks[0]
         bar.tell(2, 5, "2.bvh")
         assert (task.completed, task.total, task.description, task.fields["pace"]) == (2, 5, "2.bvh", "")

@@ -15,7 +15,7 @@ class _Clock:
 
 def test_rate_and_time_left_are_told_once_they_are_known() -> None:
     clock = _Clock()
-    pace = Pace(clock)
+    pace = Pace(clock=clock)
     assert (pace.rate, pace.left, str(pace)) == (None, None, "")
     pace.tell(0, 3000)
     clock.now += FEWEST_SECONDS / 2
@@ -28,7 +28,7 @@ def test_rate_and_time_left_are_told_once_they_are_known() -> None:
 
 def test_what_went_by_long_ago_does_not_count() -> None:
     clock = _Clock()
-    pace = Pace(clock)
+    pace = Pace(clock=clock)
     # Files that were stored already.
     pace.tell(0, 10_000)
     clock.now += 1
@@ -42,7 +42,7 @@ def test_what_went_by_long_ago_does_not_count() -> None:
 
 def test_the_rate_sinks_while_a_long_file_is_read() -> None:
     clock = _Clock()
-    pace = Pace(clock)
+    pace = Pace(clock=clock)
     pace.tell(0, 4)
     clock.now += 4
     pace.tell(2, 4)
@@ -56,7 +56,7 @@ def test_the_rate_sinks_while_a_long_file_is_read() -> None:
 
 def test_nothing_done_is_no_rate() -> None:
     clock = _Clock()
-    pace = Pace(clock)
+    pace = Pace(clock=clock)
     pace.tell(0, 4)
     clock.now += 60
     pace.tell(0, 4)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from service.formats import FORMATS
+from service.formats import FORMATS, WRITERS
 from service.settings import Settings
 from tests.docs.generate import DOCS, TABLES, renewed
 
@@ -35,6 +35,9 @@ def test_every_setting_is_explained() -> None:
 def test_every_format_has_its_page() -> None:
     for name in [*FORMATS, "mcml"]:
         assert (DOCS / "formats" / f"{name}.md").is_file(), name
+    pages = [page.read_text(encoding="utf-8") for page in (DOCS / "formats").iterdir()]
+    for name in WRITERS.keys() - FORMATS:
+        assert any(f"`{name}`" in page and "Written, not read." in page for page in pages), name
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

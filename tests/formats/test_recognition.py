@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from service.errors import FormatError, UnsupportedError
-from service.formats import FORMATS, UNSUPPORTED, find_format
+from service.formats import FORMATS, NEEDED, UNSUPPORTED, WRITERS, find_format
 
 LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"
 
@@ -52,6 +52,10 @@ def test_content_first_name_second(name: str, content: bytes, expected: tuple[st
         ("a.gtr", b"[Header]\nFileType gtr\n", UnsupportedError, "GTR"),
         ("a.bva", b"Segment: Hips\n", UnsupportedError, "BVA"),
         ("a.mot", b"x\n", UnsupportedError, "SKL/MOT"),
+        ("a.mot", b"walk\nversion=1\nnRows=2\ninDegrees=yes\nendheader\n", UnsupportedError, "OpenSim's .* not read"),
+        ("a.bin", b"glTF\x02\0\0\0", UnsupportedError, "glTF files are written, not read"),
+        ("a.usd", b"PXR-USDC\0\0", UnsupportedError, "USD files are written"),
+        ("a.usda", b"#usda 1.0\n", UnsupportedError, "USD files are written"),
         ("a.xyz", b"1;2;3\n", UnsupportedError, "none of the formats"),
         ("a.csv", b"1\n2\n", UnsupportedError, "none of the formats"),
     ],
@@ -64,7 +68,14 @@ def test_says_what_a_file_is_instead(name: str, content: bytes, kind: type[Excep
 
 def test_the_catalogue_is_named_by_its_keys() -> None:
     assert all(name == format.name for name, format in FORMATS.items())
-    assert not set(FORMATS) & set(UNSUPPORTED)
+    assert all(name == format.name for name, format in WRITERS.items())
+    assert not set(WRITERS) & set(UNSUPPORTED)
+    assert set(NEEDED) <= set(WRITERS)
+
+
+def test_no_two_ways_out_share_an_extension() -> None:
+    extensions = [extension for format in WRITERS.values() for part in format.parts for extension in part.extensions]
+    assert len(set(extensions)) == len(extensions)
 
 
 def test_every_format_of_the_paper_is_read_or_refused_with_a_reason() -> None:

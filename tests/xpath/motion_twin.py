@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,12 +18,19 @@ import numpy as np
 from lxml import etree
 
 from service.actions.exporting.export_motion import ExportOptions, export_document
-from service.clips.bodies import read_body, read_turned
+from service.clips.bodies import read_bodies, read_turned
 from service.motion.bodies.local_fit import rate
 from service.motion.bodies.poses import NEEDS, at_rate, motion_distances, pose_distances, pose_features
 from service.motion.bodies.quantities import compute
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
+
+RESTS = {
+    "metres": r"mo:(height|position|distance|speed|acceleration|leg|unit)\(",
+    "up": r"mo:(height|contact|tilt|heading|pose-distance|motion-distance)\(|'(trunk|pelvis)-|, '(up|front|left)'",
+    "floor": r"mo:(height|contact)\(",
+}
+"""What of a calibration the functions in a question make use of."""
 
 TURNED = ("left-wrist-flexion", "head-left-rotation", "right-arm-medial-rotation", "pelvis-anterior-tilt")
 NEARLY = 1e-6
@@ -60,10 +68,10 @@ class Document:
     def seconds(self) -> float:
         return math.nan if self.body.frame_time is None else float(self.body.frame_time)
 
-    @property
-    def is_known(self) -> bool:
-        """Whether none of what it rests on is a guess."""
-        return not self.body.calibration.rests_on_guesses
+    def is_known(self, question: str) -> bool:
+        """Whether none of what a question rests on is a guess."""
+        origins = self.body.calibration.origins
+        return not any(re.search(asks, question) and origins[name].kind == "guessed" for name, asks in RESTS.items())
 
     @cached_property
     def features(self) -> Any:
@@ -177,7 +185,7 @@ def _read(tx: Any, stored: Any) -> Document:
         )
         for frame in tree.iter("frame")
     ]
-    body = read_body(tx, stored, {})
+    body = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key]
     turned = {name: read_turned(tx, stored, name, body).tolist() for name in TURNED}
     return Document(stored.uuid, stored.name, stored.revision, frames, body, turned)
 

@@ -14,6 +14,7 @@ from schemas.queries import NodeItem, QueryRequest
 from service.actions.editing.change_document import add_labels, delete_document, restore_document
 from service.actions.editing.change_frames import delete_frames, move_frames, reverse
 from service.actions.editing.edit_element import Change
+from service.clips.derive import derive_missing
 from service.errors import McmlError
 from service.formats import FORMATS
 from service.motion.skeleton import Convention
@@ -137,12 +138,14 @@ def run(database: Database, seed: int, rounds: int, asked: int) -> None:
         for _ in range(rounds):
             if random.random() < 0.3:
                 engine.caches = Caches(random.choice((0, 100_000, 1 << 26)))
+            if random.random() < 0.5:
+                derive_missing(database, lambda done, of: None)
             for _ in range(asked):
                 question = Chance(random, made.documents).question()
                 filled += bool(question.of(made.documents))
                 differences.append(differs(engine, question, made.documents, random))
                 if "mo:" in question.text and random.random() < 0.3:
-                    known = [one for one in made.documents if one.is_known]
+                    known = [one for one in made.documents if one.is_known(question.text)]
                     differences.append(differs(engine, question, known, random, guesses="no"))
             one = random.choice([one for one in made.documents if one.revision > 1])
             past = read_documents(database, {one.uuid: random.randint(1, one.revision)})

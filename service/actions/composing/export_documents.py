@@ -11,7 +11,7 @@ from schemas.jobs import Selection
 from service.actions.composing.select_documents import select_documents
 from service.actions.exporting.export_motion import ExportOptions, export_document, targets, zipped
 from service.errors import McmlError, UnsupportedError
-from service.formats import FORMATS
+from service.formats import WRITERS
 from service.storage.database import Database
 from service.xpath.queries import Queries
 
@@ -33,7 +33,7 @@ def export_documents(
             f"Unknown export format {options.format!r}.", remedy=f"Use one of: {', '.join(sorted(known))}."
         )
     name, part = known[options.format]
-    parts = [item.name for item in FORMATS[name].parts] if name in FORMATS and part is None else [options.format]
+    parts = [item.name for item in WRITERS[name].parts] if name in WRITERS and part is None else [options.format]
     found, _ = select_documents(database, queries, selection)
     return zipped(_files(database, [str(item["document"]) for item in found], options, parts))
 

@@ -12,7 +12,7 @@ from service.actions.reading.gather_files import gathered
 from service.actions.reading.import_options import ImportOptions
 from service.actions.reading.open_clip import open_clip
 from service.errors import FormatError, Notice, UnsupportedError
-from service.formats import FORMATS
+from service.formats import WRITERS
 from service.formats.format import SourceFile
 from service.mcml.elements import from_head, refresh_counts, to_head
 from service.mcml.writer import write_document
@@ -63,8 +63,8 @@ def convert_files(
             yield Converted({".mcml": _mcml(clip)}, lambda: clip.notices)
             return
         result = convert_clip(clip, name, names)
-        parts = [item for item in FORMATS[name].parts if part is None or item.name == part]
-        content = {item.extensions[0]: FORMATS[name].write(result, item.name) for item in parts}
+        parts = [item for item in WRITERS[name].parts if part is None or item.name == part]
+        content = {item.extensions[0]: WRITERS[name].write(result, item.name) for item in parts}
         yield Converted(content, lambda: result.notices)
 
 
@@ -75,7 +75,7 @@ def format_of(file_name: str) -> str:
         return "mcml"
     if extension == ".csv":
         return "csv"
-    for name, format_ in FORMATS.items():
+    for name, format_ in WRITERS.items():
         if any(extension in part.extensions for part in format_.parts):
             return name
     raise UnsupportedError(

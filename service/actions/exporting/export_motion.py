@@ -15,7 +15,7 @@ import orjson
 
 from service.clips.read_clip import StoredClip, read_clip
 from service.errors import ConversionError, Notice, UnsupportedError
-from service.formats import FORMATS
+from service.formats import FORMATS, WRITERS
 from service.formats.format import SourceFile
 from service.mcml import joint_names
 from service.mcml.writer import write_document
@@ -64,7 +64,7 @@ class Export:
 def targets() -> dict[str, tuple[str, str | None]]:
     """What `ExportOptions.format` may be: name -> (catalogue name, part or None for all parts)."""
     result: dict[str, tuple[str, str | None]] = {"mcml": ("mcml", None), "csv": ("csv", None)}
-    for name, format_ in FORMATS.items():
+    for name, format_ in WRITERS.items():
         result[name] = (name, format_.parts[0].name if len(format_.parts) == 1 else None)
         if len(format_.parts) > 1:
             result.update({part.name: (name, part.name) for part in format_.parts})
@@ -73,7 +73,7 @@ def targets() -> dict[str, tuple[str, str | None]]:
 
 def part_without_frames(name: str) -> str | None:
     """The part of a format that holds a skeleton alone: a motion file without frames is none. None for one part."""
-    parts = FORMATS[name].parts if name in FORMATS else ()
+    parts = WRITERS[name].parts if name in WRITERS else ()
     return parts[0].name if len(parts) > 1 else None
 
 
@@ -104,12 +104,12 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
     if name == "csv":
         return Export(f"{stem}.csv", "text/csv; charset=utf-8", _csv(source, _columns(tx, source)))
     clip = _converted(source, name, options)
-    parts = [item.name for item in FORMATS[name].parts]
+    parts = [item.name for item in WRITERS[name].parts]
     if part is None:
-        files = {f"{stem}{_extension(name, item)}": partial(FORMATS[name].write, clip, item) for item in parts}
+        files = {f"{stem}{_extension(name, item)}": partial(WRITERS[name].write, clip, item) for item in parts}
         return Export(f"{stem}.zip", "application/zip", zipped(files.items()), clip.notices)
-    content = FORMATS[name].write(clip, part)
-    return Export(f"{stem}{_extension(name, part)}", FORMATS[name].media_type, content, clip.notices)
+    content = WRITERS[name].write(clip, part)
+    return Export(f"{stem}{_extension(name, part)}", WRITERS[name].media_type, content, clip.notices)
 
 
 def skeleton_file(tx: Transaction, stored: StoredDocument) -> SourceFile:
@@ -163,7 +163,8 @@ def _stated(clip: ClipStream, field: str, what: str, parameter: str) -> str:
 
 def convert_clip(clip: ClipStream, name: str, names: str | None = None) -> ClipStream:
     """The clip as a format of the catalogue can write it; `names`: with joint names of that table."""
-    clip = convert(clip, FORMATS[name].convention)
+    convention = WRITERS[name].convention
+    clip = clip if convention is None else convert(clip, convention)
     if names:
         skeleton = joint_names.translate(clip.head.skeleton, names)
         clip = clip.with_head(replace(clip.head, skeleton=skeleton))
@@ -253,4 +254,4 @@ def file_stem(name: str) -> str:
 
 
 def _extension(name: str, part: str) -> str:
-    return next(item.extensions[0] for item in FORMATS[name].parts if item.name == part)
+    return next(item.extensions[0] for item in WRITERS[name].parts if item.name == part)

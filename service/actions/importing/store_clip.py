@@ -15,7 +15,7 @@ from service.actions.importing.import_motion import import_files
 from service.actions.reading.import_options import ImportOptions, Label
 from service.analysis.interface import MadeClip
 from service.errors import McmlError, UnsupportedError
-from service.formats import FORMATS
+from service.formats import WRITERS
 from service.formats.format import SourceFile
 from service.mcml.elements import from_head
 from service.mcml.writer import write_document
@@ -87,9 +87,9 @@ def clip_file(made: MadeClip, format_name: str) -> tuple[str, str, bytes]:
     name = file_stem(made.name)
     if format_name == "mcml":
         return f"{name}.mcml", "application/xml", b"".join(_mcml(as_stream(made)))
-    known = FORMATS.get(format_name)
+    known = WRITERS.get(format_name)
     if known is None or len(known.parts) != 1:
-        singles = ", ".join(["mcml", *(item for item, found in FORMATS.items() if len(found.parts) == 1)])
+        singles = ", ".join(["mcml", *(item for item, found in WRITERS.items() if len(found.parts) == 1)])
         raise UnsupportedError(f"{format_name!r} is not a format of one file.", remedy=f"Use one of: {singles}.")
     clip = convert_clip(as_stream(made), format_name)
     part = known.parts[0]

@@ -13,7 +13,7 @@ from service.clips.bodies import Body, read_turned
 from service.errors import NotFoundError
 from service.motion.bodies.limb_angles import turn_named
 from service.motion.bodies.quantities import compute, halo_of, joints_of, quantity_of
-from service.motion.bodies.stretch import Stretch, known
+from service.motion.bodies.stretch import known
 from service.motion.skeleton import Array
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
@@ -59,10 +59,8 @@ def quantity_columns(
 def _stretch(asked: Asked, body: Body, first: int, last: int) -> Array:
     halo = halo_of(asked.name, asked.arguments, body.frame_time)
     low = 0 if halo is None else max(0, first - 1 - halo)
-    high = len(body.steps) if halo is None else min(len(body.steps), last + halo)
-    joints = joints_of(asked.name, asked.arguments, body.names)
-    places = {name: body.steps[low:high, place] for place, name in enumerate(body.names) if name in joints}
-    stretch = Stretch(places, high - low, body.frame_time, body.calibration, first=low)
+    high = body.frames if halo is None else min(body.frames, last + halo)
+    stretch = body.stretch(joints_of(asked.name, asked.arguments, body.names), low, high)
     values: Array = compute(asked.name, asked.arguments, stretch)[first - 1 - low : last - low]
     return values
 

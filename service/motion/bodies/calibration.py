@@ -83,11 +83,6 @@ class Calibration:
         """NaN where the unit is unknown."""
         return float("nan") if self.metres is None else self.metres * self.step
 
-    @property
-    def rests_on_guesses(self) -> bool:
-        """Whether the unit, the up axis or the floor is guessed."""
-        return any(self.origins[name].kind == "guessed" for name in ("metres", "up", "floor"))
-
     def to_json(self) -> dict[str, Any]:
         """Plain values for JSON."""
         values = {name: getattr(self, name) for name in (*_VALUES, "step")}
@@ -119,7 +114,7 @@ def calibrate(
     values that people set, by the names of `Calibration`: metres, up, floor, leg, reference (None: the rest pose) and
     leaps. What follows from a value that is set follows from that. Raises RequestError for a value that cannot be.
     """
-    overrides = _checked(overrides or {})
+    overrides = checked_overrides(overrides or {})
     skeleton = head.skeleton
     rest = rest_positions(skeleton, reading_of(head))[None, : len(skeleton)]
     places: Rows = np.arange(len(positions)) if frames is None else frames
@@ -143,8 +138,8 @@ def calibrate(
     return Calibration(step=_step(values["metres"], values["leg"], poses), origins=origins, **values)
 
 
-def _checked(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The values that people set, in the order of the fields."""
+def checked_overrides(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The values that people set, in the order of the fields. RequestError for one that cannot be."""
     for name, value in overrides.items():
         number = isinstance(value, int | float) and not isinstance(value, bool) and bool(np.isfinite(value))
         fits = {
@@ -239,8 +234,8 @@ def _floor(skeleton: Skeleton, positions: Array, up: Array) -> tuple[float | Non
         heights = (positions[:, joints] @ up).ravel()
         heights = heights[np.isfinite(heights)]
         if len(heights):
-            word = "toes" if part == "toes" else "feet, as no toes are known"
-            return float(np.percentile(heights, _FLOOR)), Origin("guessed", f"the {word} are there in every 20th frame")
+            word = "toes" if part == "toes" else "feet (no toes are known)"
+            return float(np.percentile(heights, _FLOOR)), Origin("guessed", f"the {word} are above it nearly always")
     return None, Origin("unknown", "no foot is known")
 
 

@@ -106,11 +106,6 @@ def at_rate(features: Array, frame_time: float, new_frame_time: float) -> Array:
     return np.where(part == 0, features[first], between)
 
 
-def motion_halo(length: int) -> int:
-    """Frames before one that a stretch which ends there, compared with so many frames, can begin."""
-    return 2 * max(0, length - 1)
-
-
 def motion_distances(features: Array, motion: Array) -> Array:
     """(n,) how unlike a motion the stretch that ends in each frame is: the mean pose distance along the best warping.
 

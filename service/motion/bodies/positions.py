@@ -7,7 +7,7 @@ and P = P_parent + A_parent G_parent^-1 t (formats.md 1.4, 2.3, 4.2). No joint w
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -129,24 +129,34 @@ def _matrix(rotation: Array | None) -> Array | None:
     return to_matrix(rotation)
 
 
-def clip_positions(skeleton: Skeleton, blocks: Iterable[FrameBlock], reading: Reading = DEGREES) -> Array:
-    """Positions (n, J, 3) in consecutive blocks of one clip, from its first frame on; NaN where a sample that a joint's
-    place hangs on is missing."""
+@dataclass(frozen=True, eq=False)
+class Filled:
+    """Frames of a clip without gaps. values: (n, D) of the skeleton's columns, a missing sample as the last one before
+    it. unseen: (n, J) where a sample that a joint's place hangs on is missing; None for nowhere."""
+
+    values: Array
+    unseen: NDArray[np.bool_] | None = None
+
+
+def filled(skeleton: Skeleton, blocks: Iterable[FrameBlock]) -> Filled:
+    """Consecutive blocks of one clip, from its first frame on."""
     held = Held(skeleton)
-    values: list[Array] = []
-    gaps: list[NDArray[np.bool_] | None] = []
+    values: list[Array] = [np.empty((0, len(held.columns)))]
+    gaps: list[NDArray[np.bool_]] = []
     for block in blocks:
-        before = held.missing
         values.append(held.values(block))
-        gaps.append(unseen(skeleton, block) if held.missing > before else None)
-    if not values:
-        return np.empty((0, len(skeleton), 3))
-    found = world_positions(skeleton, np.concatenate(values), reading)
-    first = 0
-    for length, gap in zip(map(len, values), gaps, strict=True):
-        if gap is not None:
-            found[first : first + length][gap] = np.nan
-        first += length
+        gaps.append(unseen(skeleton, block) if held.missing else np.zeros((len(block), len(skeleton)), bool))
+    return Filled(np.concatenate(values), np.concatenate(gaps) if held.missing else None)
+
+
+def clip_positions(skeleton: Skeleton, clips: Sequence[Filled], reading: Reading = DEGREES) -> list[Array]:
+    """Positions (n, J, 3) in each of some clips of a skeleton; NaN where a joint is not seen."""
+    together = world_positions(skeleton, np.concatenate([clip.values for clip in clips]), reading)
+    ends = np.cumsum([len(clip.values) for clip in clips])[:-1]
+    found = np.split(together, ends)
+    for positions, clip in zip(found, clips, strict=True):
+        if clip.unseen is not None:
+            positions[clip.unseen] = np.nan
     return found
 
 

@@ -57,6 +57,7 @@ def _height(stretch: Stretch, arguments: Arguments) -> Array:
 
 
 def _position(stretch: Stretch, arguments: Arguments) -> Array:
+    _joints_of_position(arguments)
     joint, axis, *origin = arguments
     places = stretch.between(origin[0], joint) if origin else stretch.at(joint)
     if axis in ("x", "y", "z"):

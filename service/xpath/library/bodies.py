@@ -3,50 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cached_property, partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from service.clips.bodies import Body, read_turned
+from service.clips.bodies import MADE, Body, read_turned
 from service.errors import QueryError
 from service.motion.bodies.limb_angles import turn_named
-from service.motion.bodies.poses import JOINTS, NEEDS, at_rate, motion_distances, pose_distances, pose_features
+from service.motion.bodies.poses import NEEDS, at_rate, pose_features
 from service.motion.bodies.quantities import compute, joints_of
 from service.storage.columns import Listed
+from service.xpath.library.body_facts import BodyFacts
 from service.xpath.library.forest import Forest
-from service.xpath.library.groups import Group
+from service.xpath.library.pose_columns import WIDTH, PoseColumns, Singles
 from service.xpath.nodes.numbering import Floats, Ints, documents_of, frames_of
 
-Column = TypeVar("Column", bound=NDArray[Any])
+Column = TypeVar("Column", Floats, PoseColumns)
 Made = TypeVar("Made")
-POSE = len(JOINTS), 3
 TOGETHER = 32
 """Documents whose bodies are read before anything else may happen."""
-
-
-@dataclass(frozen=True, slots=True)
-class Facts:
-    """What is known of a document. names: of its joints. unit, times: whether these are known. guessed: whether the
-    unit, the up axis or the floor is a guess."""
-
-    names: tuple[str, ...]
-    unit: bool
-    times: bool
-    guessed: bool
-
-
-def facts_of(body: Body) -> Facts:
-    known = body.calibration
-    return Facts(body.names, known.metres is not None, body.frame_time is not None, known.rests_on_guesses)
-
-
-def known_of(group: Group) -> tuple[int, str]:
-    """Under what the facts of a group that was looked at are kept."""
-    return group.number, "facts"
 
 
 class Bodies:
@@ -68,7 +45,7 @@ class Bodies:
         def of_body(body: Body) -> float:
             return np.nan if body.frame_time is None else body.frame_time
 
-        return self._column(("seconds",), lambda: np.array(self._each(of_body), np.float64))
+        return self._forest.of_frames((f"{MADE}", "seconds"), lambda: np.array(self._each(of_body), np.float64))
 
     def rows(self, nodes: Ints) -> Ints:
         """Where in a column the frame is that each node is, or lies in; -1 for nodes of heads."""
@@ -83,7 +60,7 @@ class Bodies:
 
         turned = name == "angle" and len(arguments) == 1 and turn_named(arguments[0]) is not None
         make = partial(self._turned, arguments[0]) if turned else lambda: np.concatenate(self._each(of_body))
-        return self._column((name, *arguments), make)
+        return self._forest.of_frames((f"{MADE}", name, *arguments), make)
 
     def _turned(self, name: str) -> Floats:
         parts = []
@@ -106,38 +83,32 @@ class Bodies:
 
         def make() -> Floats:
             if last is None:
-                return pose_distances(self.features().astype(np.float64), poses)[:, 0]
+                return self.poses().from_pose(poses[0], self._check)
             return self._motion_distances(poses, body.frame_time)
 
         return self._column(("distance", listed.uuid, listed.revision, first, last), make)
 
-    def features(self) -> NDArray[np.float32]:
-        """(frames, 20, 3) the poses, as `poses` compares them."""
+    def poses(self) -> PoseColumns:
+        """The poses in all frames."""
 
-        def of_body(body: Body) -> NDArray[np.float32]:
-            return pose_features(body.stretch(NEEDS)).astype(np.float32)
+        def of_body(body: Body) -> Singles:
+            return pose_features(body.stretch(NEEDS)).astype(np.float32).reshape(-1, WIDTH)
 
-        nothing = np.empty((0, *POSE), np.float32)
-        return self._column(("features",), lambda: np.concatenate([nothing, *self._each(of_body)]))
+        def make() -> PoseColumns:
+            vectors = np.concatenate([np.empty((0, WIDTH), np.float32), *self._each(of_body)])
+            return PoseColumns(vectors, self.offsets[:-1][self._forest.frames > 0])
+
+        return self._column(("poses",), make)
 
     def _motion_distances(self, motion: Floats, frame_time: float | None) -> Floats:
-        """Of documents at one frame rate together, with gaps between them that nothing crosses."""
-        features = self.features()
-        found = np.full(len(features), np.nan)
-        if frame_time is None:
-            return found
-        gap = np.full((2, *POSE), np.nan)
-        for seconds in np.unique(self.seconds[self.seconds > 0]).tolist():
-            asked = motion if seconds == frame_time else at_rate(motion, frame_time, seconds)
-            rows = [
-                np.arange(self.offsets[one], self.offsets[one + 1]) for one in np.flatnonzero(self.seconds == seconds)
-            ]
-            self._check()
-            distances = motion_distances(np.concatenate([part for own in rows for part in (features[own], gap)]), asked)
-            at = 0
-            for own in rows:
-                found[own] = distances[at : at + len(own)]
-                at += len(own) + len(gap)
+        """Of documents at one frame rate together."""
+        columns = self.poses()
+        found = np.full(len(columns.vectors), np.nan)
+        known = self.seconds[self.seconds > 0] if frame_time is not None else np.empty(0)
+        for seconds in np.unique(known).tolist():
+            asked = motion if seconds == frame_time else at_rate(motion, frame_time or seconds, seconds)
+            own = np.repeat(self.seconds == seconds, self._forest.frames)
+            found[own] = columns.from_motion(asked, own, self._check)[own]
         return found
 
     def _named(self, text: str) -> Listed:
@@ -159,20 +130,25 @@ class Bodies:
         samples = self._forest.caches.samples
         return samples.get((self._forest.documents.number, *key), make, lambda column: column.nbytes)
 
-    def facts(self) -> list[Facts]:
+    def facts(self) -> BodyFacts:
         """What is known of each document."""
-        found: list[Facts] | None = self._forest.caches.samples.find(known_of(self._forest.documents))
-        return self._each(facts_of) if found is None else found
+        found = self._forest.body_facts(None)
+        return self._gathered(lambda body: None)[1] if found is None else found
 
     def _each(self, function: Callable[[Body], Made]) -> list[Made]:
-        """What a function makes of each body. To read these takes longest, so what else is asked of all is kept."""
+        """What a function makes of each body."""
+        return self._gathered(function)[0]
+
+    def _gathered(self, function: Callable[[Body], Made]) -> tuple[list[Made], BodyFacts]:
+        """The same, and the facts: to read bodies takes longest, so what else is asked of all is kept."""
         found: list[Made] = []
-        facts: list[Facts] = []
+        facts: list[BodyFacts] = []
         documents, caches = self._forest.documents, self._forest.caches
         for at in range(0, len(documents), TOGETHER):
             self._check()
-            for body in caches.bodies.read(self._forest.tx, documents[at : at + TOGETHER]):
-                found.append(function(body))
-                facts.append(facts_of(body))
-        caches.samples.get(known_of(documents), lambda: facts, lambda some: 200 * len(some))
-        return found
+            bodies = caches.bodies.read(self._forest.tx, documents[at : at + TOGETHER])
+            found += map(function, bodies)
+            facts.append(BodyFacts.of(bodies))
+        together = BodyFacts.together(facts)
+        self._forest.body_facts(lambda: together)
+        return found, together

@@ -14,6 +14,7 @@ from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.language.reach import HeadPart
 from service.xpath.library import sample_parts
+from service.xpath.library.body_facts import BodyFacts
 from service.xpath.library.bone_columns import BoneColumns
 from service.xpath.library.caches import Caches
 from service.xpath.library.groups import Group
@@ -196,6 +197,28 @@ class Forest:
         """The samples of a channel of all tracks, as far as they were read."""
         make = partial(StackedSamples, self.stacks.size, len(self.tracks), coded=coded)
         return self._sampled(("stacked", channel, coded), make)
+
+    def of_frames(self, what: tuple[str, ...], make: Callable[[], Floats]) -> Floats:
+        """A number of each frame of the documents, one after the other, kept in memory and on disk. make: works it
+        out."""
+        part = f"frames {orjson.dumps(what).decode()}"
+        return self._sampled(
+            what, lambda: self._on_disk(part, make, lambda column: {"numbers": column}, lambda found: found["numbers"])
+        )
+
+    def body_facts(self, make: Callable[[], BodyFacts] | None) -> BodyFacts | None:
+        """What is known of the bodies, kept in memory and on disk. make: gathers it; None: only where it is kept."""
+        what = "body facts"
+        known: BodyFacts | None = self.caches.columns.find((self.documents.number, what))
+        if known is None and (make is not None or self._disk is not None):
+            found = None if self._disk is None else self._disk.read(self.tx, self._key(what))
+            if found is not None:
+                return self._kept(what, lambda: BodyFacts.restored(found))
+            if make is not None:
+                made = known = self._kept(what, make)
+                if self._disk is not None:
+                    self._disk.keep(self.tx, self._key(what), made.stored, made.nbytes)
+        return known
 
     def has_bone(self, name: str | None) -> bool:
         """Whether what they lie between is at hand."""

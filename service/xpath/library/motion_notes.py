@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+
+import numpy as np
 
 from service.errors import LimitError, McmlError, QueryError
 from service.motion.bodies.quantities import QUANTITIES, joints_of
@@ -11,13 +13,18 @@ from service.storage.database import Transaction
 from service.xpath.language.motion_functions import MOTION_FUNCTIONS, PREFIX, TOP
 from service.xpath.language.reach import HeadPart
 from service.xpath.language.tree import Call, Expression, Literal, walk
-from service.xpath.library.bodies import Bodies, Facts, known_of
+from service.xpath.library.bodies import Bodies
+from service.xpath.library.body_facts import BodyFacts
 from service.xpath.library.caches import Caches
 from service.xpath.library.forest import Forest
 from service.xpath.library.groups import Group
 from service.xpath.library.listing import Scope
 
 OF_LENGTHS = frozenset({"m", "m/s", "m/s2"})
+WITH_FLOOR = frozenset({"mo:height", "mo:contact"})
+WITH_UP = WITH_FLOOR | {"mo:tilt", "mo:heading", "mo:pose-distance", "mo:motion-distance"}
+OF_UPRIGHT = frozenset({"trunk", "pelvis"})
+"""Parts whose angles are those to the vertical."""
 OF_TIMES = frozenset({"s", "m/s", "m/s2", "per s"})
 
 
@@ -26,10 +33,10 @@ def motion_calls(tree: Expression) -> list[Call]:
     return [part for part in walk(tree) if isinstance(part, Call) and part.function in MOTION_FUNCTIONS]
 
 
-def notes(caches: Caches, scope: Scope, calls: Sequence[Call]) -> list[str]:
+def notes(tx: Transaction, caches: Caches, scope: Scope, calls: Sequence[Call]) -> list[str]:
     """Of the documents that were looked at: how many have no unit, no times or not the joints, and how many rest on
     guesses."""
-    return list(_notes(looked_at(caches, scope), calls)) if calls else []
+    return list(_notes(looked_at(tx, caches, scope), calls)) if calls else []
 
 
 def refused(calls: Sequence[Call]) -> McmlError:
@@ -46,47 +53,75 @@ def refused(calls: Sequence[Call]) -> McmlError:
     )
 
 
-def looked_at(caches: Caches, scope: Scope) -> list[Facts]:
+def looked_at(tx: Transaction, caches: Caches, scope: Scope) -> list[BodyFacts]:
     """What is known of the documents whose bodies were looked at."""
-    return [one for group in scope.groups() for one in caches.samples.find(known_of(group)) or ()]
+    forests = (Forest(tx, group, caches, head_part=HeadPart.MOTION) for group in scope.groups())
+    return [found for forest in forests if (found := forest.body_facts(None)) is not None]
 
 
 def without_guesses(
-    tx: Transaction, caches: Caches, groups: Sequence[Group], check: Callable[[], None]
+    tx: Transaction, caches: Caches, groups: Sequence[Group], calls: Sequence[Call], check: Callable[[], None]
 ) -> list[Listed]:
-    """The documents whose unit, up axis and floor are no guesses."""
+    """The documents of which nothing that the answer depends on is a guess."""
     found: list[Listed] = []
+    needed = rested_on(calls)
     for group in groups:
         facts = Bodies(Forest(tx, group, caches, head_part=HeadPart.MOTION), check).facts()
-        found += [listed for listed, one in zip(group, facts, strict=True) if not one.guessed]
+        found += [
+            listed
+            for listed, guessed in zip(group, facts.rests_on_guesses(needed).tolist(), strict=True)
+            if not guessed
+        ]
     return found
 
 
-def _notes(facts: Sequence[Facts], calls: Sequence[Call]) -> Iterator[str]:
+def _notes(parts: Sequence[BodyFacts], calls: Sequence[Call]) -> Iterator[str]:
     units = {MOTION_FUNCTIONS[call.function].unit for call in calls}
-    many = f"of {len(facts):,} documents"
-    if units & OF_LENGTHS and (count := sum(not one.unit for one in facts)):
-        yield f"{count:,} {many} left out: their unit is not known; set it in their calibration."
-    if units & OF_TIMES and (count := sum(not one.times for one in facts)):
+    many = f"of {sum(map(len, parts)):,} documents"
+    if units & OF_LENGTHS and (count := sum(int((~part.unit).sum()) for part in parts)):
+        yield f"{count:,} {many} left out: their unit is not known; set it in their header."
+    if units & OF_TIMES and (count := sum(int((~part.times).sum()) for part in parts)):
         yield f"{count:,} {many} left out: their frame time is not known."
     for call in dict.fromkeys(calls):
-        if count := sum(_lacks(one, call) for one in facts):
+        if count := sum(_lacking(part, call) for part in parts):
             yield f"{count:,} {many} left out: they have not the joints of {_written(call)}."
-    if count := sum(one.guessed for one in facts):
-        yield f"{count:,} {many} rest on a guessed unit, up axis or floor; guesses=no leaves them out."
+    needed = rested_on(calls)
+    if count := sum(int(part.rests_on_guesses(needed).sum()) for part in parts):
+        yield f"{count:,} {many} rest on a guessed {_listed(needed)}; guesses=no leaves them out."
 
 
-def _lacks(facts: Facts, call: Call) -> bool:
-    """Whether a body has not all joints that a quantity is made from."""
+def rested_on(calls: Sequence[Call]) -> frozenset[str]:
+    """The values of calibrations (`body_facts.GUESSES`) that the answer depends on."""
+    found: set[str] = set()
+    for call in calls:
+        if MOTION_FUNCTIONS[call.function].unit in OF_LENGTHS:
+            found.add("metres")
+        texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
+        of_body = any(text.split("-")[0] in OF_UPRIGHT or text in ("up", "front", "left") for text in texts)
+        if call.function in WITH_UP or of_body:
+            found.add("up")
+        if call.function in WITH_FLOOR:
+            found.add("floor")
+    return frozenset(found)
+
+
+def _listed(names: Collection[str]) -> str:
+    words = [word for name, word in (("metres", "unit"), ("up", "up axis"), ("floor", "floor")) if name in names]
+    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def _lacking(facts: BodyFacts, call: Call) -> int:
+    """How many documents have not all joints that a quantity is made from."""
     name = call.function.removeprefix(PREFIX)
     texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
     if name not in QUANTITIES or len(texts) < len(call.arguments):
-        return False
+        return 0
     try:
-        asked = QUANTITIES[name].joints(texts)
-        return len(joints_of(name, texts, facts.names)) < len(dict.fromkeys(asked))
+        asked = len(dict.fromkeys(QUANTITIES[name].joints(texts)))
+        lacks = [len(joints_of(name, texts, names)) < asked for names in facts.names]
     except McmlError:
-        return False
+        return 0
+    return int(np.array(lacks, bool)[facts.kind].sum()) if lacks else 0
 
 
 def _written(call: Call) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from service.formats import FORMATS
 from service.motion.bodies.calibration import Calibration, calibrate
-from service.motion.bodies.positions import clip_positions, rounded
+from service.motion.bodies.positions import clip_positions, filled, rounded
 from service.motion.bodies.stretch import Stretch
 from service.motion.clip import ClipStream
 from service.motion.conventions import convert
@@ -95,7 +95,9 @@ def named(clip: ClipStream) -> ClipStream:
 
 def positions_of(clip: ClipStream) -> np.ndarray:
     """(n, J, 3), NaN where a sample is missing."""
-    return clip_positions(clip.head.skeleton, clip.blocks(), reading_of(clip.head))
+    skeleton = clip.head.skeleton
+    (found,) = clip_positions(skeleton, [filled(skeleton, clip.blocks())], reading_of(clip.head))
+    return found
 
 
 def stretch_of(clip: ClipStream, calibration: Calibration | None = None) -> Stretch:

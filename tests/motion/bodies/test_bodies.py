@@ -19,11 +19,10 @@ from service.motion.bodies.poses import (
     NEEDS,
     at_rate,
     motion_distances,
-    motion_halo,
     pose_distances,
     pose_features,
 )
-from service.motion.bodies.positions import UNSEEN, clip_positions, rounded, world_positions
+from service.motion.bodies.positions import UNSEEN, clip_positions, filled, rounded, world_positions
 from service.motion.bodies.quantities import QUANTITIES, compute, halo_of, joints_of, quantity_of
 from service.motion.bodies.stretch import Stretch
 from service.motion.bodies.vectors import angle_between
@@ -167,7 +166,7 @@ def test_a_part_with_its_halo_is_that_part_of_the_whole(seed: int) -> None:
     part = part_of(whole, first, end, [name for name in NEEDS if name in whole.places])
     assert pose_features(part).tobytes() == features[first:end].tobytes()
     motion = features[20:26]
-    before = max(0, first - motion_halo(len(motion)))
+    before = max(0, first - 2 * (len(motion) - 1))
     near = motion_distances(features[before:end], motion)[first - before :]
     assert near.tobytes() == motion_distances(features, motion)[first:end].tobytes()
     values = compute("distance", ["left_hand", "Head"], whole)
@@ -320,18 +319,18 @@ def test_missing_samples_are_gaps() -> None:
     values = block.values.copy()
     values[12, block.columns.index((names.index("left_low_arm"), CHANNEL_INDEX["Rx"]))] = np.nan
     parts = [replace(block, values=values[start : start + 5], ids=block.ids[start : start + 5]) for start in (0, 5, 10)]
-    found = clip_positions(skeleton, parts)
+    found, nothing = clip_positions(skeleton, [filled(skeleton, parts), filled(skeleton, [])])
     lost = np.zeros(found.shape[:2], dtype=bool)
     lost[12, [names.index("left_low_arm"), names.index("left_hand")]] = True
     assert np.array_equal(np.isnan(found), np.repeat(lost[:, :, None], 3, axis=2))
     assert np.array_equal(found[~lost], whole[:15][~lost])
-    assert clip_positions(skeleton, []).shape == (0, len(names), 3)
+    assert nothing.shape == (0, len(names), 3)
 
 
 def test_markers_are_where_they_say() -> None:
     clip = read(FORMATS["trc"], {"trc": TRC})
     (block,) = clip.blocks()
-    found = clip_positions(clip.head.skeleton, clip.blocks())
+    (found,) = clip_positions(clip.head.skeleton, [filled(clip.head.skeleton, clip.blocks())])
     assert np.isnan(found).any()
     assert np.array_equal(found.reshape(len(block), -1), block.values, equal_nan=True)
 

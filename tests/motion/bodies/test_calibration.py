@@ -55,7 +55,7 @@ def test_what_the_file_states_counts(head: ClipHead, positions: np.ndarray) -> N
     found = calibrate(replace(head, fields=fields), positions)
     assert (found.metres, found.up) == (0.001, "Z")
     assert {found.origins[name].kind for name in ("metres", "up")} == {"stated"}
-    assert found.rests_on_guesses  # The floor is never stated.
+    assert found.origins["floor"].kind == "guessed", "it is never stated"
     assert calibrate(replace(head, fields={"units_length": "4"}), positions * 0.4 * 4).metres == 0.0254 / 4
     assert calibrate(replace(head, fields={"units_length": "none"}), positions).metres == 0.01
 
@@ -107,8 +107,9 @@ def test_what_people_set_counts(head: ClipHead, positions: np.ndarray) -> None:
     found = calibrate(head, positions, {"leg": 830.0, "up": "-Z", "floor": 2})
     assert (found.leg, found.up, found.floor, found.metres) == (830.0, "-Z", 2, 0.001)
     assert {found.origins[name].kind for name in ("leg", "up", "floor")} == {"set"}
-    assert found.rests_on_guesses
-    assert not calibrate(head, positions, {"metres": 1, "up": "Y", "floor": 0}).rests_on_guesses
+    assert "guessed" in {found.origins[name].kind for name in ("metres", "up", "floor")}
+    known = calibrate(head, positions, {"metres": 1, "up": "Y", "floor": 0})
+    assert {known.origins[name].kind for name in ("metres", "up", "floor")} == {"set"}
     assert calibrate(head, positions, {"reference": 4}).reference == 4
 
 

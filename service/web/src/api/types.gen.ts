@@ -4221,6 +4221,9 @@ export interface operations {
                 content: {
                     "text/plain": unknown;
                     "application/octet-stream": string;
+                    "model/gltf-binary": unknown;
+                    "model/vnd.usd": unknown;
+                    "model/vnd.usda": unknown;
                     "application/zip": unknown;
                     "application/xml": unknown;
                     "text/csv": unknown;

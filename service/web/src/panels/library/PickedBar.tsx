@@ -10,8 +10,11 @@ import { namesLike } from "../../state/vocabulary";
 import { AskName } from "../../ui/AskName";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
+import { askWritable, unwritable } from "../../ui/exports";
 import { Menu } from "../../ui/Menu";
 import { w } from "../../words";
+
+const FORMATS = ["mcml", "bvh", "asf-amc", "htr", "c3d", "trc", "glb", "usd", "mot"];
 
 export function PickedBar() {
   const [naming, setNaming] = useState(false);
@@ -31,7 +34,7 @@ export function PickedBar() {
       <strong>{w("picked", { n: ids.length })}</strong>
       <button type="button" class="button dense" onClick={() => setNaming(true)}><Icon name="label" />{w("nameThese")}</button>
       <button type="button" class="button dense" onClick={() => go(`/compose?s=${ids.join(",")}`)}><Icon name="compose" />{w("composeThese")}</button>
-      <Menu label={w("exportWord")} className="button dense" items={["mcml", "bvh", "asf-amc", "htr", "c3d", "trc"].map((format) => ({ text: w("exportAs", { format }), run: () => void exportAll(format) }))}><Icon name="export" />{w("exportWord")}<Icon name="down" /></Menu>
+      <Menu label={w("exportWord")} className="button dense" items={() => { askWritable(); return FORMATS.filter((format) => !unwritable.value.has(format)).map((format) => ({ text: w("exportAs", { format }), run: () => void exportAll(format) })); }}><Icon name="export" />{w("exportWord")}<Icon name="down" /></Menu>
       <button type="button" class="button dense" onClick={() => setCollecting(true)}><Icon name="list" />{w("collect")}</button>
       <button type="button" class="button dense" onClick={() => void library.removeDocuments(ids)}><Icon name="trash" />{w("delete")}</button>
       <span class="grow" />

@@ -1,0 +1,72 @@
+"""The calibration of a document as people see and set it.
+
+The unit and the up axis are the header's own elements, all else properties of the header (`bodies.OVERRIDES`): so a
+calibration has revisions, and goes wherever the MCML goes.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import orjson
+
+from schemas import bodies as wire
+from service.actions.editing.change_document import change_document
+from service.clips.bodies import OVERRIDES, Body, read_bodies
+from service.errors import RequestError
+from service.mcml.elements import to_head
+from service.storage.database import Transaction
+from service.storage.documents import StoredDocument
+
+LENGTHS = ("floor", "leg")
+
+
+def describe_calibration(tx: Transaction, stored: StoredDocument) -> wire.Calibration:
+    """What is known of the clip, and where from."""
+    kept = Body.restored(found) if (found := tx.bodies.of([stored]).get(stored.key)) is not None else None
+    (listed,) = tx.columns.documents([stored.key])
+    return _view(kept or read_bodies(tx, [listed])[stored.key], kept=kept is not None)
+
+
+def _view(body: Body, *, kept: bool) -> wire.Calibration:
+    known = body.calibration
+    unit = known.origins["metres"].reason if known.origins["metres"].kind == "stated" else None
+    values: dict[str, Any] = {
+        "unit": (unit or known.metres, known.metres, "metres"),
+        "up": (known.up, None, "up"),
+        "reference": ("rest" if known.reference is None else known.reference + 1, None, "reference"),
+        "leaps": (known.leaps, None, "leaps"),
+    }
+    for name in LENGTHS:
+        length = getattr(known, name)
+        values[name] = length, None if None in (length, known.metres) else length * known.metres, name
+    shown = {
+        name: wire.CalibrationValue(
+            value=value, metres=metres, origin=known.origins[source].kind, reason=known.origins[source].reason
+        )
+        for name, (value, metres, source) in values.items()
+    }
+    return wire.Calibration(**shown, step=known.step, kept=kept)
+
+
+def change_calibration(tx: Transaction, stored: StoredDocument, change: wire.CalibrationChange) -> StoredDocument:
+    """Set values, or take them back, as one revision. RequestError for a frame that the document does not have."""
+    asked = change.model_dump(exclude_unset=True)
+    facts = {name: asked[name] or "" for name in ("unit", "up") if name in asked}
+    reference = asked.get("reference")
+    if reference not in (None, "rest") and not 1 <= int(reference) <= stored.frames:
+        raise RequestError(
+            f"{stored.name!r} has no frame {reference}.", remedy=f"Its frames are 1 to {stored.frames}, or say rest."
+        )
+    properties = {item[0]: item for item in to_head(tx.heads.document(stored), stored.frame_time).properties}
+    for name in ("floor", "leg", "reference", "leaps"):
+        key = OVERRIDES + name
+        if name in asked:
+            properties.pop(key, None)
+            value = asked[name]
+            if value is not None:
+                if name == "reference":
+                    value = None if value == "rest" else int(value) - 1
+                properties[key] = key, orjson.dumps(value).decode(), ""
+    message = f"calibration: {', '.join(asked)}"
+    return change_document(tx, stored, properties=list(properties.values()), message=message, **facts)

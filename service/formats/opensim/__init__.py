@@ -1,0 +1,1 @@
+"""Angles of the body as OpenSim's tables. Written, not read."""

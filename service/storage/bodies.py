@@ -1,0 +1,92 @@
+"""Bodies of documents in space, by the revision that they are of: where joints are, and what is known of the clip. They
+can be derived again at any time; what is damaged counts as not there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+import orjson
+from sqlalchemy import and_, delete, select
+
+from service.storage.lists import OneOf
+from service.storage.seals import checked
+from service.storage.shown import Shown
+from service.storage.tables import body
+
+if TYPE_CHECKING:
+    from service.storage.database import Transaction
+
+_ROWS = checked(
+    select(body.c.document, body.c.revision, body.c.block, body.c.facts, body.c.data)
+    .where(OneOf(body.c.document, "keys"))
+    .order_by(body.c.document, body.c.revision, body.c.block),
+    body,
+)
+
+_SHOWN = Shown(body)
+
+
+class AtRevision(Protocol):
+    """A document at one revision."""
+
+    @property
+    def key(self) -> int: ...
+
+    @property
+    def revision(self) -> int: ...
+
+
+@dataclass(frozen=True)
+class StoredBody:
+    """facts: plain values for JSON. blocks: as `steps.pack` makes them."""
+
+    facts: dict[str, Any]
+    blocks: tuple[bytes, ...]
+
+
+class Bodies:
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    def add(self, made: Sequence[tuple[AtRevision, StoredBody]]) -> None:
+        """Keep bodies of revisions, in the place of what was kept of them."""
+        # Another process may derive the same: who waits for it finds what it made.
+        self._tx.dialect.order_commits(self._tx.connection)
+        there = _SHOWN.of(self._tx, {one.key: one.revision for one, _ in made})
+        for one, _ in made:
+            if one.key in there:
+                mine = and_(body.c.document == one.key, body.c.revision == one.revision)
+                self._tx.connection.execute(delete(body).where(mine))
+        rows = [
+            (one.key, one.revision, place, "" if place else orjson.dumps(found.facts).decode(), data)
+            for one, found in made
+            for place, data in enumerate(found.blocks)
+        ]
+        self._tx.insert_tuples(body, ("document", "revision", "block", "facts", "data"), rows)
+
+    def of(self, documents: Sequence[AtRevision]) -> dict[int, StoredBody]:
+        """By the keys of documents: their bodies at these revisions, as far as there are any."""
+        numbers = _SHOWN.of(self._tx, {stored.key: stored.revision for stored in documents})
+        if not numbers:
+            return {}
+        rows, _ = _ROWS.check(self._tx.rows(_ROWS.statement, {"keys": list(numbers)}))
+        facts: dict[int, dict[str, Any]] = {}
+        blocks: dict[int, list[bytes]] = {}
+        for key, number, place, told, data in rows:
+            if numbers[key] == number and place == len(blocks.setdefault(key, [])):
+                blocks[key].append(bytes(data))
+                if place == 0:
+                    facts[key] = orjson.loads(told)
+        whole = [key for key, told in facts.items() if told["blocks"] == len(blocks[key])]
+        return {key: StoredBody(facts[key], tuple(blocks[key])) for key in whole}
+
+    def missing(self, documents: Sequence[AtRevision], made: int) -> list[int]:
+        """The keys of those that have none that was made in this way."""
+        there = self.of(documents)
+        return [one.key for one in documents if one.key not in there or there[one.key].facts["made"] != made]
+
+    def forget(self, document_key: int, before: int) -> None:
+        """Remove the bodies of revisions before one."""
+        self._tx.connection.execute(delete(body).where(and_(body.c.document == document_key, body.c.revision < before)))

@@ -1,0 +1,104 @@
+"""glTF, USD and OpenSim's tables by URL and in batches, as the other formats."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+from service.formats import NEEDED, WRITERS
+from tests.builders import TRC, bvh, upload
+from tests.formats.scenes.reading import read_glb
+from tests.motion.bodies.made import person
+
+API = "/api/v1"
+BEGINNINGS = {
+    "glb": b"glTF",
+    "usd": b"PXR-USDC",
+    "usda": b"#usda",
+    "mot": b"walk.bvh\nversion=1\n",
+    "sto": b"walk.bvh\n",
+}
+
+
+def stored(client: TestClient, files: dict[str, bytes], **form: object) -> str:
+    (document,) = upload(client, files, **form)["documents"]
+    return str(document["id"])
+
+
+@pytest.mark.parametrize("format", BEGINNINGS)
+def test_they_are_asked_for_by_url(client: TestClient, format: str) -> None:
+    uuid = stored(client, {"walk.bvh": person(1, 30)}, unit="cm", up="Y")
+    answer = client.get(f"{API}/documents/{uuid}/export", params={"format": format})
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"].partition(";")[0] == WRITERS[format].media_type
+    assert f"walk.{format}" in answer.headers["content-disposition"]
+    assert answer.content.startswith(BEGINNINGS[format])
+    assert "states no" not in answer.headers.get("x-mcml-notices", "")
+
+
+def test_what_is_not_stated_is_told(client: TestClient) -> None:
+    uuid = stored(client, {"walk.bvh": person(1, 30)})
+    for format in BEGINNINGS:
+        answer = client.get(f"{API}/documents/{uuid}/export", params={"format": format})
+        assert "the document states no up axis" in answer.headers["x-mcml-notices"], format
+    assert "no unit of length" in client.get(f"{API}/documents/{uuid}/export?format=trc").headers["x-mcml-notices"]
+
+
+def test_parts_units_and_axes_are_as_of_other_formats(client: TestClient) -> None:
+    uuid = stored(client, {"walk.bvh": person(1, 30)}, unit="cm", up="Y")
+    address = f"{API}/documents/{uuid}/export"
+    whole = read_glb(client.get(address, params={"format": "glb"}).content).positions()
+    positions = client.get(f"{API}/documents/{uuid}/frames", params={"format": "npy", "space": "positions"})
+    np.testing.assert_allclose(whole, np.load(io.BytesIO(positions.content)) / 100, atol=1e-5)
+    part = read_glb(client.get(address, params={"format": "glb", "first": 5, "last": 9}).content).positions()
+    np.testing.assert_allclose(part, whole[4:9], atol=1e-5)
+    turned = client.get(address, params={"format": "glb", "unit": "mm", "up": "Z"})
+    # What the file states is what its readers turn back.
+    np.testing.assert_allclose(read_glb(turned.content).positions(), whole, atol=1e-5)
+    named = read_glb(client.get(address, params={"format": "glb", "names": "asf"}).content)
+    assert "lfemur" in [node.get("name") for node in named.model["nodes"]]
+
+
+def test_many_at_once(client: TestClient) -> None:
+    bodies = [stored(client, {"walk.bvh": person(seed, 8)}) for seed in (1, 2)]
+    empty = stored(client, {"still.bvh": bvh(0)})
+    points = stored(client, {"hand.trc": TRC})
+    request = {"selection": {"documents": [*bodies, empty, points]}, "format": "glb"}
+    with zipfile.ZipFile(io.BytesIO(client.post(f"{API}/exports", json=request).content)) as archive:
+        names = archive.namelist()
+        assert {"walk.glb", f"walk-{bodies[1][-6:]}.glb", "still.glb", "hand.glb"} == set(names)
+        for name in names:
+            read_glb(archive.read(name))
+    with zipfile.ZipFile(
+        io.BytesIO(client.post(f"{API}/exports", json=request | {"format": "mot"}).content)
+    ) as archive:
+        assert len(archive.namelist()) == 3
+        refused = archive.read("refused.txt").decode()
+        assert "markers have no angles" in refused
+        assert "no angle of this body" in refused
+
+
+def test_they_are_listed(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    items = {item["name"]: item for item in client.get(f"{API}/formats").json()["items"]}
+    assert {
+        name: (item["reads"], item["writes"]) for name, item in items.items() if name in BEGINNINGS
+    } == dict.fromkeys(BEGINNINGS, (False, True))
+    assert items["bvh"]["reads"]
+    assert items["glb"]["convention"] == "any"
+    for name in NEEDED:
+        monkeypatch.setitem(NEEDED, name, "a_module_that_is_not_there")
+    items = {item["name"]: item for item in client.get(f"{API}/formats").json()["items"]}
+    assert not items["usd"]["writes"]
+
+
+def test_they_are_not_read(client: TestClient) -> None:
+    uuid = stored(client, {"walk.bvh": person(1, 5)})
+    for format in BEGINNINGS:
+        content = client.get(f"{API}/documents/{uuid}/export", params={"format": format}).content
+        answer = client.post(f"{API}/documents", files=[("file", (f"back.{format}", content))])
+        assert answer.status_code >= 400
+        assert "written, not read" in answer.text
