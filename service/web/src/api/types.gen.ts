@@ -292,6 +292,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/documents/{id}/calibration": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["get_calibration"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch: operations["change_calibration"];
+        trace?: never;
+    };
     "/api/v1/documents/{id}/media": {
         parameters: {
             query?: never;
@@ -1483,6 +1499,32 @@ export interface components {
             largest: number;
             /** @default 1 */
             frame: number;
+        };
+        Calibration: {
+            unit: components["schemas"]["CalibrationValue"];
+            up: components["schemas"]["CalibrationValue"];
+            floor: components["schemas"]["CalibrationValue"];
+            leg: components["schemas"]["CalibrationValue"];
+            reference: components["schemas"]["CalibrationValue"];
+            leaps: components["schemas"]["CalibrationValue"];
+            step: number;
+            kept: boolean;
+        };
+        CalibrationChange: {
+            unit?: string | null;
+            up?: ("X" | "Y" | "Z") | null;
+            floor?: number | null;
+            leg?: number | null;
+            reference?: string | null;
+            leaps?: boolean | null;
+        };
+        CalibrationValue: {
+            value: number | string | boolean | null;
+            metres?: number | null;
+            /** @enum {string} */
+            origin: "stated" | "measured" | "guessed" | "set" | "unknown";
+            /** @default  */
+            reason: string;
         };
         Card: {
             id: string;
@@ -4368,6 +4410,104 @@ export interface operations {
                 };
                 content: {
                     "application/vnd.mcml.thumbnail": unknown;
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_calibration: {
+        parameters: {
+            query?: {
+                revision?: number | null;
+            };
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Calibration"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    change_calibration: {
+        parameters: {
+            query?: never;
+            header?: {
+                "if-match"?: string | null;
+            };
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CalibrationChange"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Calibration"];
                 };
             };
             503: {
