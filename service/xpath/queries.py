@@ -37,7 +37,7 @@ from service.xpath.language.tree import Call, Expression
 from service.xpath.language.types import distinct_of, item_type, type_of
 from service.xpath.library.caches import Caches
 from service.xpath.library.listing import Scope
-from service.xpath.library.motion_notes import beyond_columns, looked_at, motion_calls, notes, without_guesses
+from service.xpath.library.motion_notes import looked_at, motion_calls, notes, refused, without_guesses
 from service.xpath.library.part_file import path_of
 from service.xpath.library.sidecar import Sidecar
 from service.xpath.limits import Limits
@@ -370,7 +370,7 @@ class _Asking:
     def require_documents_alone(self) -> None:
         """Refuses what must be evaluated on all documents together, which XML is not, and questions about bodies."""
         if self.motion:
-            raise beyond_columns()
+            raise refused(self.motion)
         if self.per != "document":
             require_alone(self.query.tree, len(self.scope.documents()))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from typing import Any
 
@@ -11,6 +12,7 @@ from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueIt
 from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.database import Database
+from service.xpath.answer.writing import STREAMS
 from service.xpath.queries import Queries
 from tests.builders import ASF, MCML, amc, one_kind, store
 from tests.motion.bodies.made import person
@@ -86,6 +88,8 @@ def test_what_has_no_meaning_is_refused(engine: Queries, text: str, column: int,
         ("//frame[mo:pose-distance('a', 31) < 1]", "no such frames"),
         ("//frame[mo:pose-distance('a', 1.5) < 1]", "no such frames"),
         ("//frame[mo:motion-distance('a', 9, 3) < 1]", "no such frames"),
+        ("//frame[mo:pose-distance('a', 0 div 0) < 1]", "Frames have numbers"),
+        ("//frame[mo:motion-distance('a', 1, 1 div 0) < 1]", "Frames have numbers"),
     ],
 )
 def test_what_is_not_there_is_told(engine: Queries, text: str, what: str) -> None:
@@ -99,6 +103,19 @@ def test_what_columns_have_no_answer_to_is_refused(engine: Queries) -> None:
         engine.answer(QueryRequest(q="//frame[some $x in (1, 2) satisfies mo:rate($x * mo:time()) > 3]"))
 
 
+@pytest.mark.parametrize(
+    ("text", "per"),
+    [
+        ("//frame[count(mo:top(1, //frame)) > 0]", None),
+        ("mo:top(1, //frame) | //frame[1]", None),
+        ("mo:top(1, //frame)", "document"),
+    ],
+)
+def test_the_best_are_those_of_the_scope(engine: Queries, text: str, per: str | None) -> None:
+    with pytest.raises(QueryError, match="of the whole scope"):
+        engine.answer(QueryRequest(q=text, per=per))
+
+
 def test_contexts(engine: Queries) -> None:
     """A node inside of a frame is that frame; a head has no frame, but the document's leg and unit."""
     assert nodes(engine, "//motion_name[mo:time() > 0.05]") == [("hand", "/mcml/motion/frame[3]/motion_name")]
@@ -110,6 +127,37 @@ def test_contexts(engine: Queries) -> None:
     assert nodes(engine, "/mcml[not(mo:unit() > 0)]/header/filename") == [
         (name, "/mcml/header/filename") for name in ("hand", "leg")
     ]
+
+
+def test_documents_are_contexts_of_what_is_asked_of_nothing_else(engine: Queries) -> None:
+    legs = [one.quantity("leg")[0] for one in twins(engine).values()]
+    assert values(engine, "mo:leg() > 0") == [leg > 0 for leg in legs]
+    assert values(engine, "mo:leg() * count(//header)")[0] == pytest.approx(legs[0] * len(legs))
+    assert values(engine, "mo:height('Root')") == ["NaN"] * len(legs)
+    assert values(engine, "not(mo:contact('Root'))") == [True] * len(legs)
+    assert values(engine, "(1, 2) ! mo:height('Root')") == ["NaN", "NaN"]
+
+
+def test_bounds_that_are_no_numbers(engine: Queries) -> None:
+    """No frames are between such; what has no end ends with the document."""
+    everything = nodes(engine, "//frame", limit=1000)
+    assert nodes(engine, "//frame[mo:window(0 div 0, 1) or mo:window(0, 0 div 0, 'frames')]") == []
+    assert nodes(engine, "//frame[count(mo:window(-1 div 0, 1 div 0, 'frames')) = count(../frame)]") == everything
+    assert nodes(engine, "mo:runs(//frame, 0 div 0)") == nodes(engine, "mo:runs(//frame, 1 div 0)") == []
+    assert nodes(engine, "mo:top(0 div 0, //frame)") == []
+    assert sorted(nodes(engine, "mo:top(1 div 0, //frame, 1)")) == sorted(everything)
+
+
+def test_runs_of_sequences(engine: Queries) -> None:
+    """They are those of their nodes, each once, in the order of documents."""
+    known = "//frame[mo:time() >= 0]"
+    one, two = f"{known}[2]", f"{known}[1]"
+    wanted = nodes(engine, f"mo:runs({one} | {two}, 0)")
+    assert len(wanted) == 6
+    for sequence in (f"({one}, {two})", f"({two}, {one}, {two})", f"mo:top(9, ({one}, {two}))"):
+        assert nodes(engine, f"mo:runs({sequence}, 0)") == wanted
+        assert nodes(engine, f"mo:top(9, {sequence}, 1)") == wanted
+    assert nodes(engine, f"mo:runs(head({known}), 0)") == wanted[:1]
 
 
 def test_a_frame_bone_is_the_joint_of_its_name(engine: Queries) -> None:
@@ -156,6 +204,26 @@ def test_runs_and_their_pages(engine: Queries, limit: int) -> None:
             break
     assert found == wanted
     assert len(wanted) > 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "mo:top(5, //frame[mo:height('left_hand') > 1], mo:speed('left_hand'))",
+        "mo:top(5, //frame[mo:height('left_hand') > 1], mo:speed('left_hand'))[2]",
+        "mo:top(2, //frame[mo:height('left_hand') > 1])/frame_bone[1]",
+        "mo:top(1, mo:top(3, //frame[mo:height('left_hand') > 1], mo:speed('Root')))",
+        "mo:runs(//frame[mo:height('left_hand') > 1], 0.05)",
+        "//frame[mo:speed('Root') > 1]/frame_bone[mo:height(.) > 1]",
+        "(//frame[mo:height('left_hand') > 1])[3]",
+    ],
+)
+def test_streams_are_the_pages(engine: Queries, text: str) -> None:
+    names = {one.uuid: one.name for one in read_documents(engine.database)}
+    lines = b"".join(STREAMS["ndjson"][0](engine.stream(QueryRequest(q=text)))).splitlines()
+    found = [(names[node["document"]], node["address"]) for node in map(json.loads, lines)]
+    assert found == nodes(engine, text, limit=11)
+    assert found
 
 
 def test_the_best_runs_come_best_first(engine: Queries) -> None:

@@ -49,6 +49,8 @@ OTHERS = [
     "for $x in //bone/name return string(/mcml/header/filename)", "//bone[name = //bone[2]/name]/name",
     "sort(distinct-values(//frame/count(frame_bone)))", "for $m in /mcml return $m/header/filename || '!'",
     "//filename ! (. => upper-case())", "'' || count(//frame) * 1000000", "(//frame)[7]",
+    "(//frame[2], //frame[1])/@id", "count((//frame[1], //frame, //frame[1])/@id)", "(reverse(//bone), //root)/name",
+    "(//frame[3], //frame[1], //frame[3])/frame_bone[1]/@name",
 ]  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from service.xpath.engine.context import Context
 from service.xpath.engine.motions import closed_runs
 from service.xpath.language.tree import Expression
 from service.xpath.library.forest import Forest
-from service.xpath.nodes.nodesets import NodeSets
+from service.xpath.nodes.nodesets import one_set
 from service.xpath.nodes.numbering import FRAME_SHIFT, Ints, documents_of, frames_of
 
 TOGETHER = 32_768
@@ -31,7 +31,7 @@ class BestRuns:
         """Look at all frames (ascending) of the documents of some columns. key: asked of each frame; NaN counts for
         nothing."""
         forest, seconds = columns.forest, columns.motions.bodies.seconds
-        _, first, last = closed_runs(NodeSets(np.zeros(len(nodes), np.int64), nodes, 1), seconds, 0.0)
+        _, first, last = closed_runs(one_set(nodes), seconds, 0.0)
         if not len(first):
             return
         if key is None:

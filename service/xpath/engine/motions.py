@@ -15,12 +15,12 @@ from service.motion.bodies.local_fit import rate
 from service.motion.bodies.quantities import QUANTITIES
 from service.xpath.engine.context import Context, Value
 from service.xpath.engine.functions import NotOnColumnsError
-from service.xpath.language.motion_functions import DISTANCES, OF_DOCUMENT, PREFIX, RATE, RUNS, WINDOW
+from service.xpath.language.motion_functions import DISTANCES, OF_DOCUMENT, OF_FRAME_SETS, PREFIX, RATE, RUNS, WINDOW
 from service.xpath.language.tree import Call, Expression, Path, Step, free_variables
 from service.xpath.language.types import type_of
 from service.xpath.library.bodies import Bodies
 from service.xpath.library.forest import Forest
-from service.xpath.nodes.nodesets import NodeSets
+from service.xpath.nodes.nodesets import NodeSets, ordered
 from service.xpath.nodes.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Floats, Ints, documents_of, frames_of
 from service.xpath.nodes.pairs import bounded, expand
 from service.xpath.nodes.texts import Strings
@@ -61,10 +61,13 @@ class Motions:
     def value(self, call: Call, context: Context) -> Value:
         """The value of a call for each context."""
         name, arguments = call.function, call.arguments
+        if not len(self._columns.forest) and name not in OF_FRAME_SETS:
+            unknown = np.full(len(context), np.nan)
+            return unknown == 1 if type_of(call) == "boolean" else unknown
         if name == WINDOW:
             return self._window(call, context)
         if name == RUNS:
-            return self._runs(call, context)
+            return self.runs(self._columns.nodes(arguments[0], context), arguments[1:])
         if name == RATE:
             return self._rate(arguments[0], context)
         if name in DISTANCES:
@@ -98,12 +101,13 @@ class Motions:
             seconds = self.bodies.seconds[documents]
         elif self._text(call.arguments[2]) != "frames":
             raise QueryError("A window is of seconds, or of 'frames'.", remedy="Write mo:window(-1, 0, 'frames').")
-        known = (frames > 0) & (seconds > 0)
+        known = (frames > 0) & (seconds > 0) & (low == low) & (high == high)
         if not known.all():
             seconds = np.where(known, seconds, 1.0)
         least, most = 1 - frames, self._columns.forest.frames[documents] - frames
-        first = np.clip(np.ceil(low / seconds - NEARLY), least, most + 1.0).astype(np.int64)
-        last = np.clip(np.floor(high / seconds + NEARLY), least - 1.0, most).astype(np.int64)
+        first, last = np.nan_to_num([low / seconds, high / seconds], posinf=np.inf, neginf=-np.inf)
+        first = np.clip(np.ceil(first - NEARLY), least, most + 1.0).astype(np.int64)
+        last = np.clip(np.floor(last + NEARLY), least - 1.0, most).astype(np.int64)
         return frames + first, np.where(known, frames + last, frames + first - 1)
 
     def _window(self, call: Call, context: Context) -> NodeSets:
@@ -112,10 +116,12 @@ class Motions:
         documents = documents_of(context.nodes)[source] << DOCUMENT_SHIFT
         return NodeSets(source, documents | ((first[source] + within) << FRAME_SHIFT), len(context))
 
-    def _runs(self, call: Call, context: Context) -> NodeSets:
-        sets, _ = self._columns.nodes(call.arguments[0], context).flat()
-        least = self._constant(call.arguments[1])
-        gap = self._constant(call.arguments[2]) if len(call.arguments) > 2 else 0.0
+    def runs(self, sets: NodeSets, bounds: tuple[Expression, ...]) -> NodeSets:
+        """The frames of runs in node sets. bounds: how long a run is at least, and a gap at most."""
+        sets, _ = sets.flat()
+        sets = ordered(sets.groups, sets.nodes, sets.count)  # Nodes of a sequence have an order of their own.
+        least = self._constant(bounds[0])
+        gap = self._constant(bounds[1]) if len(bounds) > 1 else 0.0
         groups, first, last = closed_runs(sets, self.bodies.seconds, gap)
         seconds = self.bodies.seconds[documents_of(first)]
         long = (frames_of(last) - frames_of(first) + 1 + NEARLY) * seconds >= least
@@ -147,6 +153,8 @@ class Motions:
         """From a pose, or from a stretch of motion."""
         document = self._columns.strings(call.arguments[0], Context(np.zeros(1, np.int64))).list()[0]
         first, *last = (self._constant(each) for each in call.arguments[1:])
+        if not np.isfinite([first, *last]).all():
+            raise QueryError("Frames have numbers.", remedy="Write their positions in the document, from 1.")
         column = self.bodies.distances(document, first, last[0] if last else None)
         rows = self.bodies.rows(context.nodes)
         return np.where(rows >= 0, column[rows], np.nan) if len(column) else np.full(len(context), np.nan)

@@ -85,3 +85,14 @@ def listed(column: Column) -> Iterable[float | str | bool]:
 def rank_of(forest: Forest) -> tuple[str, int]:
     """Where the documents of a forest stand among others."""
     return (forest.documents[0].name, forest.documents[0].key) if len(forest) else ("", 0)
+
+
+def gathered(parts: Iterable[Part]) -> Iterator[tuple[Forest, Ints]]:
+    """All nodes of a sequence in document order, a forest after the other. QueryError for values among them."""
+    forests: dict[int, tuple[Forest, list[Ints]]] = {}
+    for part in parts:
+        if len(part) and not part.are_nodes:
+            raise QueryError("A path begins at a value here.", remedy="Begin it with nodes.")
+        forests.setdefault(part.forest.documents.number, (part.forest, []))[1].append(np.asarray(part.column, np.int64))
+    for forest, found in sorted(forests.values(), key=lambda each: rank_of(each[0])):
+        yield forest, np.unique(np.concatenate(found))

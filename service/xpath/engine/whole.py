@@ -15,7 +15,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from service.errors import LimitError, QueryError
+from service.errors import LimitError
 from service.storage.database import Transaction
 from service.xpath.engine import aggregates, sequences
 from service.xpath.engine.best_runs import BestRuns
@@ -24,14 +24,14 @@ from service.xpath.engine.columns import Columns
 from service.xpath.engine.context import Bound, Context
 from service.xpath.engine.functions import NotOnColumnsError, as_booleans, as_numbers
 from service.xpath.engine.loops import as_contexts, each_alone
-from service.xpath.engine.parts import Part, Parts, at, listed, rank_of, values_of
+from service.xpath.engine.parts import Part, Parts, at, gathered, listed, values_of
 from service.xpath.engine.scan import Scan
 from service.xpath.engine.sequences import items_of, value_of
 from service.xpath.engine.source import Nth, Source
 from service.xpath.language.functions import SAFE_FUNCTIONS
 from service.xpath.language.labels import without_index
 from service.xpath.language.meaning import ITEM
-from service.xpath.language.motion_functions import TOP
+from service.xpath.language.motion_functions import RUNS, TOP
 from service.xpath.language.reach import HeadPart
 from service.xpath.language.rules import normal
 from service.xpath.language.scopes import asks_each, asks_scope, begins_paths, begins_with_top, is_node_set, put
@@ -60,7 +60,7 @@ from service.xpath.library.forest import Forest
 from service.xpath.library.groups import Group
 from service.xpath.library.motion_notes import motion_calls
 from service.xpath.nodes.items import Items, concatenated, nothing
-from service.xpath.nodes.nodesets import NodeSets
+from service.xpath.nodes.nodesets import one_set
 from service.xpath.nodes.numbering import Ints
 from service.xpath.nodes.pairs import TooWideError
 from service.xpath.nodes.texts import Strings
@@ -209,15 +209,8 @@ class Whole:
 
     def _onward(self, start: Expression, steps: tuple[Step, ...]) -> Iterator[Part]:
         """Steps from the nodes of a sequence; they are in document order, as those of all paths."""
-        forests: dict[int, tuple[Forest, list[Ints]]] = {}
-        for part in self.parts(start):
-            if len(part) and not part.are_nodes:
-                raise QueryError("A path begins at a value here.", remedy="Begin it with nodes.")
-            forests.setdefault(id(part.forest), (part.forest, []))[1].append(np.asarray(part.column, np.int64))
-        for forest, found in sorted(forests.values(), key=lambda each: rank_of(each[0])):
-            nodes = np.unique(np.concatenate(found))
-            one = NodeSets(np.zeros(len(nodes), np.int64), nodes, 1)
-            yield Part(forest, self._columns(forest).steps(one, steps).nodes)
+        for forest, nodes in gathered(self.parts(start)):
+            yield Part(forest, self._columns(forest).steps(one_set(nodes), steps).nodes)
 
     def _loop(self, expression: For | Each) -> Iterator[Part]:
         variable = expression.variable if isinstance(expression, For) else ITEM
@@ -295,6 +288,10 @@ class Whole:
         if name == TOP:
             yield from self._top(call)
             return
+        if name == RUNS:
+            for forest, nodes in gathered(self.parts(arguments[0])):
+                yield Part(forest, self._columns(forest).motions.runs(one_set(nodes), arguments[1:]).nodes)
+            return
         if name == "distinct-values" and is_node_set(arguments[0]):
             texts = aggregates.distinct(self._source(arguments[0]))
             yield Part(self.nowhere, Strings(np.arange(len(texts)), texts))
@@ -321,12 +318,18 @@ class Whole:
         """The best runs of all documents, the best one first."""
         wanted, frames, *keys = call.arguments
         count = float(as_numbers(self.nowhere, value_of(self.constant(wanted)))[0])
-        best = BestRuns(int(count) if count >= 1 else 0)
-        for forest, chunks in groupby(self.nodes(frames).chunks(), itemgetter(0)):
-            nodes = np.concatenate([nodes for _, nodes in chunks])
-            columns = self._columns(forest)
-            best.add(columns, nodes, keys[0] if keys else None)
+        best = BestRuns(int(min(count, MOST_ITEMS)) if count >= 1 else 0)
+        for forest, nodes in self._by_forest(frames):
+            best.add(self._columns(forest), nodes, keys[0] if keys else None)
         yield from (Part(forest, nodes) for forest, nodes in best.runs())
+
+    def _by_forest(self, expression: Expression) -> Iterator[tuple[Forest, Ints]]:
+        """All nodes in document order."""
+        if not is_node_set(expression):
+            yield from gathered(self.parts(self.reduced(expression)))
+            return
+        for forest, chunks in groupby(self.nodes(expression).chunks(), itemgetter(0)):
+            yield forest, np.concatenate([nodes for _, nodes in chunks])
 
     def _sorted(self, parts: list[Part], arguments: tuple[Expression, ...]) -> Iterator[Part]:
         keys: list[Part] = []

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from service.xpath.language.functions import AGGREGATES, SAFE_FUNCTIONS
 from service.xpath.language.labels import without_index
 from service.xpath.language.meaning import ITEM
-from service.xpath.language.motion_functions import TOP
+from service.xpath.language.motion_functions import MOTION_FUNCTIONS, OF_FRAME_SETS, RUNS, TOP
 from service.xpath.language.tree import (
     OF_NODES,
     Binder,
@@ -62,45 +63,52 @@ def is_node_set(expression: Expression) -> bool:
 
 
 def begins_with_top(expression: Expression) -> bool:
-    """Whether it is, or goes on from, the best runs of all documents."""
+    """Whether it is, or goes on from, the best runs of all documents, or the runs of a sequence."""
     if isinstance(expression, Path | Filter):
         inner = expression.start if isinstance(expression, Path) else expression.operand
         return inner is not None and begins_with_top(inner)
+    if isinstance(expression, Call) and expression.function == RUNS:
+        return not is_node_set(expression.arguments[0])
     return isinstance(expression, Call) and expression.function == TOP
 
 
-def asks_each(expression: Expression, *, in_sequence: bool = True) -> bool:
-    """Whether every document has its own answer: an absolute path stands where one value is wanted.
+def asks_each(expression: Expression, *, in_sequence: bool = True, at_document: bool = True) -> bool:
+    """Whether every document has its own answer: an absolute path stands where one value is wanted, or a function of
+    bodies in motion is asked of the document.
 
-    in_sequence: the expression stands where any number of items may be.
+    in_sequence: the expression stands where any number of items may be. at_document: its context is the document.
     """
+    asks = partial(asks_each, at_document=at_document)
     if isinstance(expression, Path):
         if expression.start is not None:
-            return asks_each(expression.start, in_sequence=in_sequence)
+            return asks(expression.start, in_sequence=in_sequence)
         return expression.absolute and not in_sequence
     if isinstance(expression, Filter):
-        return asks_each(expression.operand, in_sequence=in_sequence)
+        return asks(expression.operand, in_sequence=in_sequence)
     if isinstance(expression, Call):
+        if at_document and expression.function in MOTION_FUNCTIONS and expression.function not in OF_FRAME_SETS:
+            return True
         signature = SAFE_FUNCTIONS[expression.function]
         taken = signature.place if signature.takes_items else None
-        return any(
-            asks_each(argument, in_sequence=place == taken) for place, argument in enumerate(expression.arguments)
-        )
+        # The key of the best runs is asked of frames.
+        asked = expression.arguments[: 2 if expression.function == TOP else None]
+        return any(asks(argument, in_sequence=place == taken) for place, argument in enumerate(asked))
     if isinstance(expression, Operation):
         inside = in_sequence and expression.operator in OF_NODES
-        return any(asks_each(operand, in_sequence=inside) for operand in expression.operands)
+        return any(asks(operand, in_sequence=inside) for operand in expression.operands)
     if isinstance(expression, For | Let | Each | Quantified):
         within = in_sequence and not isinstance(expression, Quantified)
-        return asks_each(expression.source) or asks_each(expression.body, in_sequence=within)
+        inside = at_document and not isinstance(expression, Each)
+        return asks(expression.source) or asks_each(expression.body, in_sequence=within, at_document=inside)
     if isinstance(expression, If):
         branches = (expression.then, expression.otherwise)
-        return asks_each(expression.test, in_sequence=False) or any(
-            asks_each(branch, in_sequence=in_sequence) for branch in branches
+        return asks(expression.test, in_sequence=False) or any(
+            asks(branch, in_sequence=in_sequence) for branch in branches
         )
     if isinstance(expression, Function):
-        return asks_each(expression.body, in_sequence=False)
+        return asks_each(expression.body, in_sequence=False, at_document=False)
     if isinstance(expression, Sequence):
-        return any(asks_each(item, in_sequence=in_sequence) for item in expression.items)
+        return any(asks(item, in_sequence=in_sequence) for item in expression.items)
     return isinstance(expression, Written)
 
 

@@ -6,11 +6,11 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 
 import numpy as np
 
-from service.errors import LimitError, McmlError
+from service.errors import LimitError, McmlError, QueryError
 from service.motion.bodies.quantities import QUANTITIES, joints_of
 from service.storage.columns import Listed
 from service.storage.database import Transaction
-from service.xpath.language.motion_functions import MOTION_FUNCTIONS, PREFIX
+from service.xpath.language.motion_functions import MOTION_FUNCTIONS, PREFIX, TOP
 from service.xpath.language.reach import HeadPart
 from service.xpath.language.tree import Call, Expression, Literal, walk
 from service.xpath.library.bodies import Bodies
@@ -33,19 +33,24 @@ def motion_calls(tree: Expression) -> list[Call]:
     return [part for part in walk(tree) if isinstance(part, Call) and part.function in MOTION_FUNCTIONS]
 
 
-def beyond_columns() -> LimitError:
-    """The error of a question about bodies that columns do not answer: no XML has what it asks for."""
+def notes(tx: Transaction, caches: Caches, scope: Scope, calls: Sequence[Call]) -> list[str]:
+    """Of the documents that were looked at: how many have no unit, no times or not the joints, and how many rest on
+    guesses."""
+    return list(_notes(looked_at(tx, caches, scope), calls)) if calls else []
+
+
+def refused(calls: Sequence[Call]) -> McmlError:
+    """Why a question with such calls has no answer, where columns have none: bodies are not in the XML."""
+    if any(call.function == TOP for call in calls):
+        return QueryError(
+            "mo:top is of the whole scope: it stands in no predicate or union, and not with per=document.",
+            remedy="Write it around the whole, or before a path: mo:top(3, //frame[…])/frame_bone.",
+        )
     return LimitError(
         "This question about bodies reaches too much at once, or asks for what columns have no answer to.",
         remedy="Ask fewer documents, or put what is asked of a frame into a predicate of //frame.",
         code="query-too-large",
     )
-
-
-def notes(tx: Transaction, caches: Caches, scope: Scope, calls: Sequence[Call]) -> list[str]:
-    """Of the documents that were looked at: how many have no unit, no times or not the joints, and how many rest on
-    guesses."""
-    return list(_notes(looked_at(tx, caches, scope), calls)) if calls else []
 
 
 def looked_at(tx: Transaction, caches: Caches, scope: Scope) -> list[BodyFacts]:

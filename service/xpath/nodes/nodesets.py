@@ -87,6 +87,11 @@ class NodeSets:
         return NodeSets(source, self.nodes[place], len(self.index)), place
 
 
+def one_set(nodes: Ints) -> NodeSets:
+    """Nodes, ascending, as the set of one group."""
+    return NodeSets(np.zeros(len(nodes), np.int64), nodes, 1)
+
+
 def ordered(groups: Ints, nodes: Ints, count: int) -> NodeSets:
     """Pairs in any order, repeated or not, as node sets."""
     if len(nodes) > 1:
