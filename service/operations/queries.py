@@ -104,7 +104,7 @@ def post_query(call: Call, request: QueryRequest) -> QueryAnswer | Content:
     if request.as_ in ("json", "runs") or paged:
         return _page(call, request)
     found = call.queries.stream(request, call.limits)
-    if request.as_ in TYPES:
+    if request.as_ not in STREAMS:
         batches = _batches(STREAMS["ndjson"][0](found))
         return Content(write_columns(request.as_, batches, _COLUMNS), TYPES[request.as_], f"answer.{request.as_}")
     write, media_type = STREAMS[request.as_]
