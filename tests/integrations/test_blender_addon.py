@@ -1,0 +1,346 @@
+"""The add-on in a real Blender, against a real server."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+
+from service.app import create_app
+from service.settings import Settings
+from service.storage.database import Database
+from tests.api.test_doors import listening
+from tests.builders import ASF, HTR, TRC, amc, bvh, c3d_file
+
+ROOT = Path(__file__).resolve().parents[2]
+ADDON = ROOT / "integrations" / "blender" / "mcml_repository.py"
+SCRIPT = Path(__file__).with_name("blender_uses.py")
+NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")
+
+MIXED = """HIERARCHY
+ROOT Hips
+{
+ OFFSET 1.5 90 -2
+ CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+ JOINT Spine
+ {
+  OFFSET 0 10 1
+  CHANNELS 3 Xrotation Yrotation Zrotation
+  JOINT Neck
+  {
+   OFFSET 0 20 0
+   CHANNELS 6 Xposition Yposition Zposition Yrotation Zrotation Xrotation
+   End Site
+   {
+    OFFSET 0 8 2
+   }
+  }
+ }
+ JOINT LeftUpLeg
+ {
+  OFFSET 9 -2 0
+  CHANNELS 1 Xrotation
+  JOINT LeftLeg
+  {
+   OFFSET 0 -40 0
+   CHANNELS 2 Zrotation Xrotation
+   End Site
+   {
+    OFFSET 0 -38 0
+   }
+  }
+ }
+}
+MOTION
+Frames: 40
+Frame Time: 0.025
+"""
+"""Joints of many orders, some with few channels, some that move in their parents."""
+
+
+def mixed() -> bytes:
+    rng = np.random.default_rng(5)
+    values = np.cumsum(rng.normal(0, 9, (40, 18)), axis=0)
+    values[:, :3] += (0, 90, 0)
+    values[:, 9:12] = rng.normal((0, 20, 0), 1, (40, 3))
+    return (MIXED + "\n".join(" ".join(f"{value:.4f}" for value in row) for row in values) + "\n").encode()
+
+
+@dataclass
+class Served:
+    url: str
+    token: str
+
+    def client(self) -> httpx.Client:
+        return httpx.Client(base_url=f"{self.url}/api/v1", headers=self.headers(), timeout=30)
+
+    def headers(self) -> dict[str, str]:
+        return {"authorization": f"Bearer {self.token}"}
+
+    def upload(self, files: dict[str, bytes], **form: Any) -> str:
+        with self.client() as client:
+            answer = client.post("/documents", files=[("file", item) for item in files.items()], data=form)
+            answer.raise_for_status()
+            return str(answer.json()["documents"][0]["id"])
+
+    def get(self, path: str, **parameters: Any) -> Any:
+        with self.client() as client:
+            return client.get(path, params=parameters).raise_for_status().json()
+
+    def numbers(self, document: str, **parameters: Any) -> np.ndarray:
+        with self.client() as client:
+            answer = client.get(f"/documents/{document}/frames", params={"format": "block", **parameters})
+            shape = [int(length) for length in answer.raise_for_status().headers["x-mcml-shape"].split(",")]
+            return np.frombuffer(answer.content, "<f8").reshape(shape)
+
+
+@pytest.fixture
+def repository(sqlite_template: Path, tmp_path: Path) -> Iterator[Served]:
+    """A server with an empty store, which asks everybody for a token."""
+    if shutil.which("blender") is None:
+        pytest.skip("Blender is not here (apt-get install blender)")
+    shutil.copy(sqlite_template, tmp_path / "store.db")
+    settings = Settings(database=f"sqlite:///{tmp_path}/store.db", login="always")
+    database = Database(settings.database_url)
+    with database.write("test") as tx:
+        token = tx.tokens.add("animator")
+    with listening(create_app(settings, database)) as port:
+        yield Served(f"http://127.0.0.1:{port}", token)
+    database.close()
+
+
+def blender(served: Served, folder: Path, *steps: Any) -> list[Any]:
+    """What each step answered, after the preferences are set."""
+    asked, out = folder / "asked.json", folder / "out.json"
+    steps = (("set_server", served.url, served.token), *steps)
+    asked.write_text(json.dumps({"addon": str(ADDON), "steps": steps, "out": str(out)}))
+    command = ["blender", "-b", "--factory-startup", "--python-exit-code", "3", "-P", str(SCRIPT), "--", str(asked)]
+    scripts = {"BLENDER_USER_SCRIPTS": str(folder / "scripts"), "BLENDER_USER_CONFIG": str(folder / "config")}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **scripts})
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    return json.loads(out.read_text())[1:]
+
+
+def in_blender(positions: np.ndarray, up: str, metres: float) -> np.ndarray:
+    """Positions of a document as Blender's world has them."""
+    turned = {"Y": [[1, 0, 0], [0, 0, -1], [0, 1, 0]], "Z": np.eye(3), "X": [[0, 0, -1], [0, 1, 0], [1, 0, 0]]}[up]
+    return positions @ np.array(turned).T * metres
+
+
+def away(served: Served, document: str, found: dict[str, list[Any]], **asked: Any) -> float:
+    """The largest distance of a bone from where it should be, in heights of the body."""
+    skeleton = served.get(f"/documents/{document}/skeleton")
+    wanted = served.numbers(document, space="positions", **asked)
+    wanted = in_blender(wanted, skeleton["likely_up"], skeleton["metres"] or 1.0)
+    there = np.array([found[bone["name"]] for bone in skeleton["bones"]]).transpose(1, 0, 2)
+    assert there.shape == wanted.shape
+    return float(np.abs(there - wanted).max() / np.ptp(wanted[0], axis=0).max())
+
+
+def test_documents_are_listed_and_imported(repository: Served, tmp_path: Path) -> None:
+    document = repository.upload({"mixed.bvh": mixed()})
+    for number in range(54):
+        repository.upload({f"clip{number}.bvh": bvh(3, seed=number)})
+    listed, following, back, searched, imported, found, rate, figures, again, one = blender(
+        repository,
+        tmp_path,
+        ("list_documents",),
+        ("list_documents", "", "next"),
+        ("list_documents", "", "previous"),
+        ("list_documents", "mixed"),
+        ("import_clip", 0),
+        ("positions",),
+        ("rate",),
+        ("figures",),
+        ("import_clip", 0),
+        ("figures",),
+    )
+    assert (len(listed["names"]), listed["place"]) == (50, "1-50 of 55")
+    assert (len(following["names"]), following["place"]) == (5, "51-55 of 55")
+    assert back == listed
+    assert (searched["names"], searched["place"]) == (["mixed"], "1-1 of 1")
+    assert imported == again == "FINISHED"
+    assert figures == one == ["mixed"]
+    assert rate == pytest.approx(40)
+    distance = away(repository, document, found)
+    print(f"{distance:.2g}")
+    assert distance < 1e-5
+
+
+@pytest.mark.parametrize("unit", [{}, {"unit": "in", "up": "Z"}, {"unit": "cm", "up": "X"}])
+def test_unit_and_up_axis_are_those_of_the_figure(repository: Served, tmp_path: Path, unit: dict[str, str]) -> None:
+    document = repository.upload({"mixed.bvh": mixed()})
+    with repository.client() as client:
+        client.patch(f"/documents/{document}", json=unit, headers={"if-match": "*"}).raise_for_status()
+    _, _, found = blender(repository, tmp_path, ("list_documents",), ("import_clip", 0), ("positions",))
+    assert away(repository, document, found) < 1e-5
+
+
+OTHERS = {
+    "asf": {"leg.asf": ASF, "leg.amc": amc(5)},
+    "htr": {"arm.htr": HTR},
+    "trc": {"hand.trc": TRC},
+    "c3d": {"points.c3d": c3d_file()},
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_other_conventions_are_imported_and_not_sent(repository: Served, tmp_path: Path, name: str) -> None:
+    document = repository.upload(OTHERS[name])
+    _, imported, found, refused = blender(
+        repository, tmp_path, ("list_documents",), ("import_clip", 0), ("positions",), ("send",)
+    )
+    assert imported == "FINISHED"
+    assert away(repository, document, found) < 1e-5
+    assert "Only documents whose joints turn as those of BVH" in refused
+    assert repository.get(f"/documents/{document}")["revision"] == 1
+
+
+def test_runs_become_actions(repository: Served, tmp_path: Path) -> None:
+    first = repository.upload({"a.bvh": bvh(30, names=NAMES)}, label=["walk:3-9", "walk:20-20"])
+    repository.upload({"b.bvh": bvh(40, seed=1, names=NAMES)}, label=["walk:1-40"])
+    runs, actions, figures, _, found, none, wrong = blender(
+        repository,
+        tmp_path,
+        ("import_runs", "//frame[motion_name='walk']"),
+        ("actions",),
+        ("figures",),
+        ("use_action", "a 3-9"),
+        ("positions",),
+        ("import_runs", "count(//frame)"),
+        ("import_runs", "//frame["),
+    )
+    assert runs["runs"] == [["a", 3, 9], ["a", 20, 20], ["b", 1, 40]]
+    assert actions == {"a 3-9": [1, 7, 7], "a 20-20": [1, 1, 1], "b": [1, 40, 40]}
+    assert figures == ["a"]
+    found = {name: rows[:7] for name, rows in found.items()}
+    assert away(repository, first, found, first=3, last=9) < 1e-5
+    assert "selects no frames" in none["listed"]
+    assert "//frame[" in wrong["listed"] or "expression" in wrong["listed"].lower()
+
+
+def test_edits_go_back_as_one_revision(repository: Served, tmp_path: Path) -> None:
+    document = repository.upload({"mixed.bvh": mixed()}, label=["walk:11-30"])
+    before = repository.numbers(document)
+    columns = repository.get(f"/documents/{document}/skeleton")["columns"]
+    names = [text.rpartition(".")[0] for text in columns]
+    spine, neck = names[6], names[9]
+    unchanged, *_, sent, revision, again = blender(
+        repository,
+        tmp_path,
+        ("import_runs", "//frame[motion_name='walk']"),
+        ("send",),
+        ("edit", spine, "rotation_euler", 1, [3, 5], 0.5),
+        ("edit", neck, "location", 2, [5], 2.25),
+        ("edit", "Root", "location", 0, [20], -1.5),
+        ("send",),
+        ("revision",),
+        ("send",),
+    )
+    assert unchanged["said"] == sent == again == "FINISHED"
+    assert revision == 2
+    after = repository.numbers(document)
+    wanted = before.copy()
+    wanted[[12, 14], columns.index(f"{spine}.Ry")] += np.degrees(0.5)
+    wanted[14, columns.index(f"{neck}.Tz")] += 2.25
+    wanted[29, columns.index("Root.Tx")] -= 1.5
+    changed = wanted != before
+    assert changed.sum() == 4
+    np.testing.assert_array_equal(after[~changed], before[~changed])
+    np.testing.assert_allclose(after[changed], wanted[changed], atol=2e-5)
+    history = repository.get(f"/documents/{document}/revisions")["items"]
+    assert [item["number"] for item in history] == [2, 1]
+    assert history[0]["message"].startswith("edited in Blender: ")
+    assert repository.get(f"/documents/{document}")["revision"] == 2
+
+
+def test_a_bone_may_turn_by_quaternions(repository: Served, tmp_path: Path) -> None:
+    document = repository.upload({"mixed.bvh": mixed()})
+    before = repository.numbers(document)
+    skeleton = repository.get(f"/documents/{document}/skeleton")
+    spine = skeleton["bones"][1]["name"]
+    *_, sent, found = blender(
+        repository,
+        tmp_path,
+        ("list_documents",),
+        ("import_clip", 0),
+        ("to_quaternions", spine),
+        ("send",),
+        ("positions",),
+    )
+    assert sent == "FINISHED"
+    after = repository.numbers(document)
+    rows, places = np.nonzero(after != before)
+    assert set(rows) == {1}
+    assert {skeleton["columns"][place].rpartition(".")[0] for place in places} == {spine}
+    assert away(repository, document, found) < 1e-5
+
+
+def test_what_the_document_cannot_hold_is_refused(repository: Served, tmp_path: Path) -> None:
+    document = repository.upload({"mixed.bvh": mixed()})
+    bones = repository.get(f"/documents/{document}/skeleton")["bones"]
+    leg = next(bone["name"] for bone in bones if bone["channels"] == ["Rx"])
+    start = (("list_documents",), ("import_clip", 0))
+    for path, word in (("location", "moved"), ("rotation_euler", "turned"), ("scale", "scaled")):
+        *_, said = blender(repository, tmp_path, *start, ("key", leg, path, 1, 4, 0.5), ("send",))
+        assert f"{leg} is {word}" in said
+        assert "Nothing was sent" in said
+    assert repository.get(f"/documents/{document}")["revision"] == 1
+
+
+def test_conflicts_are_told(repository: Served, tmp_path: Path) -> None:
+    document = repository.upload({"walk.bvh": bvh(10, names=NAMES)})
+    address = f"{repository.url}/api/v1/documents/{document}"
+    headers = {**repository.headers(), "if-match": "*", "content-type": "application/json"}
+    label = [{"name": "walk", "first": 1, "last": 3}]
+    values = {"columns": ["Root.Rx"], "values": [[12.5]]}
+    *_, first, revision, _, _, refused, _ = blender(
+        repository,
+        tmp_path,
+        ("list_documents",),
+        ("import_clip", 0),
+        ("request", "POST", f"{address}/labels", label, headers),
+        ("edit", "Root", "rotation_euler", 1, [2], 0.25),
+        ("send",),
+        ("revision",),
+        ("request", "PUT", f"{address}/frames?first=7", values, headers),
+        ("edit", "Root", "rotation_euler", 1, [2], 0.25),
+        ("send",),
+        ("revision",),
+    )
+    assert (first, revision) == ("FINISHED", 3), "a label is in nobody's way"
+    assert "Somebody changed these frames of walk since revision 3; it is at revision 4" in refused
+    assert "Import the clip again" in refused
+    assert repository.get(f"/documents/{document}")["revision"] == 4
+
+
+def test_wrong_tokens_and_servers_are_told(repository: Served, tmp_path: Path) -> None:
+    repository.upload({"walk.bvh": bvh(3, names=NAMES)})
+    _, wrong, _, nobody, _, nonsense, _, _, _, _, elsewhere = blender(
+        repository,
+        tmp_path,
+        ("set_server", repository.url, "mcml_wrong"),
+        ("list_documents",),
+        ("set_server", "http://127.0.0.1:9", ""),
+        ("list_documents",),
+        ("set_server", "file:///etc/passwd", ""),
+        ("list_documents",),
+        ("set_server", f"{repository.url}/", repository.token),
+        ("list_documents",),
+        ("import_clip", 0),
+        ("set_server", "http://127.0.0.1:9", repository.token),
+        ("send",),
+    )
+    assert "Set the token in the preferences" in wrong["said"]
+    assert "No answer from http://127.0.0.1:9" in nobody["said"]
+    assert "must begin with http" in nonsense["said"]
+    assert f"This action is from {repository.url}" in elsewhere
