@@ -143,6 +143,11 @@ def order_of(bone):
     return (order + "".join(axis for axis in AXES if axis not in order))[::-1]
 
 
+def short(name):
+    """A name that Blender takes as it is: of the 63 bytes that it has, room for what it or we append."""
+    return name.encode()[:44].decode(errors="ignore")
+
+
 def single(value):
     """As Blender keeps it."""
     return struct.unpack("<f", struct.pack("<f", value))[0]
@@ -322,7 +327,8 @@ def figure_of(context, skeleton):
 def new_figure(context, skeleton):
     if context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
-    figure = bpy.data.objects.new(skeleton["name"], bpy.data.armatures.new(skeleton["name"]))
+    name = short(skeleton["name"])
+    figure = bpy.data.objects.new(name, bpy.data.armatures.new(name))
     context.collection.objects.link(figure)
     figure.scale = [skeleton.get("metres") or 1.0] * 3
     figure.rotation_euler = TURNS.get(skeleton["likely_up"], TURNS["Y"])
@@ -330,18 +336,17 @@ def new_figure(context, skeleton):
     bpy.ops.object.mode_set(mode="EDIT")
     made = []
     for bone, end in zip(skeleton["bones"], ends_of(skeleton), strict=True):
-        edited = figure.data.edit_bones.new(bone["name"])
+        edited = figure.data.edit_bones.new(short(bone["name"]))
         above = made[bone["parent"]] if bone["parent"] >= 0 else None
         edited.head = Vector(bone["offset"]) + (above.head if above else Vector())
         edited.tail = edited.head + Vector((0.0, Vector(end).length, 0.0))
         edited.parent = above
+        edited["mcml_bone"] = bone["name"]  # its own name may be shorter, or another one later
         made.append(edited)
-    names = [edited.name for edited in made]
     bpy.ops.object.mode_set(mode="OBJECT")
-    shape = bone_shape()
-    for name, bone, end in zip(names, skeleton["bones"], ends_of(skeleton), strict=True):
-        posed = figure.pose.bones[name]
-        posed.bone["mcml_bone"] = bone["name"]
+    shape, bones = bone_shape(), bones_of(figure)
+    for bone, end in zip(skeleton["bones"], ends_of(skeleton), strict=True):
+        posed = bones[bone["name"]]
         posed.rotation_mode = order_of(bone) if editable(skeleton) else "QUATERNION"
         posed.custom_shape = shape
         posed.custom_shape_rotation_euler = Vector((0, 1, 0)).rotation_difference(Vector(end)).to_euler()
@@ -391,7 +396,7 @@ def import_action(context, server, document, first=1, last=None):
                 curves += [(index, path, axis, values) for axis, values in enumerate(zip(*rows, strict=True))]
     figure = figure_of(context, skeleton)
     whole = (first, last) == (1, skeleton["frames"])
-    action = bpy.data.actions.new(skeleton["name"] if whole else f"{skeleton['name']} {first}-{last}")
+    action = bpy.data.actions.new(short(skeleton["name"]) + ("" if whole else f" {first}-{last}"))
     action.use_fake_user = True
     bones = bones_of(figure)
     for index, path, axis, values in curves:
@@ -420,60 +425,64 @@ def show(scene, action, seconds):
 
 
 def sampled_of(figure, action, skeleton, base):
-    """By curve, its values in the action's frames. base: as in `changes_of`."""
-    bones, curves = bones_of(figure), curves_of(skeleton)
-    count = len(base) // len(skeleton["columns"])
+    """By curve, its values in the action's frames; channels without a curve are left out: they stay as they are.
+
+    base: as in `changes_of`.
+    """
+    bones, curves, width = bones_of(figure), curves_of(skeleton), len(skeleton["columns"])
+    count = len(base) // width
     found = {}
     for index, joint in enumerate(skeleton["bones"]):
         if joint["name"] not in bones:
             raise RepositoryError(f"The figure has no bone {joint['name']} any more. Nothing was sent.")
         bone = bones[joint["name"]]
 
-        def values(path, axis, bone=bone, always=True):
+        def values(path, axis, bone=bone):
             curve = action.fcurves.find(bone.path_from_id(path), index=axis)
-            if curve is None:
-                return [getattr(bone, path)[axis]] * count if always else None
-            return [curve.evaluate(frame) for frame in range(1, count + 1)]
+            return None if curve is None else [curve.evaluate(frame) for frame in range(1, count + 1)]
 
         mine = {(curve.path, curve.axis): curve for curve in curves if curve.bone == index}
-        turned = turned_of(bone, joint, base, mine, values, len(skeleton["columns"]))
-        for path in ("location", "rotation_euler", "scale"):
-            for axis in range(3):
-                euler = path == "rotation_euler"
-                said = turned[axis] if euler else values(path, axis, always=(path, axis) in mine)
-                if (path, axis) in mine:
-                    found[mine[path, axis]] = said
-                elif said is not None and any(abs(value - (path == "scale")) > 1e-5 for value in said):
-                    word = {"location": "moved", "scale": "scaled"}.get(path, "turned")
-                    raise RepositoryError(
-                        f"{bone.name} is {word} along or about {AXES[axis]}, for which the document has no channel. "
-                        "Nothing was sent. Take these keys away."
-                    )
+        near = [
+            held(curve, base[curve.column :: width]) if curve else [0.0] * count
+            for curve in (mine.get(("rotation_euler", axis)) for axis in range(3))
+        ]
+        turned = turned_of(bone, order_of(joint), near, values)
+        said = {("rotation_euler", axis): turned[axis] for axis in range(3)}
+        said |= {(path, axis): values(path, axis) for path in ("location", "scale") for axis in range(3)}
+        for (path, axis), samples in said.items():
+            if samples is None:
+                continue
+            if (path, axis) in mine:
+                found[mine[path, axis]] = samples
+            elif any(abs(value - (path == "scale")) > 1e-5 for value in samples):
+                word = {"location": "moved along", "scale": "scaled along", "rotation_euler": "turned about"}[path]
+                raise RepositoryError(
+                    f"{bone.name} is {word} {AXES[axis]}, for which the document has no channel. Nothing was sent. "
+                    "Take these keys away."
+                )
     return found
 
 
-def turned_of(bone, joint, base, mine, values, width):
-    """Angles of a bone about x, y, z in the joint's own order, whatever mode its rotation has now."""
-    order = order_of(joint)
+def turned_of(bone, order, near, values):
+    """Angles of a bone about x, y, z in the order of its joint, whatever mode its rotation has now; None: as they are.
+
+    near: those that the document has.
+    """
     if bone.rotation_mode == order:
-        return [values("rotation_euler", axis, always=("rotation_euler", axis) in mine) for axis in range(3)]
+        return [values("rotation_euler", axis) for axis in range(3)]
     if bone.rotation_mode == "AXIS_ANGLE":
-        raise RepositoryError(f"{bone.name} turns by axis and angle. Set it to Euler {order} or quaternions.")
-    count = len(base) // width
-    near = [
-        held(mine[key], base[mine[key].column :: width]) if key in mine else [0.0] * count
-        for key in (("rotation_euler", axis) for axis in range(3))
-    ]
-    if bone.rotation_mode == "QUATERNION":
-        rows = zip(*(values("rotation_quaternion", part) for part in range(4)), strict=True)
-        matrices = map(matrix_of_quaternion, rows)
-    else:
-        rows = zip(*(values("rotation_euler", axis) for axis in range(3)), strict=True)
-        matrices = (matrix_of_angles(row, bone.rotation_mode) for row in rows)
-    found = [
-        angles_of_matrix(matrix, order, angles)
-        for matrix, angles in zip(matrices, zip(*near, strict=True), strict=True)
-    ]
+        raise RepositoryError(f"{bone.name} turns by axis and angle. Set it to quaternions, or Euler {order}.")
+    path = "rotation_quaternion" if bone.rotation_mode == "QUATERNION" else "rotation_euler"
+    parts = [values(path, part) for part in range(len(getattr(bone, path)))]
+    if not any(parts):
+        return parts[:3]
+    rest = getattr(bone, path)
+    parts = [part or [rest[place]] * len(near[0]) for place, part in enumerate(parts)]
+    found = []
+    for row, angles in zip(zip(*parts, strict=True), zip(*near, strict=True), strict=True):
+        quaternion = len(row) == 4
+        matrix = matrix_of_quaternion(row) if quaternion else matrix_of_angles(row, bone.rotation_mode)
+        found.append(angles_of_matrix(matrix, order, angles))
     return list(zip(*found, strict=True))
 
 
@@ -562,11 +571,9 @@ class ListRuns(Asking, bpy.types.Operator):
     bl_label = "Ask"
 
     def work(self, context, state):
+        state.runs.clear()
         body = {"q": state.xpath, "as": "runs", "limit": PAGE}
         found = server_of(context).post("xpath", body)
-        if found["type"] != "runs":
-            raise RepositoryError("The expression selects no frames. Ask for such as //frame[motion_name='walk'].")
-        state.runs.clear()
         for item in found["items"]:
             row = state.runs.add()
             row.name, row.document, row.first, row.last = item["name"], item["document"], item["first"], item["last"]

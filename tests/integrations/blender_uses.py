@@ -6,6 +6,7 @@ A step is [name, argument, …]; `out` becomes the list of what each answered. W
 import json
 import sys
 import urllib.request
+from unittest.mock import MagicMock
 
 import bpy
 
@@ -85,6 +86,11 @@ def edit(bone, path, axis, frames, add):
     curve.update()
 
 
+def edit_nth(number, *more):
+    """The same of a bone by its place, whatever it is called here."""
+    edit(bpy.context.object.pose.bones[number].name, *more)
+
+
 def key(bone, path, axis, frame, value):
     """A key of a curve that may be new."""
     figure = bpy.context.object
@@ -94,19 +100,48 @@ def key(bone, path, axis, frame, value):
     curve.keyframe_points.insert(frame, value)
 
 
-def to_quaternions(bone):
+def to_mode(bone, mode):
     """Another rotation mode: the same rotations, keyed anew, but a quarter of a turn about X in frame 2."""
     posed, scene = bpy.context.object.pose.bones[bone], bpy.context.scene
     rows = []
     for frame in range(scene.frame_start, scene.frame_end + 1):
         scene.frame_set(frame)
         rows.append(posed.matrix_basis.to_quaternion())
-    posed.rotation_mode = "QUATERNION"
+    rows[1] = type(rows[1])((2**-0.5, 2**-0.5, 0, 0))
+    delete_curves(bone)
+    posed.rotation_mode = mode
+    path = "rotation_quaternion" if mode == "QUATERNION" else "rotation_euler"
     for frame, value in enumerate(rows, start=1):
-        if frame == 2:
-            value = (2**-0.5, 2**-0.5, 0, 0)
-        for part in range(4):
-            key(bone, "rotation_quaternion", part, frame, value[part])
+        for part, number in enumerate(value if mode == "QUATERNION" else value.to_euler(mode)):
+            key(bone, path, part, frame, number)
+
+
+def draw():
+    """The operators and the properties that the panel and the preferences show."""
+    import mcml_repository
+
+    state, layout = bpy.context.window_manager.mcml, MagicMock()
+    mcml_repository.RepositoryPanel.draw(MagicMock(layout=layout), bpy.context)
+    mcml_repository.Preferences.draw(MagicMock(layout=layout), bpy.context)
+    for row in state.documents:
+        mcml_repository.Rows.draw_item(None, bpy.context, layout, state, row, 0, state, "chosen")
+    calls = [(name.rpartition(".")[2], given) for name, given, _ in layout.mock_calls]
+    operators = [given[0].partition(".")[2] for name, given in calls if name == "operator"]
+    known = [name for name in operators if name in dir(bpy.ops.mcml)]
+    lists = [len(getattr(given[2], given[3])) for name, given in calls if name == "template_list"]
+    shown = [given[1] for name, given in calls if name == "prop"]
+    texts = [given["text"] for name, _, given in layout.mock_calls if name.endswith("label")]
+    return {"operators": operators, "known": known, "lists": lists, "shown": shown, "texts": texts}
+
+
+def rename(bone, name):
+    bpy.context.object.pose.bones[bone].name = name
+
+
+def delete_curves(bone):
+    action = bpy.context.object.animation_data.action
+    for curve in [curve for curve in action.fcurves if f'["{bone}"]' in curve.data_path]:
+        action.fcurves.remove(curve)
 
 
 def send():

@@ -205,10 +205,26 @@ def test_other_conventions_are_imported_and_not_sent(repository: Served, tmp_pat
     assert repository.get(f"/documents/{document}")["revision"] == 1
 
 
+REAL = ("bvh/bandai/dataset-1_bow_old_001.bvh", "htr/xbot_walking.HTR", "c3d/body/mocap36.c3d")
+
+
+@pytest.mark.parametrize("name", REAL, ids=lambda name: name.partition("/")[0])
+def test_real_clips_are_imported(repository: Served, shared: Path, tmp_path: Path, name: str) -> None:
+    document = repository.upload({Path(name).name: (shared / name).read_bytes()})
+    _, imported, found, _ = blender(
+        repository, tmp_path, ("list_documents",), ("import_clip", 0), ("positions",), ("send",)
+    )
+    assert imported == "FINISHED"
+    distance = away(repository, document, found)
+    print(f"{distance:.2g}")
+    assert distance < 1e-5
+    assert repository.get(f"/documents/{document}")["revision"] == 1, "nothing was edited"
+
+
 def test_runs_become_actions(repository: Served, tmp_path: Path) -> None:
     first = repository.upload({"a.bvh": bvh(30, names=NAMES)}, label=["walk:3-9", "walk:20-20"])
     repository.upload({"b.bvh": bvh(40, seed=1, names=NAMES)}, label=["walk:1-40"])
-    runs, actions, figures, _, found, none, wrong = blender(
+    runs, actions, figures, _, found, none, bones, wrong = blender(
         repository,
         tmp_path,
         ("import_runs", "//frame[motion_name='walk']"),
@@ -217,6 +233,7 @@ def test_runs_become_actions(repository: Served, tmp_path: Path) -> None:
         ("use_action", "a 3-9"),
         ("positions",),
         ("import_runs", "count(//frame)"),
+        ("import_runs", "//bone"),
         ("import_runs", "//frame["),
     )
     assert runs["runs"] == [["a", 3, 9], ["a", 20, 20], ["b", 1, 40]]
@@ -224,8 +241,10 @@ def test_runs_become_actions(repository: Served, tmp_path: Path) -> None:
     assert figures == ["a"]
     found = {name: rows[:7] for name, rows in found.items()}
     assert away(repository, first, found, first=3, last=9) < 1e-5
-    assert "selects no frames" in none["listed"]
-    assert "//frame[" in wrong["listed"] or "expression" in wrong["listed"].lower()
+    assert "not a node set" in none["listed"]
+    assert bones["runs"] == []
+    assert bones["listed"].startswith("Error: ")
+    assert wrong["listed"].startswith("Error: ")
 
 
 def test_edits_go_back_as_one_revision(repository: Served, tmp_path: Path) -> None:
@@ -263,18 +282,51 @@ def test_edits_go_back_as_one_revision(repository: Served, tmp_path: Path) -> No
     assert repository.get(f"/documents/{document}")["revision"] == 2
 
 
-def test_a_bone_may_turn_by_quaternions(repository: Served, tmp_path: Path) -> None:
-    document = repository.upload({"mixed.bvh": mixed()})
+def test_any_names_go_there_and_back(repository: Served, tmp_path: Path) -> None:
+    names = ('a"b]', "back\\slash", "é" * 80, "é" * 80 + "b", "Hips.001")
+    document = repository.upload({"odd.bvh": bvh(5, names=names)})
     before = repository.numbers(document)
-    skeleton = repository.get(f"/documents/{document}/skeleton")
-    spine = skeleton["bones"][1]["name"]
-    *_, sent, found = blender(
+    columns = repository.get(f"/documents/{document}/skeleton")["columns"]
+    *_, sent = blender(
         repository,
         tmp_path,
         ("list_documents",),
         ("import_clip", 0),
-        ("to_quaternions", spine),
+        *(("edit_nth", number, "rotation_euler", 0, [2], 0.125 * number) for number in range(1, 5)),
         ("send",),
+    )
+    assert sent == "FINISHED"
+    wanted = before.copy()
+    turned = [place for place, text in enumerate(columns) if text.endswith(".Rx")]
+    wanted[1, turned] += np.degrees(0.125 * np.arange(5))
+    np.testing.assert_allclose(repository.numbers(document), wanted, atol=2e-5)
+
+
+def test_the_panel_shows_what_there_is(repository: Served, tmp_path: Path) -> None:
+    repository.upload({"walk.bvh": bvh(24, names=NAMES)})
+    _, shown = blender(repository, tmp_path, ("list_documents",), ("draw",))
+    assert shown["operators"] == shown["known"]
+    assert set(shown["known"]) == {"list", "import_clip", "list_runs", "import_runs", "send"}
+    assert shown["lists"] == [1, 0]
+    assert shown["shown"] == ["server", "token", "search", "xpath", "server", "token"]
+    assert shown["texts"] == ["1-1 of 1", "walk", "24 · 0.2 s"]
+
+
+@pytest.mark.parametrize("mode", ["QUATERNION", "XZY"])
+def test_a_bone_may_turn_otherwise(repository: Served, tmp_path: Path, mode: str) -> None:
+    document = repository.upload({"mixed.bvh": mixed()})
+    before = repository.numbers(document)
+    skeleton = repository.get(f"/documents/{document}/skeleton")
+    spine = skeleton["bones"][1]["name"]
+    *_, sent, _, found = blender(
+        repository,
+        tmp_path,
+        ("list_documents",),
+        ("import_clip", 0),
+        ("to_mode", spine, mode),
+        ("rename", spine, "back"),
+        ("send",),
+        ("rename", "back", spine),
         ("positions",),
     )
     assert sent == "FINISHED"
@@ -283,6 +335,21 @@ def test_a_bone_may_turn_by_quaternions(repository: Served, tmp_path: Path) -> N
     assert set(rows) == {1}
     assert {skeleton["columns"][place].rpartition(".")[0] for place in places} == {spine}
     assert away(repository, document, found) < 1e-5
+
+
+def test_channels_without_a_curve_stay(repository: Served, tmp_path: Path) -> None:
+    document = repository.upload({"mixed.bvh": mixed()})
+    spine = repository.get(f"/documents/{document}/skeleton")["bones"][1]["name"]
+    *_, sent, revision = blender(
+        repository,
+        tmp_path,
+        ("list_documents",),
+        ("import_clip", 0),
+        ("delete_curves", spine),
+        ("send",),
+        ("revision",),
+    )
+    assert (sent, revision) == ("FINISHED", 1)
 
 
 def test_what_the_document_cannot_hold_is_refused(repository: Served, tmp_path: Path) -> None:
