@@ -6,6 +6,7 @@ The axes of all bones are those of the document's joints, not along the bones: s
 the document, its angle in radians, and goes back as the number that it is. Shapes show where bones lead.
 """
 
+import http.client
 import json
 import math
 import struct
@@ -68,7 +69,7 @@ class Server:
         self._opener = urllib.request.build_opener(_NoRedirects)
 
     def get(self, path, **parameters):
-        return json.loads(self._ask(path, parameters))
+        return self._read(self._ask(path, parameters))
 
     def numbers(self, path, **parameters):
         """An answer of format=block, a tuple of floats."""
@@ -76,7 +77,13 @@ class Server:
         return struct.unpack(f"<{len(content) // 8}d", content)
 
     def post(self, path, body, **headers):
-        return json.loads(self._ask(path, {}, json.dumps(body).encode(), headers))
+        return self._read(self._ask(path, {}, json.dumps(body).encode(), headers))
+
+    def _read(self, content):
+        try:
+            return json.loads(content)
+        except ValueError as error:
+            raise RepositoryError(f"What answers at {self.address} is no MCML repository.") from error
 
     def _ask(self, path, parameters, body=None, headers=None):
         said = urllib.parse.urlencode({name: value for name, value in parameters.items() if value not in (None, "")})
@@ -89,7 +96,7 @@ class Server:
                 return answer.read()
         except urllib.error.HTTPError as error:
             raise RepositoryError(problem(error.code, error.read())) from error
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, http.client.HTTPException) as error:
             why = getattr(error, "reason", None) or error
             raise RepositoryError(f"No answer from {self.address}: {why}. Is `mcml serve` running there?") from error
 
@@ -291,7 +298,8 @@ def poses_of(skeleton, positions, rotations):
 def ends_of(skeleton):
     """By bone, from its joint to where it leads: the joint below, a tip, or a little way up."""
     bones = skeleton["bones"]
-    long = max([math.hypot(*bone["offset"]) for bone in bones if bone["parent"] >= 0] or [0.0]) or 1.0
+    long = max((math.hypot(*bone["offset"]) for bone in bones if bone["parent"] >= 0), default=0.0)
+    long = long or 0.2 / (skeleton.get("metres") or 1.0)
     found = [None] * len(bones)
     below = [(bone["parent"], bone["offset"]) for bone in bones]
     below += [(tip["bone"], tip["offset"]) for tip in skeleton["tips"]]

@@ -247,16 +247,20 @@ def test_runs_become_actions(repository: Served, tmp_path: Path) -> None:
     assert wrong["listed"].startswith("Error: ")
 
 
-def test_edits_go_back_as_one_revision(repository: Served, tmp_path: Path) -> None:
-    document = repository.upload({"mixed.bvh": mixed()}, label=["walk:11-30"])
+@pytest.mark.parametrize("translation", ["absolute", "relative"])
+def test_edits_go_back_as_one_revision(repository: Served, tmp_path: Path, translation: str) -> None:
+    document = repository.upload({"mixed.bvh": mixed()}, label=["walk:11-30"], translation=translation)
+    said = repository.get(f"/documents/{document}/skeleton")["bones"][0]["translation"]
+    assert said == translation
     before = repository.numbers(document)
     columns = repository.get(f"/documents/{document}/skeleton")["columns"]
     names = [text.rpartition(".")[0] for text in columns]
     spine, neck = names[6], names[9]
-    unchanged, *_, sent, revision, again = blender(
+    _, found, unchanged, *_, sent, revision, again = blender(
         repository,
         tmp_path,
         ("import_runs", "//frame[motion_name='walk']"),
+        ("positions",),
         ("send",),
         ("edit", spine, "rotation_euler", 1, [3, 5], 0.5),
         ("edit", neck, "location", 2, [5], 2.25),
@@ -265,7 +269,8 @@ def test_edits_go_back_as_one_revision(repository: Served, tmp_path: Path) -> No
         ("revision",),
         ("send",),
     )
-    assert unchanged["said"] == sent == again == "FINISHED"
+    assert unchanged == sent == again == "FINISHED"
+    assert away(repository, document, found, first=11, last=30, revision=1) < 1e-5
     assert revision == 2
     after = repository.numbers(document)
     wanted = before.copy()

@@ -8,6 +8,8 @@ import json
 import math
 import sys
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -177,23 +179,46 @@ def test_problems_are_words(addon: ModuleType) -> None:
     assert addon.problem(502, b"<html>") == addon.problem(502, b"[]") == "The server answered with status 502."
 
 
-def test_a_token_does_not_follow_a_redirect(addon: ModuleType) -> None:
+@contextmanager
+def answering(status: int, content: bytes, **headers: str) -> Iterator[tuple[str, list[str]]]:
+    """The address of a server that always says the same, and the paths that it is asked."""
     asked: list[str] = []
 
-    class Elsewhere(BaseHTTPRequestHandler):
+    class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
             asked.append(self.path)
-            self.send_response(302)
-            self.send_header("Location", f"http://127.0.0.1:{self.server.server_port}/taken")  # type: ignore[attr-defined]
+            self.send_response(status)
+            for name, value in headers.items():
+                self.send_header(name, value)
             self.end_headers()
+            self.wfile.write(content)
 
         def log_message(self, *_: Any) -> None:
             pass
 
-    with HTTPServer(("127.0.0.1", 0), Elsewhere) as server:
+    with HTTPServer(("127.0.0.1", 0), Handler) as server:
         thread = threading.Thread(target=server.serve_forever, daemon=True)
         thread.start()
-        with pytest.raises(addon.RepositoryError, match="status 302"):
-            addon.Server(f"http://127.0.0.1:{server.server_port}", "secret").get("documents", q="a b", cursor="")
+        yield f"http://127.0.0.1:{server.server_port}", asked
         server.shutdown()
-    assert asked == ["/api/v1/documents?q=a+b"]
+
+
+def test_a_token_does_not_follow_a_redirect(addon: ModuleType) -> None:
+    with (
+        answering(200, b"{}") as (other, taken),
+        answering(302, b"", Location=other) as (address, asked),
+        pytest.raises(addon.RepositoryError, match="status 302"),
+    ):
+        addon.Server(address, "secret").get("documents", q="a b", cursor="")
+    assert (asked, taken) == (["/api/v1/documents?q=a+b"], [])
+
+
+def test_another_server_is_told(addon: ModuleType) -> None:
+    with answering(200, b"<html>") as (address, _), pytest.raises(addon.RepositoryError, match="no MCML repository"):
+        addon.Server(f" {address}/ ").get("documents")
+    cut = answering(200, b"{", **{"Content-Length": "9"})
+    with cut as (address, _), pytest.raises(addon.RepositoryError, match="No answer from"):
+        addon.Server(address).get("documents")
+    for wrong in ("", "file:///etc/passwd", "localhost:8000"):
+        with pytest.raises(addon.RepositoryError, match="must begin with"):
+            addon.Server(wrong)
