@@ -384,9 +384,12 @@ def bones_of(figure):
     return {bone.bone["mcml_bone"]: bone for bone in figure.pose.bones if "mcml_bone" in bone.bone}
 
 
-def import_action(context, server, document, first=1, last=None):
-    """Frames of a document as an action of a figure with its skeleton; they begin at Blender's frame 1."""
-    skeleton = server.get(f"documents/{document}/skeleton")
+def import_action(context, server, document, first=1, last=None, revision=None):
+    """Frames of a document as an action of a figure with its skeleton; they begin at Blender's frame 1.
+
+    revision: in which these are the frames that are meant; the current one if it is not said.
+    """
+    skeleton = server.get(f"documents/{document}/skeleton", revision=revision)
     last = skeleton["frames"] if last is None else last
     if not skeleton["frames"]:
         raise RepositoryError(f"{skeleton['name']} has no frames.")
@@ -584,7 +587,8 @@ class ListRuns(Asking, bpy.types.Operator):
         found = server_of(context).post("xpath", body)
         for item in found["items"]:
             row = state.runs.add()
-            row.name, row.document, row.first, row.last = item["name"], item["document"], item["first"], item["last"]
+            row.name, row.document, row.revision = item["name"], item["document"], item["revision"]
+            row.first, row.last = item["first"], item["last"]
             row.shown = f"{row.first}-{row.last}"
         more = f"; the first {PAGE} are listed" if found.get("next_cursor") else ""
         return f"{len(state.runs)} runs{more}"
@@ -613,7 +617,7 @@ class ImportRuns(Asking, bpy.types.Operator):
         if not len(state.runs):
             raise RepositoryError("Ask for runs of frames before.")
         for row in state.runs:
-            import_action(context, server_of(context), row.document, row.first, row.last)
+            import_action(context, server_of(context), row.document, row.first, row.last, row.revision)
         return f"{len(state.runs)} actions"
 
 
@@ -632,6 +636,7 @@ class SendAction(Asking, bpy.types.Operator):
 
 class Row(bpy.types.PropertyGroup):
     document: StringProperty()
+    revision: IntProperty()
     first: IntProperty(default=1)
     last: IntProperty()
     shown: StringProperty()

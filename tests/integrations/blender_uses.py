@@ -35,6 +35,10 @@ def import_clip(index):
     return told(bpy.ops.mcml.import_clip)
 
 
+def import_listed_runs():
+    return told(bpy.ops.mcml.import_runs)
+
+
 def import_runs(expression):
     state = bpy.context.window_manager.mcml
     state.xpath = expression

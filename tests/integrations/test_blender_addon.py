@@ -114,6 +114,25 @@ def test_runs_become_actions(repository: Served, tmp_path: Path) -> None:
     assert wrong["listed"].startswith("Error: ")
 
 
+def test_runs_are_those_that_were_listed(repository: Served, tmp_path: Path) -> None:
+    document = repository.upload({"a.bvh": bvh(30, names=NAMES)}, label=["walk:12-19"])
+    address = f"{repository.url}/api/v1/documents/{document}/frames"
+    headers = {**repository.headers(), "if-match": "*", "content-type": "application/json"}
+    cut = {"edits": [{"do": "delete", "first": 1, "last": 10}]}
+    *_, imported, found, refused = blender(
+        repository,
+        tmp_path,
+        ("import_runs", "//frame[motion_name='walk']"),
+        ("request", "POST", address, cut, headers),
+        ("import_listed_runs",),
+        ("positions",),
+        ("send",),
+    )
+    assert imported == "FINISHED"
+    assert away(repository, document, found, first=12, last=19, revision=1) < 1e-5
+    assert "Somebody changed these frames of a since revision 1; it is at revision 2 now." in refused
+
+
 @pytest.mark.parametrize("translation", ["absolute", "relative"])
 def test_edits_go_back_as_one_revision(repository: Served, tmp_path: Path, translation: str) -> None:
     document = repository.upload({"mixed.bvh": mixed()}, label=["walk:11-30"], translation=translation)
