@@ -59,6 +59,7 @@ def test_an_sdist_makes_the_same_wheel_without_git(built: dict[str, Path], tmp_p
     with tarfile.open(built[".gz"]) as archive:
         archive.extractall(tmp_path, filter="data")
     (folder,) = tmp_path.iterdir()
+    assert (folder / "integrations/blender/mcml_repository.py").is_file()
     again = build(folder, tmp_path / "again")
     assert again[".whl"].name == built[".whl"].name
     assert names(again[".whl"]) == names(built[".whl"])

@@ -1,0 +1,28 @@
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from service.app import create_app
+from service.settings import Settings
+from service.storage.database import Database
+from tests.api.test_doors import listening
+from tests.integrations.addon import Served
+
+
+@pytest.fixture
+def repository(sqlite_template: Path, tmp_path: Path) -> Iterator[Served]:
+    """A server with an empty store, which asks everybody for a token."""
+    if shutil.which("blender") is None:
+        pytest.skip("Blender is not here (apt-get install blender)")
+    shutil.copy(sqlite_template, tmp_path / "store.db")
+    settings = Settings(database=f"sqlite:///{tmp_path}/store.db", login="always")
+    database = Database(settings.database_url)
+    with database.write("test") as tx:
+        token = tx.tokens.add("animator")
+    with listening(create_app(settings, database)) as port:
+        yield Served(f"http://127.0.0.1:{port}", token)
+    database.close()
