@@ -87,7 +87,7 @@ def _stages(method: str) -> None:
     motions = takes(gaps=0.01)
     stages = _Stages()
     start = time.perf_counter()
-    parts = EXPRESSION.run(motions, ExpressionParameters(method=method), stages)  # type: ignore[arg-type]
+    parts = EXPRESSION.run(motions, ExpressionParameters(method=method), stages)  # type: ignore[arg-type]  # a text, one of its names
     seconds = time.perf_counter() - start
     frames = parts["space"].data["summary"]["frames"]
     found = {"frames": frames, "seconds": seconds, "stages": stages.seconds, "operations": _operations(parts)}
@@ -157,7 +157,7 @@ def _large() -> None:
 def tables() -> None:
     """Threshold curves, levels and fit of the generated set, as Markdown."""
     for name, method, noise in (("paper, no noise", "paper", 0.0), ("paper", "paper", 0.1), ("robust", "robust", 0.1)):
-        parts = EXPRESSION.run(takes(noise=noise), ExpressionParameters(method=method), silent)  # type: ignore[arg-type]
+        parts = EXPRESSION.run(takes(noise=noise), ExpressionParameters(method=method), silent)  # type: ignore[arg-type]  # a text, one of its names
         summary = parts["space"].data["summary"]
         print(f"\n{name}: tau {summary['tau_mm']:.1f}, connecting {summary['connecting_tau_mm']:.1f}")
         print(f"speed {summary['speed_mm_s']:.0f}, warnings {summary['warnings']}")

@@ -36,14 +36,14 @@ def run() -> dict[str, object]:
     figures: dict[str, object] = {}
     clips = motions(185)
     for method in ("robust", "paper"):
-        parameters = ReachParameters(method=method, duplicates="mean")  # type: ignore[arg-type]
-        options = options_of(method, duplicates="mean")  # type: ignore[arg-type]
+        parameters = ReachParameters(method=method, duplicates="mean")  # type: ignore[arg-type]  # a text, one of its names
+        options = options_of(method, duplicates="mean")  # type: ignore[arg-type]  # a text, one of its names
         fitting = median_seconds(lambda options=options: fit(clips, options))
         whole = median_seconds(lambda parameters=parameters: REACH.run(clips, parameters, silent))
         ready = REACH.prepare(REACH.run(clips, parameters, silent))
         make = REACH.operations["synthesize"].run
         wishes = [ReachWish(attributes=wish) for wish in WISHES]
-        one = median_seconds(lambda: [make(ready, wish) for wish in wishes], 9) / len(wishes)  # noqa: B023
+        one = median_seconds(lambda: [make(ready, wish) for wish in wishes], 9) / len(wishes)  # noqa: B023  # called before the next turn of the loop
         figures[method] = {
             "fit": report(f"{method}: fit of 185 clips, s", fitting, "<= 2"),
             "whole": report(f"{method}: the same with all errors and parts, s", whole, "<= 2"),

@@ -202,7 +202,7 @@ def _ask_lxml(measured: Run, answers: dict[tuple[str, int], Answer]) -> None:
                 asked = [d for d in size.documents if _concerns(measured, question, k, size, d)]
                 totals.append(sum(times[question.name, k, d] for d in asked))
                 if k == TIMED[0]:
-                    whole = joined(question, [parts[question.name, d] for d in asked])  # type: ignore[misc]
+                    whole = joined(question, [parts[question.name, d] for d in asked])  # type: ignore[misc]  # parts of one question are alike
                     measured.compare(question, f"lxml, {number} documents", whole, answers[question.name, number])
             measured.rows[question.name].lxml[number] = median_ms(totals)
 

@@ -43,7 +43,7 @@ def percent(found: Fitted) -> tuple[str, str, str]:
 
 def components(name: str, motions: Sequence[Motion], **stated: object) -> None:
     for way, options in WAYS:
-        found = fit(motions, options_of(**{**options, **stated}))  # type: ignore[arg-type]
+        found = fit(motions, options_of(**{**options, **stated}))  # type: ignore[arg-type]  # options by their names
         errors, unit = reconstruction(found), 1000 * (found.model.metres or 1.0)
         row(f"{name}, {way}", *percent(found), errors.joints, errors.phase_joint, errors.hand * unit, len(found.clips))
 
@@ -63,7 +63,7 @@ def people(motions: Sequence[Motion]) -> None:
     for way, options in cases:
         if "2 x mean" in way:
             options = {**options, "s": 2 * fit(motions, options_of(lam=1.0, s=1.0)).model.neighbour}
-        found = fit(motions, options_of(**options))  # type: ignore[arg-type]
+        found = fit(motions, options_of(**options))  # type: ignore[arg-type]  # options by their names
         unit = 1000 * (found.model.metres or 1.0)
         for found_way in predictions(found):
             if found_way.left_out == "subject":
@@ -117,7 +117,7 @@ def phase_times() -> None:
                 place = 12
                 for clip in clips:
                     motion = motion_of(clip)
-                    found = find_phases(motion.rotations[:, place], motion.fps, method)  # type: ignore[arg-type]
+                    found = find_phases(motion.rotations[:, place], motion.fps, method)  # type: ignore[arg-type]  # options by their names
                     away = (np.array(found.times) - np.array(clip.times)) * 30 / fps
                     within.append(np.abs(away).max() <= 2)
                     bias.append(away)

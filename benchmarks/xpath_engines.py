@@ -194,8 +194,8 @@ def joined(question: Question, parts: list[Answer | np.ndarray]) -> Answer:
             return math.nan
         return float(values.max()) if question.join == "most" else math.fsum(values) / len(values)
     if question.join == "sum":
-        return math.fsum(float(part) for part in parts)  # type: ignore[arg-type]
-    together: list[Any] = [item for part in parts for item in part]  # type: ignore[union-attr]
+        return math.fsum(float(part) for part in parts)  # type: ignore[arg-type]  # numbers, by the question
+    together: list[Any] = [item for part in parts for item in part]  # type: ignore[union-attr]  # lists, by the question
     return sorted(set(together)) if question.join == "distinct" else together
 
 

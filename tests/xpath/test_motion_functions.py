@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from schemas.queries import NodeItem, QueryRequest
-from service.actions.editing.change_document import add_labels, delete_document, restore_document
+from schemas.queries import NodeItem, QueryRequest, ScalarItem
+from service.actions.editing.change_document import add_labels, change_document, delete_document, restore_document
 from service.actions.editing.change_frames import delete_frames, move_frames, reverse
 from service.actions.editing.edit_element import Change
 from service.clips.derive import derive_missing
@@ -60,7 +60,7 @@ class Store:
         store(database, files_of(Convention.BASE, "d", person(seed + 3, 22, 1 / 30)))
         store(database, {"e.bvh": person(seed + 4, 15, 1 / 120, scale=5.0)})  # of an unknown unit
         store(database, {"f.bvh": bvh(9, seed), "leg.asf": ASF, "leg.amc": amc(6), "h.htr": HTR, "m.mcml": MCML})
-        store(database, {"t.trc": TRC, "p.c3d": c3d_file(), "none.bvh": bvh(0)})
+        store(database, {"t.trc": TRC, "p.c3d": c3d_file(), "none.bvh": bvh(0), "aa.bvh": bvh(0)})
         self.documents = read_documents(database)
         with database.write() as tx:
             for document in self.documents:
@@ -165,6 +165,22 @@ def run(database: Database, seed: int, rounds: int, asked: int) -> None:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_answers_are_those_of_loops(database: Database, seed: int) -> None:
     run(database, seed, rounds=3 if database.dialect.personal else 2, asked=16)
+
+
+def test_documents_without_frames_have_facts_of_their_own(database: Database) -> None:
+    """Not those of the document behind them."""
+    legs = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")
+    store(database, {"a.bvh": bvh(0, names=legs), "b.bvh": bvh(9), "c.bvh": bvh(0), "d.bvh": bvh(5, names=legs)})
+    with database.write() as tx:
+        for document, unit in zip(tx.columns.documents(), ("cm", "m", "mm", "inch"), strict=True):
+            change_document(tx, tx.documents.get(document.uuid), unit=unit)
+    engine = Queries(database, Settings(cache_dir="none"))
+    with opened(engine):
+        units = engine.answer(QueryRequest(q="mo:unit()")).items or []
+        assert [item.value for item in units if isinstance(item, ScalarItem)] == [0.01, 1.0, 0.001, 0.0254]
+        legged = engine.answer(QueryRequest(q="/mcml[mo:leg() > 0]/header/filename")).items or []
+        names = [item.value for item in legged if isinstance(item, NodeItem)]
+        assert names == ["<filename>a.bvh</filename>", "<filename>d.bvh</filename>"]
 
 
 @pytest.mark.usefixtures("small_groups")

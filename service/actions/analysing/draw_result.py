@@ -94,7 +94,7 @@ def _picture(analysis: Analysis | None, parts: Parts, name: str | None) -> tuple
 def _parts(tx: Transaction, stored: StoredResult) -> Parts:
     """The parts of a result and, where it goes on from another, that one's."""
     parts = {
-        part.name: Part(part.kind, part.data, _Arrays(tx, stored.key, part))  # type: ignore[arg-type]
+        part.name: Part(part.kind, part.data, _Arrays(tx, stored.key, part))  # type: ignore[arg-type]  # reads arrays as a dict of them would
         for part in tx.results.parts(stored.key)
     }
     if stored.continues and stored.parent is not None:

@@ -19,9 +19,9 @@ from service.xpath.engine.comparisons import compare_numbers
 from service.xpath.engine.condition import Condition
 from service.xpath.engine.kernel import Columns
 from service.xpath.engine.stacked import Some, StackedBones
-from service.xpath.language.conditions import TURNED, sample
+from service.xpath.language.conditions import sample
 from service.xpath.language.rules import ANY
-from service.xpath.language.tree import Expression, Literal, Operation, Path
+from service.xpath.language.tree import TURNED, Expression, Literal, Operation, Path
 from service.xpath.library.forest import Forest
 from service.xpath.library.zones import BONE
 from service.xpath.nodes.numbering import (

@@ -12,6 +12,7 @@ import numpy as np
 from service.xpath.engine import functions, values
 from service.xpath.engine.context import Value
 from service.xpath.engine.sequences import items_of, numbers, texts, value_of
+from service.xpath.language.tree import TURNED
 from service.xpath.library.forest import Forest
 from service.xpath.nodes.items import Items
 from service.xpath.nodes.nodesets import NodeSets
@@ -25,7 +26,6 @@ RELATIONS: dict[str, Callable[..., Bools]] = {
 _ALL: dict[str, Callable[..., Any]] = {
     "=": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge,
 }  # fmt: skip
-_TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=": "=", "!=": "!="}
 
 
 def compare(forest: Forest, operator: str, left: Value, right: Value) -> Bools:
@@ -35,13 +35,13 @@ def compare(forest: Forest, operator: str, left: Value, right: Value) -> Bools:
     if isinstance(left, Samples):
         return _sample_and_other(forest, operator, left, right)
     if isinstance(right, Samples):
-        return _sample_and_other(forest, _TURNED[operator], right, left)
+        return _sample_and_other(forest, TURNED[operator], right, left)
     if isinstance(left, NodeSets) and isinstance(right, NodeSets):
         return _two_sets(forest, operator, left, right)
     if isinstance(left, NodeSets):
         return _set_and_value(forest, operator, left, right)
     if isinstance(right, NodeSets):
-        return _set_and_value(forest, _TURNED[operator], right, left)
+        return _set_and_value(forest, TURNED[operator], right, left)
     return _two_values(forest, operator, left, right)
 
 

@@ -16,9 +16,9 @@ from typing import TypeAlias
 import numpy as np
 
 from service.xpath.engine.functions import arithmetic
-from service.xpath.language.conditions import TURNED, Sample, samples_of
+from service.xpath.language.conditions import Sample, samples_of
 from service.xpath.language.functions import SAFE_FUNCTIONS
-from service.xpath.language.tree import Call, Expression, Literal, Operation, with_children
+from service.xpath.language.tree import TURNED, Call, Expression, Literal, Operation, with_children
 from service.xpath.library import intervals
 from service.xpath.library.intervals import Interval, Verdict
 from service.xpath.nodes.numbering import Floats

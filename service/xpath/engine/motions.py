@@ -161,13 +161,13 @@ class Motions:
 
     def _taken(self, call: Call, texts: tuple[str, ...], nodes: Ints) -> Floats:
         """The numbers that nodes have of a quantity."""
+        name = call.function.removeprefix(PREFIX)
+        if call.function in OF_DOCUMENT:
+            return self.bodies.of_documents(name)[documents_of(nodes)]
         try:
-            column = self.bodies.quantity(call.function.removeprefix(PREFIX), texts)
+            column = self.bodies.quantity(name, texts)
         except RequestError as error:
             raise QueryError(error.what, remedy=error.remedy) from None
-        if call.function in OF_DOCUMENT:
-            starts = np.minimum(self.bodies.offsets[:-1], len(column) - 1)
-            return column[starts[documents_of(nodes)]]
         rows = self.bodies.rows(nodes)
         return np.where(rows >= 0, column[rows], np.nan) if len(column) else np.full(len(nodes), np.nan)
 

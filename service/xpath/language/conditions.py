@@ -16,6 +16,7 @@ from service.mcml.vocabulary import FRAME, FRAME_BONE
 from service.motion.skeleton import CHANNEL_INDEX, CHANNELS
 from service.xpath.language.labels import named, without_self
 from service.xpath.language.tree import (
+    TURNED,
     Call,
     Expression,
     Literal,
@@ -40,7 +41,6 @@ Own: TypeAlias = str | Sample | None
 
 COMBINED = (Path, Operation, Call)
 """What a predicate that is no constant is made of."""
-TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=": "=", "!=": "!="}
 ARITHMETIC = ("+", "-", "*", "div", "mod", "negate")
 OF_ONE_NUMBER = frozenset({"floor", "ceiling", "round", "number", "abs"})
 """Functions that give NaN for NaN, and for that alone."""

@@ -20,6 +20,7 @@ from service.xpath.language.functions import OF_CONTEXT
 from service.xpath.language.meaning import CONTEXT
 from service.xpath.language.positions import counts
 from service.xpath.language.tree import (
+    TURNED,
     VALUE_COMPARISONS,
     Call,
     Each,
@@ -39,7 +40,6 @@ from service.xpath.language.tree import (
 from service.xpath.language.types import item_type, type_of
 
 _GENERAL = frozenset(VALUE_COMPARISONS.values())
-_TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=": "=", "!=": "!="}
 _OPPOSITE = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}
 FEW_ITEMS = 100
 """Of a range that becomes as many comparisons, which an index may answer."""
@@ -111,7 +111,7 @@ def _with_range(comparison: Operation) -> Expression | None:
 
 def _with_extreme(comparison: Operation) -> Expression | None:
     left, right = comparison.operands
-    for operator, one, other in ((comparison.operator, left, right), (_TURNED[comparison.operator], right, left)):
+    for operator, one, other in ((comparison.operator, left, right), (TURNED[comparison.operator], right, left)):
         if not isinstance(one, Call) or one.function not in ("min", "max") or not _is_constant(other):
             continue
         path = one.arguments[0]

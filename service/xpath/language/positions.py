@@ -6,6 +6,7 @@ import math
 
 from service.mcml.vocabulary import FRAME
 from service.xpath.language.tree import (
+    TURNED,
     Call,
     Expression,
     Literal,
@@ -22,7 +23,6 @@ BEFORE, AFTER = "preceding-sibling", "following-sibling"
 Window = tuple[int, int]
 """First and last position, counted from 1 in the direction of the axis."""
 
-_TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=": "="}
 BEYOND = frozenset({BEFORE, AFTER, "following", "preceding"})
 
 
@@ -92,12 +92,12 @@ def _window(predicate: Expression) -> Window | None:
         parts = [_window(operand) for operand in predicate.operands]
         found = [part for part in parts if part is not None]
         return (max(low for low, _ in found), min(high for _, high in found)) if len(found) == len(parts) else None
-    if predicate.operator not in _TURNED or len(predicate.operands) > 2:
+    if predicate.operator not in TURNED or predicate.operator == "!=" or len(predicate.operands) > 2:
         return None
     one, other = predicate.operands
     operator = predicate.operator
     if isinstance(one, Literal):
-        one, other, operator = other, one, _TURNED[operator]
+        one, other, operator = other, one, TURNED[operator]
     if not isinstance(one, Call) or one.function != "position" or not isinstance(other, Literal):
         return None
     bound = other.value

@@ -24,6 +24,8 @@ LEVELS = {"or": 1, "and": 2, "=": 3, "!=": 3, "<": 4, "<=": 4, ">": 4, ">=": 4, 
 LEVELS |= {"||": 5, "to": 6, "+": 7, "-": 7, "*": 8, "div": 8, "idiv": 8, "mod": 8, "negate": 9}
 LEVELS |= {"|": 10, "intersect": 11, "except": 11, "!": 12, "/": 13}
 """How tightly operators bind. XPath 1.0 §3.3 to §3.5, 3.1 appendix A.4; a minus sign is one of a union, as in 1.0."""
+TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "=": "=", "!=": "!="}
+"""What a comparison is with its sides exchanged."""
 OF_NODES = frozenset({"|", "intersect", "except"})
 """Operators that give nodes."""
 

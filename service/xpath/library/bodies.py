@@ -14,6 +14,7 @@ from service.errors import QueryError
 from service.motion.bodies.limb_angles import turn_named
 from service.motion.bodies.poses import NEEDS, at_rate, pose_features
 from service.motion.bodies.quantities import compute, joints_of
+from service.motion.bodies.stretch import Stretch
 from service.storage.columns import Listed
 from service.xpath.library.body_facts import BodyFacts
 from service.xpath.library.forest import Forest
@@ -45,7 +46,7 @@ class Bodies:
         def of_body(body: Body) -> float:
             return np.nan if body.frame_time is None else body.frame_time
 
-        return self._forest.of_frames((f"{MADE}", "seconds"), lambda: np.array(self._each(of_body), np.float64))
+        return self._forest.of_bodies((f"{MADE}", "seconds"), lambda: np.array(self._each(of_body), np.float64))
 
     def rows(self, nodes: Ints) -> Ints:
         """Where in a column the frame is that each node is, or lies in; -1 for nodes of heads."""
@@ -60,7 +61,15 @@ class Bodies:
 
         turned = name == "angle" and len(arguments) == 1 and turn_named(arguments[0]) is not None
         make = partial(self._turned, arguments[0]) if turned else lambda: np.concatenate(self._each(of_body))
-        return self._forest.of_frames((f"{MADE}", name, *arguments), make)
+        return self._forest.of_bodies((f"{MADE}", name, *arguments), make)
+
+    def of_documents(self, name: str) -> Floats:
+        """A quantity that is the document's, of each document, whether it has frames or not."""
+
+        def of_body(body: Body) -> float:
+            return float(compute(name, (), Stretch({}, 1, body.frame_time, body.calibration))[0])
+
+        return self._forest.of_bodies((f"{MADE}", "documents", name), lambda: np.array(self._each(of_body), np.float64))
 
     def _turned(self, name: str) -> Floats:
         parts = []

@@ -198,10 +198,10 @@ class Forest:
         make = partial(StackedSamples, self.stacks.size, len(self.tracks), coded=coded)
         return self._sampled(("stacked", channel, coded), make)
 
-    def of_frames(self, what: tuple[str, ...], make: Callable[[], Floats]) -> Floats:
-        """A number of each frame of the documents, one after the other, kept in memory and on disk. make: works it
+    def of_bodies(self, what: tuple[str, ...], make: Callable[[], Floats]) -> Floats:
+        """A number of each frame, or each document, one after the other, kept in memory and on disk. make: works it
         out."""
-        part = f"frames {orjson.dumps(what).decode()}"
+        part = f"bodies {orjson.dumps(what).decode()}"
         return self._sampled(
             what, lambda: self._on_disk(part, make, lambda column: {"numbers": column}, lambda found: found["numbers"])
         )
