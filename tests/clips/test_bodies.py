@@ -189,7 +189,21 @@ def test_a_calibration_that_people_set_counts(database: Database, client: TestCl
     for wrong in ({"reference": 61}, {"leg": 0}, {"unit": "parsec"}, {"reference": "sitting"}, {"hips": 1}):
         assert client.patch(place, json=wrong, headers={"if-match": "*"}).status_code == 422, wrong
     assert client.patch(place, json={"floor": 1}, headers={"if-match": '"1"'}).status_code == 412
+    assert client.patch(place, json={}, headers={"if-match": "*"}).status_code == 200
+    assert client.get(f"/api/v1/documents/{uuid}").json()["revision"] == 3, "nothing was asked"
     assert database.check() == []
+
+
+def test_other_properties_stay_as_they_are(database: Database, client: TestClient) -> None:
+    (uuid,) = store(database, {"a.bvh": bvh(9, names=NAMES)})
+    held = [{"name": "shoe", "value": "left", "unit": ""}, {"name": "shoe", "value": "right", "unit": "size"}]
+    place = f"/api/v1/documents/{uuid}"
+    changed = client.patch(place, json={"properties": held}, headers={"if-match": "*"}).json()["properties"]
+    client.patch(f"{place}/calibration", json={"floor": 1, "unit": "cm"}, headers={"if-match": "*"})
+    own = {"name": "calibration floor", "value": "1.0", "unit": ""}
+    assert client.get(place).json()["properties"] == [*changed, own]
+    client.patch(f"{place}/calibration", json={"floor": None}, headers={"if-match": "*"})
+    assert client.get(place).json()["properties"] == changed
 
 
 @pytest.mark.parametrize("value", ["high", "[1]", "NaN", "", "true", "1e999"])

@@ -52,21 +52,21 @@ def _view(body: Body, *, kept: bool) -> wire.Calibration:
 def change_calibration(tx: Transaction, stored: StoredDocument, change: wire.CalibrationChange) -> StoredDocument:
     """Set values, or take them back, as one revision. RequestError for a frame that the document does not have."""
     asked = change.model_dump(exclude_unset=True)
+    if not asked:
+        return stored
     facts = {name: asked[name] or "" for name in ("unit", "up") if name in asked}
     reference = asked.get("reference")
     if reference not in (None, "rest") and not 1 <= int(reference) <= stored.frames:
         raise RequestError(
             f"{stored.name!r} has no frame {reference}.", remedy=f"Its frames are 1 to {stored.frames}, or say rest."
         )
-    properties = {item[0]: item for item in to_head(tx.heads.document(stored), stored.frame_time).properties}
-    for name in ("floor", "leg", "reference", "leaps"):
-        key = OVERRIDES + name
-        if name in asked:
-            properties.pop(key, None)
-            value = asked[name]
-            if value is not None:
-                if name == "reference":
-                    value = None if value == "rest" else int(value) - 1
-                properties[key] = key, orjson.dumps(value).decode(), ""
+    own = {OVERRIDES + name: asked[name] for name in ("floor", "leg", "reference", "leaps") if name in asked}
+    held = to_head(tx.heads.document(stored), stored.frame_time).properties
+    properties = [item for item in held if item[0] not in own]
+    for key, value in own.items():
+        if key == OVERRIDES + "reference" and value is not None:
+            properties.append((key, "null" if value == "rest" else str(int(value) - 1), ""))
+        elif value is not None:
+            properties.append((key, orjson.dumps(value).decode(), ""))
     message = f"calibration: {', '.join(asked)}"
-    return change_document(tx, stored, properties=list(properties.values()), message=message, **facts)
+    return change_document(tx, stored, properties=properties if own else None, message=message, **facts)
