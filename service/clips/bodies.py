@@ -8,15 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import orjson
 
 from service.clips.read_clip import Skeletons, StoredClip, read_clip
-from service.errors import ConversionError, RequestError
-from service.motion.bodies.calibration import Calibration, calibrate, calibration_frames, checked_overrides
+from service.errors import ConversionError
+from service.motion.bodies.calibration import Calibration, calibrate, calibration_frames
 from service.motion.bodies.positions import clip_positions, filled, rounded
 from service.motion.bodies.stretch import Stretch
 from service.motion.bodies.turned_angles import reference_stance, turned_angle
-from service.motion.clip import ClipHead
 from service.motion.figures import axis_of
 from service.motion.hub import rest_of
 from service.motion.kinematics import Walker
@@ -32,10 +30,6 @@ FRAMES_TOGETHER = 8192
 """Frames of documents whose joints are placed together."""
 MADE = 1
 """Counts on when positions or calibrations come to be made in another way: what was kept before is derived again."""
-
-OVERRIDES = "calibration "
-"""Properties of the header that begin so are values of the calibration that people set: "calibration floor" and so on;
-the unit and the up axis are set by the header's own elements."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,19 +103,9 @@ def _body(clip: StoredClip, positions: Array) -> Body:
     head = clip.clip.head
     frames = calibration_frames(len(positions))
     sample = positions if len(frames) == len(positions) else positions[frames]
-    calibration = calibrate(head, sample, _overrides(head), frames)
+    calibration = calibrate(head, sample, frames=frames)
     blocks = pack(rounded(positions, calibration.step))
     return Body(clip.names, len(positions), calibration, head.seconds_per_frame(), tuple(blocks))
-
-
-def _overrides(head: ClipHead) -> dict[str, Any]:
-    """Values of the calibration that people set; what cannot be one is none."""
-    found: dict[str, Any] = {}
-    for name, value, _ in head.properties:
-        if name.startswith(OVERRIDES):
-            with suppress(ValueError, RequestError):
-                found |= checked_overrides({name.removeprefix(OVERRIDES): orjson.loads(value)})
-    return found
 
 
 def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]:

@@ -1,7 +1,7 @@
 """The calibration of a document as people see and set it.
 
-The unit and the up axis are the header's own elements, all else properties of the header (`bodies.OVERRIDES`): so a
-calibration has revisions, and goes wherever the MCML goes.
+The unit and the up axis are the header's own elements, all else properties of the header (`calibration.OVERRIDES`):
+so a calibration has revisions, and goes wherever the MCML goes.
 """
 
 from __future__ import annotations
@@ -12,9 +12,10 @@ import orjson
 
 from schemas import bodies as wire
 from service.actions.editing.change_document import change_document
-from service.clips.bodies import OVERRIDES, Body, read_bodies
+from service.clips.bodies import Body, read_bodies
 from service.errors import RequestError
 from service.mcml.elements import to_head
+from service.motion.bodies.calibration import OVERRIDES
 from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
+import orjson
 
 from service.errors import RequestError
 from service.motion.anatomical_axes import STANDS, uprightness
@@ -38,6 +39,10 @@ FINEST = 1e-4
 """Metres of a step of positions."""
 STEPS_OF_A_LEG = 10_000
 """The same where the unit is not known."""
+
+OVERRIDES = "calibration "
+"""Properties of a header that begin so are values that people set: "calibration floor" and so on. The unit and the up
+axis are set by the header's own elements."""
 
 _FLOOR = 5.0
 """Percent of the heights of the toes that are below the floor."""
@@ -112,12 +117,16 @@ def calibrate(
     head: its joints have MCML's names. positions: (n, J, 3) of the whole clip, or of a sample of it, in source units,
     NaN where unknown; without any the rest pose counts. frames: (n,) places of a sample in the clip, from 0. overrides:
     values that people set, by the names of `Calibration`: metres, up, floor, leg, reference (None: the rest pose) and
-    leaps. What follows from a value that is set follows from that. Raises RequestError for a value that cannot be.
+    leaps; by default those that the head's properties set. What follows from a value that is set follows from that.
+    Raises RequestError for a value that cannot be.
     """
-    overrides = checked_overrides(overrides or {})
     skeleton = head.skeleton
     rest = rest_positions(skeleton, reading_of(head))[None, : len(skeleton)]
     places: Rows = np.arange(len(positions)) if frames is None else frames
+    overrides = dict(overrides_of(head) if overrides is None else _checked(overrides))
+    # A frame that the clip no longer has is no pose.
+    if (overrides.get("reference") or 0) > max(places, default=0):
+        del overrides["reference"]
     values: dict[str, Any] = dict(overrides)
     origins = dict.fromkeys(overrides, Origin("set"))
 
@@ -138,7 +147,17 @@ def calibrate(
     return Calibration(step=_step(values["metres"], values["leg"], poses), origins=origins, **values)
 
 
-def checked_overrides(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
+def overrides_of(head: ClipHead) -> dict[str, Any]:
+    """The values of a calibration that properties of a header set; what cannot be one is none."""
+    found: dict[str, Any] = {}
+    for name, value, _ in head.properties:
+        if name.startswith(OVERRIDES):
+            with suppress(ValueError, RequestError):
+                found |= _checked({name.removeprefix(OVERRIDES): orjson.loads(value)})
+    return found
+
+
+def _checked(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
     """The values that people set, in the order of the fields. RequestError for one that cannot be."""
     for name, value in overrides.items():
         number = isinstance(value, int | float) and not isinstance(value, bool) and bool(np.isfinite(value))
