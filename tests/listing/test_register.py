@@ -18,6 +18,7 @@ from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
 from service.storage.orders import NEWEST, TYPES, Order
 from tests.builders import TRC, bvh, one_kind, store
+from tests.edits import OTHER_SEEDS
 
 NAMES = ("walk", "Walk 2", "WALK", "걸음", "Ärger", "ärger", "a_b%c", "reach 14", "reach", "z")
 TEXTS = ("calm", "Calm and slow", "50%", "x" * 300, "12", "12.0", "-3.5", "")
@@ -162,7 +163,7 @@ def campaign(database: Database, seed: int, rounds: int) -> None:
         assert len(last) == len(tx.documents.everything())
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[:2], indirect=["kind"])
 def test_lists_from_memory_are_those_of_the_store(database: Database, seed: int) -> None:
     campaign(database, seed, 20)
 

@@ -23,7 +23,7 @@ from service.storage.database import Database
 from service.xpath.library.caches import Caches
 from service.xpath.queries import Queries
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, store
-from tests.edits import change_element, delete_element
+from tests.edits import OTHER_SEEDS, change_element, delete_element
 from tests.formats.contract import written
 from tests.motion.bodies.made import FORMAT_OF, clip_of, person
 from tests.xpath.motion_grammar import Chance, Question
@@ -162,7 +162,7 @@ def run(database: Database, seed: int, rounds: int, asked: int) -> None:
     assert filled > len(differences) / 5
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize(("kind", "seed"), OTHER_SEEDS[1:3], indirect=["kind"])
 def test_answers_are_those_of_loops(database: Database, seed: int) -> None:
     run(database, seed, rounds=3 if database.dialect.personal else 2, asked=16)
 

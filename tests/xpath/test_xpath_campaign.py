@@ -158,7 +158,8 @@ NEAR = [
 @pytest.mark.parametrize("axis", ["following", "preceding"])
 def test_windows_of_frames(documents: Library, axis: str) -> None:
     small = {uuid: tree for uuid, tree in documents.trees.items() if sum(1 for _ in tree.iter()) < 1500}
-    for text in NEAR:
+    # What is near a frame is found without the database: the other one is asked every third.
+    for text in NEAR if documents.engine.database.dialect.personal else NEAR[::3]:
         for window in WINDOWS:
             outcome = check(documents.engine, small, text.format(axis, window), Random(1))
             assert outcome is not None, text

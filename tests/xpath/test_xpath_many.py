@@ -189,7 +189,7 @@ def small_groups(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("small_groups")
-@pytest.mark.parametrize("skeletons", [2, 90])
+@pytest.mark.parametrize(("kind", "skeletons"), [("sqlite", 2), ("sqlite", 90), ("postgresql", 90)], indirect=["kind"])
 def test_answers_are_libxml2s(database: Database, skeletons: int) -> None:
     rounds = 4 if database.dialect.personal else 2
     run(database, count=90, skeletons=skeletons, rounds=rounds, asked=8, seed=skeletons)

@@ -153,7 +153,9 @@ def test_tracks_answer_as_columns_do(engine: Queries, monkeypatch: pytest.Monkey
         bones = [*tx.columns.used_names("bone", None), "nothing"]
     maker = Maker(Random(8), bones)
     scanned = found = 0
-    for _ in range(400):
+    # What a database has to do with it is asked sooner than what the engine has.
+    asked = 400 if engine.database.dialect.personal else 120
+    for _ in range(asked):
         text = maker.question()
         tree = normal(parse(text).tree)
         inner = getattr(tree, "arguments", (tree,))[0]
@@ -164,8 +166,8 @@ def test_tracks_answer_as_columns_do(engine: Queries, monkeypatch: pytest.Monkey
             assert shown(engine.answer(request)) == first, text
         scanned += plan_scan(inner) is not None
         found += bool(first[1]) or first[0] not in ((0.0, []), (False, []), (None, []))
-    assert scanned > 150
-    assert found > 80
+    assert scanned > asked * 3 / 8
+    assert found > asked / 5
 
 
 def test_all_bones_at_once_are_as_one_by_one(engine: Queries, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -187,7 +189,8 @@ def test_all_bones_at_once_are_as_one_by_one(engine: Queries, monkeypatch: pytes
         answered += question is not None
         return question
 
-    for number in range(400):
+    asked = 400 if engine.database.dialect.personal else 120
+    for number in range(asked):
         text = maker.of_frames() if number % 4 else f"count({maker.question().removeprefix('count')})"
         request = QueryRequest(q=text, limit=500)
         with monkeypatch.context() as patched:
@@ -202,8 +205,8 @@ def test_all_bones_at_once_are_as_one_by_one(engine: Queries, monkeypatch: pytes
             patched.setattr(frame_bones, "FEW", 10**9)
             assert asked_of(engine, request) == first, text
         found += bool(first and (first[1] or first[0] not in ((0.0, []), (False, []), (None, []))))
-    assert answered > 250
-    assert found > 120
+    assert answered > asked * 5 / 8
+    assert found > asked * 3 / 10
 
 
 def asked_of(engine: Queries, request: QueryRequest) -> tuple[object, list[tuple[str, str, str]]] | None:
