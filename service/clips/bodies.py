@@ -51,9 +51,9 @@ class Body:
         """The frames from `first` (from 0) to before `end`, by default all, with the joints of these names that it
         has."""
         frames = range(self.frames)[first:end]
-        places = {
-            name: unpack(self.blocks, place)[first:end] for place, name in enumerate(self.names) if name in joints
-        }
+        own = [place for place, name in enumerate(self.names) if name in joints]
+        steps = unpack(self.blocks, own)
+        places = {self.names[place]: found[first:end] for place, found in zip(own, steps, strict=True)}
         return Stretch(places, len(frames), self.frame_time, self.calibration, first=first)
 
     def facts(self) -> dict[str, Any]:

@@ -4,6 +4,7 @@ is read without the others."""
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from functools import cache
 from itertools import accumulate
 
@@ -43,26 +44,28 @@ def _block(steps: Steps) -> bytes:
     return head + b"".join(parts)
 
 
-def unpack(blocks: tuple[bytes, ...], joint: int) -> Steps:
-    """(n, 3) of one joint. StoreError where the bytes are damaged."""
+def unpack(blocks: tuple[bytes, ...], joints: Sequence[int]) -> list[Steps]:
+    """(n, 3) of each of some joints. StoreError where the bytes are damaged."""
     try:
-        return np.concatenate([_unpacked(block, joint) for block in blocks])
+        parts = [_unpacked(block, joints) for block in blocks]
     except (RuntimeError, ValueError, TypeError, IndexError, struct.error) as error:
         raise StoreError(
             f"Positions of joints are damaged: {error}", remedy="Derive them again: mcml db derive."
         ) from error
+    return parts[0] if len(parts) == 1 else [np.concatenate(own) for own in zip(*parts, strict=True)]
 
 
-def _unpacked(block: bytes, joint: int) -> Steps:
-    frames, joints, some = _HEAD.unpack_from(block)
-    parts = -(-joints // some) if frames else 0
+def _unpacked(block: bytes, joints: Sequence[int]) -> list[Steps]:
+    frames, count, some = _HEAD.unpack_from(block)
+    parts = -(-count // some) if frames else 0
     sizes = struct.unpack_from(f"<{parts}I", block, _HEAD.size)
     ends = list(accumulate(sizes, initial=_HEAD.size + 4 * len(sizes)))
     if ends[-1] != len(block):
         raise ValueError("a block ends elsewhere")
     if not frames:
-        return np.empty((0, 3), np.int32)
-    part = joint // some
-    held = standalone.simple_decompress(block[ends[part] : ends[part + 1]])
-    found: Steps = np.asarray(held, np.int32).reshape(-1, 3, frames)[joint % some].T
-    return found
+        return [np.empty((0, 3), np.int32) for _ in joints]
+    held: dict[int, Steps] = {}
+    for part in {joint // some for joint in joints}:
+        numbers = standalone.simple_decompress(block[ends[part] : ends[part + 1]])
+        held[part] = np.asarray(numbers, np.int32).reshape(-1, 3, frames)
+    return [held[joint // some][joint % some].T for joint in joints]

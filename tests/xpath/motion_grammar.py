@@ -114,6 +114,16 @@ class Chance:
             lambda d, i: _of_many(function, [d.all(one)[other] for other in frames(d, i)]),
         )
 
+    def key(self) -> Asked | None:
+        """What runs are better by: often how near they are, for which there is an index."""
+        choice = self.random.random()
+        if choice < 0.3:
+            return None
+        if choice < 0.6:
+            return self.number()[1]
+        near = self.unlike(self.random.choice(("pose", "motion")))
+        return Asked(f"-{near.text}", lambda d, i: -near.of(d, i))
+
     def window(self) -> tuple[str, Callable[[Document, int], list[int]]]:
         """Neighbours, some of which may be left out."""
         low, high = sorted(self.random.choice((-0.2, -0.1, -1 / 60, 0.0, 1 / 30, 0.05, 0.1)) for _ in range(2))
@@ -222,7 +232,7 @@ class Chance:
             )
         if choice < 0.7:
             count = self.random.choice((0, 1, 2, 5))
-            key = self.number()[1] if self.random.random() < 0.7 else None
+            key = self.key()
             after = "" if key is None else f", {key.text}"
             return Question(
                 f"mo:top({count}, //frame[{held.text}]{after})",

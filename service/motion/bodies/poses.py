@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import NDArray
 
 from service.motion.bodies.stretch import HIPS, Stretch
-from service.motion.bodies.vectors import cross, dot
+from service.motion.bodies.vectors import cross
 from service.motion.resampling import frame_places
 from service.motion.skeleton import Array
 
@@ -42,15 +42,12 @@ def pose_features(stretch: Stretch) -> Array:
     left = stretch.level_left()
     up = np.broadcast_to(stretch.up, left.shape)
     on = cross(left, up)
-    found = np.full((stretch.frames, len(JOINTS), 3), np.nan)
     if calibration.leg is None:
-        return found
-    scale = calibration.step / calibration.leg
-    root = stretch.at(ORIGIN)
-    for place, joint in enumerate(JOINTS):
-        vector = stretch.at(joint) - root
-        for axis, direction in enumerate((left, up, on)):
-            found[:, place, axis] = dot(vector, direction) * scale
+        return np.full((stretch.frames, len(JOINTS), 3), np.nan)
+    vectors = np.stack([stretch.at(joint) for joint in JOINTS]) - stretch.at(ORIGIN)
+    x, y, z = vectors.transpose(2, 0, 1)
+    sides = [x * each[:, 0] + y * each[:, 1] + z * each[:, 2] for each in (left, up, on)]
+    found: Array = np.stack(sides, axis=2).transpose(1, 0, 2) * (calibration.step / calibration.leg)
     # A body that faces nowhere has no pose, though its heights are known.
     found[np.isnan(left[:, 0])] = np.nan
     return found

@@ -20,6 +20,7 @@ from service.xpath.language.tree import Call, Expression, Path, Step, free_varia
 from service.xpath.language.types import type_of
 from service.xpath.library.bodies import Bodies
 from service.xpath.library.forest import Forest
+from service.xpath.library.likeness import Asked
 from service.xpath.nodes.nodesets import NodeSets, ordered
 from service.xpath.nodes.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, Floats, Ints, documents_of, frames_of
 from service.xpath.nodes.pairs import bounded, expand
@@ -149,15 +150,22 @@ class Motions:
             found[inside] = numbers[starts + frames[inside] - 1]
         return found
 
+    def asked(self, call: Call) -> Asked:
+        """The pose, or the motion, that a call compares with."""
+        return self.bodies.asked(*self._compared(call))
+
     def _distance(self, call: Call, context: Context) -> Floats:
         """From a pose, or from a stretch of motion."""
+        column = self.bodies.distances(*self._compared(call))
+        rows = self.bodies.rows(context.nodes)
+        return np.where(rows >= 0, column[rows], np.nan) if len(column) else np.full(len(context), np.nan)
+
+    def _compared(self, call: Call) -> tuple[str, float, float | None]:
         document = self._columns.strings(call.arguments[0], Context(np.zeros(1, np.int64))).list()[0]
         first, *last = (self._constant(each) for each in call.arguments[1:])
         if not np.isfinite([first, *last]).all():
             raise QueryError("Frames have numbers.", remedy="Write their positions in the document, from 1.")
-        column = self.bodies.distances(document, first, last[0] if last else None)
-        rows = self.bodies.rows(context.nodes)
-        return np.where(rows >= 0, column[rows], np.nan) if len(column) else np.full(len(context), np.nan)
+        return document, first, last[0] if last else None
 
     def _taken(self, call: Call, texts: tuple[str, ...], nodes: Ints) -> Floats:
         """The numbers that nodes have of a quantity."""

@@ -18,12 +18,12 @@ import numpy as np
 from service.errors import LimitError
 from service.storage.database import Transaction
 from service.xpath.engine import aggregates, sequences
-from service.xpath.engine.best_runs import BestRuns
 from service.xpath.engine.column_source import ColumnSource
 from service.xpath.engine.columns import Columns
 from service.xpath.engine.context import Bound, Context
 from service.xpath.engine.functions import NotOnColumnsError, as_booleans, as_numbers
 from service.xpath.engine.loops import as_contexts, each_alone
+from service.xpath.engine.nearest_runs import best_runs
 from service.xpath.engine.parts import Part, Parts, at, gathered, listed, values_of
 from service.xpath.engine.scan import Scan
 from service.xpath.engine.sequences import items_of, value_of
@@ -318,10 +318,10 @@ class Whole:
         """The best runs of all documents, the best one first."""
         wanted, frames, *keys = call.arguments
         count = float(as_numbers(self.nowhere, value_of(self.constant(wanted)))[0])
-        best = BestRuns(int(min(count, MOST_ITEMS)) if count >= 1 else 0)
+        runs = best_runs(int(min(count, MOST_ITEMS)) if count >= 1 else 0, keys[0] if keys else None)
         for forest, nodes in self._by_forest(frames):
-            best.add(self._columns(forest), nodes, keys[0] if keys else None)
-        yield from (Part(forest, nodes) for forest, nodes in best.runs())
+            runs.add(self._columns(forest), nodes)
+        yield from (Part(forest, nodes) for forest, nodes in runs.best())
 
     def _by_forest(self, expression: Expression) -> Iterator[tuple[Forest, Ints]]:
         """All nodes in document order."""

@@ -12,13 +12,15 @@ import numpy as np
 from service.clips.bodies import MADE, Body, read_turned
 from service.errors import QueryError
 from service.motion.bodies.limb_angles import turn_named
-from service.motion.bodies.poses import NEEDS, at_rate, pose_features
+from service.motion.bodies.pose_index import WIDTH, Balls, PoseIndex, balls_of, pose_index
+from service.motion.bodies.poses import NEEDS, pose_features
 from service.motion.bodies.quantities import compute, joints_of
 from service.motion.bodies.stretch import Stretch
 from service.storage.columns import Listed
 from service.xpath.library.body_facts import BodyFacts
 from service.xpath.library.forest import Forest
-from service.xpath.library.pose_columns import WIDTH, PoseColumns, Singles
+from service.xpath.library.likeness import Asked, Poses
+from service.xpath.library.pose_columns import PoseColumns
 from service.xpath.nodes.numbering import Floats, Ints, documents_of, frames_of
 
 Column = TypeVar("Column", Floats, PoseColumns)
@@ -79,46 +81,47 @@ class Bodies:
             parts.append(read_turned(self._forest.tx, listed, name, body))
         return np.concatenate(parts)
 
-    def distances(self, document: str, first: float, last: float | None) -> Floats:
-        """A column of how unlike the pose of a frame of a document poses are; with `last`, how unlike the stretch that
-        ends in each frame is the one from there to that frame. document: an id, or a name that only one has. QueryError
-        where there is no such one, or no such frame."""
+    def asked(self, document: str, first: float, last: float | None) -> Asked:
+        """The pose of a frame of a document; with `last`, the motion from there to that frame. document: an id, or a
+        name that only one has. QueryError where there is no such one, or no such frame."""
         listed = self._named(document)
         end = first if last is None else last
         if not (first == int(first) and end == int(end) and 1 <= first <= end <= listed.frames):
             raise QueryError(f"{listed.name!r} has no such frames.", remedy=f"Its frames are 1 to {listed.frames}.")
         body = self._forest.caches.bodies.read(self._forest.tx, [listed])[0]
         poses = pose_features(body.stretch(NEEDS))[int(first) - 1 : int(end)]
+        return Asked(poses, last is not None, body.frame_time)
+
+    def distances(self, document: str, first: float, last: float | None) -> Floats:
+        """A column of how unlike what `asked` gives all frames are, or the stretches that end there."""
+        asked = self.asked(document, first, last)
+        listed = self._named(document)
 
         def make() -> Floats:
-            if last is None:
-                return self.poses().from_pose(poses[0], self._check)
-            return self._motion_distances(poses, body.frame_time)
+            return asked.column(self.poses(), self.seconds, self._forest.frames, self._check)
 
         return self._column(("distance", listed.uuid, listed.revision, first, last), make)
 
     def poses(self) -> PoseColumns:
         """The poses in all frames."""
 
-        def of_body(body: Body) -> Singles:
-            return pose_features(body.stretch(NEEDS)).astype(np.float32).reshape(-1, WIDTH)
-
         def make() -> PoseColumns:
-            vectors = np.concatenate([np.empty((0, WIDTH), np.float32), *self._each(of_body)])
+            vectors = np.concatenate(
+                [np.empty((0, WIDTH), np.float32), *self._each(lambda body: Poses.of(body).vectors)]
+            )
             return PoseColumns(vectors, self.offsets[:-1][self._forest.frames > 0])
 
         return self._column(("poses",), make)
 
-    def _motion_distances(self, motion: Floats, frame_time: float | None) -> Floats:
-        """Of documents at one frame rate together."""
-        columns = self.poses()
-        found = np.full(len(columns.vectors), np.nan)
-        known = self.seconds[self.seconds > 0] if frame_time is not None else np.empty(0)
-        for seconds in np.unique(known).tolist():
-            asked = motion if seconds == frame_time else at_rate(motion, frame_time or seconds, seconds)
-            own = np.repeat(self.seconds == seconds, self._forest.frames)
-            found[own] = columns.from_motion(asked, own, self._check)[own]
-        return found
+    @cached_property
+    def pose_index(self) -> PoseIndex:
+        """Where the poses of all documents lie, kept on disk."""
+
+        def balls(body: Body) -> Balls:
+            poses = Poses.of(body)
+            return balls_of(poses.vectors, poses.seconds)
+
+        return self._forest.pose_index(f"{MADE}", lambda: pose_index(self._each(balls)))
 
     def _named(self, text: str) -> Listed:
         listing = self._forest.caches.listing

@@ -11,6 +11,7 @@ from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.library.cache import OVERHEAD, Cache, ColumnCache
 from service.xpath.library.head_parts import Heads
+from service.xpath.library.likeness import Poses
 from service.xpath.library.listing import Listing
 from service.xpath.library.sidecar import Sidecar
 from service.xpath.library.tracks import BlockKey, Tracks
@@ -63,8 +64,8 @@ class Caches:
     samples; the rest takes a little beside them.
 
     listing: which documents there are. heads, layouts, labels, ids, zones: of documents. columns: of groups of
-    documents. samples: of bones of groups. bodies: of documents, in space. tracks: decoded. blocks: all tracks over a
-    chunk. sidecar: what is kept on disk, too; None where nothing is.
+    documents. samples: of bones of groups. bodies, poses: of documents, in space. tracks: decoded. blocks: all tracks
+    over a chunk. sidecar: what is kept on disk, too; None where nothing is.
     """
 
     def __init__(self, limit: int = COLUMNS, sidecar: Sidecar | None = None) -> None:
@@ -79,5 +80,10 @@ class Caches:
         self.columns = ColumnCache(limit // 2)
         self.samples = ColumnCache(limit // 2)
         self.bodies = DocumentCache[Body](read_bodies, 4 * small)
+        self.poses = DocumentCache[Poses](self._read_poses, 8 * small)
         self.tracks = Tracks(4 * small, 5 * small)
         self.blocks = Cache[BlockKey, Block](3 * small, lambda block: block.values.nbytes + OVERHEAD)
+
+    def _read_poses(self, tx: Transaction, documents: Sequence[Listed]) -> Mapping[int, Poses]:
+        bodies = self.bodies.read(tx, documents)
+        return {listed.key: Poses.of(body) for listed, body in zip(documents, bodies, strict=True)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from functools import cached_property, partial
 from typing import Any, Protocol, TypeVar
 
@@ -10,6 +11,7 @@ import numpy as np
 import orjson
 
 from service.mcml.lexical import unescape
+from service.motion.bodies.pose_index import PoseIndex
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.language.reach import HeadPart
@@ -219,6 +221,16 @@ class Forest:
                 if self._disk is not None:
                     self._disk.keep(self.tx, self._key(what), made.stored, made.nbytes)
         return known
+
+    def pose_index(self, version: str, make: Callable[[], PoseIndex]) -> PoseIndex:
+        """Where poses lie, kept in memory and on disk. version: of how it is made. make: makes it."""
+        what = f"poses {version}"
+
+        def restored(found: Packed) -> PoseIndex:
+            return PoseIndex(**{one.name: found[one.name] for one in fields(PoseIndex)})
+
+        index: PoseIndex = self._kept(what, lambda: self._on_disk(what, make, vars, restored))
+        return index
 
     def has_bone(self, name: str | None) -> bool:
         """Whether what they lie between is at hand."""

@@ -7,13 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from service.motion.bodies.pose_index import WIDTH, Singles, later
 from service.motion.bodies.poses import JOINTS, motion_distances, pose_distances
 from service.xpath.nodes.numbering import Bools, Floats, Ints
 
-Singles = NDArray[np.float32]
-WIDTH = 3 * len(JOINTS)
 BLOCK = 8192
 """Poses that are compared while they lie in the processor's cache."""
 NEAR = np.float32(1e-3)
@@ -91,25 +89,14 @@ def _apart(vectors: Singles, asked: Singles, check: Callable[[], None]) -> Singl
 def warped(apart: Singles, starts: Bools, check: Callable[[], None]) -> Floats:
     """The recurrence of `poses.motion_distances` over documents one after the other. apart: (m, frames) pose distances.
     starts: which frames begin a document, before which nothing lies."""
-    never = np.float32(np.inf)
-    begins = np.flatnonzero(starts)
-    seconds = begins[begins + 1 < len(starts)] + 1
-    before, last = np.full(apart.shape[1], never), apart[0].copy()
-
-    def later(row: Singles, frames: int) -> Singles:
-        moved = np.empty_like(row)
-        moved[frames:], moved[:frames] = row[: len(row) - frames], never
-        moved[begins] = never
-        if frames == 2:
-            moved[seconds] = never
-        return moved
-
+    firsts = np.flatnonzero(starts)
+    before, last = np.full(apart.shape[1], np.inf, np.float32), apart[0].copy()
     for place in range(1, len(apart)):
         check()
-        here = later(before, 1)
+        here = later(before, 1, firsts)
         here += apart[place - 1]
-        np.minimum(here, later(last, 1), out=here)
-        np.minimum(here, later(last, 2), out=here)
+        np.minimum(here, later(last, 1, firsts), out=here)
+        np.minimum(here, later(last, 2, firsts), out=here)
         here += apart[place]
         before, last = last, here
     total = last.astype(np.float64) / len(apart)
