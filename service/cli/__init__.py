@@ -25,6 +25,7 @@ BY_HAND = {
     "import": "importing:import_",
     "export": "exporting:export",
     "xpath": "querying:xpath",
+    "search": "searching:search",
     "label": "labels:label",
     "set": "documents:set_",
     "rename": "documents:rename",

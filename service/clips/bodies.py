@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from service.clips.read_clip import Skeletons, StoredClip, read_clip
+from service.clips.read_clip import Skeletons, read_clip
 from service.errors import ConversionError
 from service.motion.bodies.calibration import Calibration, calibrate, calibration_frames
 from service.motion.bodies.positions import clip_positions, filled, rounded
 from service.motion.bodies.stretch import Stretch
 from service.motion.bodies.turned_angles import reference_stance, turned_angle
+from service.motion.clip import ClipHead, FrameBlock
 from service.motion.figures import axis_of
 from service.motion.hub import rest_of
 from service.motion.kinematics import Walker
@@ -95,17 +96,24 @@ def _derived(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons)
         skeleton = clips[places[0]].clip.head.skeleton
         frames = [filled(skeleton, clips[place].clip.blocks()) for place in places]
         for place, positions in zip(places, clip_positions(skeleton, frames, reading), strict=True):
-            found[place] = _body(clips[place], positions)
+            found[place] = body_at(clips[place].clip.head, positions)
     return [found[place] for place in range(len(clips))]
 
 
-def _body(clip: StoredClip, positions: Array) -> Body:
-    head = clip.clip.head
+def body_of(head: ClipHead, blocks: Iterable[FrameBlock]) -> Body:
+    """The body of a clip that need not be stored. blocks: from the first frame on."""
+    skeleton = head.skeleton
+    (positions,) = clip_positions(skeleton, [filled(skeleton, blocks)], reading_of(head))
+    return body_at(head, positions)
+
+
+def body_at(head: ClipHead, positions: Array) -> Body:
+    """The body of a clip whose joints are at positions (n, J, 3), in source units, NaN where unknown."""
     frames = calibration_frames(len(positions))
     sample = positions if len(frames) == len(positions) else positions[frames]
     calibration = calibrate(head, sample, frames=frames)
     blocks = pack(rounded(positions, calibration.step))
-    return Body(clip.names, len(positions), calibration, head.seconds_per_frame(), tuple(blocks))
+    return Body(head.skeleton.names, len(positions), calibration, head.seconds_per_frame(), tuple(blocks))
 
 
 def read_bodies(tx: Transaction, documents: Sequence[Listed]) -> dict[int, Body]:

@@ -147,6 +147,12 @@ _ROWS = [
     Operation("complete_query", "GET /xpath/complete", READS, READ,
               "What may come next in an expression: elements, attributes, axes, functions, and names that occur.",
               "queries"),
+    Operation("search_motion", "POST /search", READS, READ,
+              "The poses or motions of the library that are most like one: of a document, or of joints at positions.",
+              "searching", waits=True),
+    Operation("search_file", "POST /search/file", READS, READ,
+              "The poses or motions of the library that are most like one of a file that is not stored.",
+              "searching", waits=True),
 
     # new documents of others
     Operation("compose", "POST /compose", WRITES, EDIT,

@@ -46,7 +46,7 @@ class Chance:
 
     def quantity(self) -> tuple[str, Asked]:
         """One function, and which kind of number it is."""
-        kind = self.random.choice(list(SCALES))
+        kind = self.random.choice([kind for kind in SCALES if self.documents or kind not in ("pose", "motion")])
         pick = self.random.choice
         if kind == "channel":
             name, channel = pick(("Root", "left_low_leg", "left_up_leg")), pick(("Rx", "Ry", "Tz"))
@@ -119,7 +119,7 @@ class Chance:
         choice = self.random.random()
         if choice < 0.3:
             return None
-        if choice < 0.6:
+        if choice < 0.6 or not self.documents:
             return self.number()[1]
         near = self.unlike(self.random.choice(("pose", "motion")))
         return Asked(f"-{near.text}", lambda d, i: -near.of(d, i))

@@ -22,6 +22,8 @@ Singles = NDArray[np.float32]
 Places = NDArray[np.int64]
 Some: TypeAlias = slice | Places
 
+MADE: Final = 1
+"""Counts on when an index comes to be made in another way: what was kept before is made again."""
 WIDTH: Final = 3 * len(JOINTS)
 COMPONENTS = 12
 """Principal components that are kept: of walks, dances and fights they hold about 97 % of what differs."""

@@ -111,20 +111,35 @@ def motion_distances(features: Array, motion: Array) -> Array:
     of the motion counts once, frames of the stretch may be passed over or stand for two. It begins anywhere. NaN where
     no stretch ends: in the first frames, and after poses that cannot be compared.
     """
+    total, _ = _warped(features, motion)
+    total = total / max(1, len(motion))
+    return np.where(np.isfinite(total), total, np.nan)
+
+
+def motion_starts(features: Array, motion: Array) -> NDArray[np.intp]:
+    """(n,) the first frame of the stretch that ends in each frame and is as like a motion as `motion_distances` says;
+    the frame itself where no stretch ends."""
+    total, starts = _warped(features, motion)
+    return np.where(np.isfinite(total), starts, np.arange(len(features))).astype(np.intp)
+
+
+def _warped(features: Array, motion: Array) -> tuple[Array, Array]:
+    """(n,) D(m, j), and where its way began."""
     apart = pose_distances(features, motion).T
     apart = np.where(np.isnan(apart), np.inf, apart)
     rows: Sequence[Array] = [_nothing(features), _nothing(features)]
+    starts: Sequence[Array] = [_nothing(features), np.arange(len(features), dtype=np.float64)]
     for place, here in enumerate(apart):
         if not place:
             rows = [rows[1], here]
             continue
-        whole = _later(rows[1], 1) + here
-        # Two frames of the motion for one of the stretch.
-        slow = _later(rows[0], 1) + apart[place - 1] + here
-        fast = _later(rows[1], 2) + here
-        rows = [rows[1], np.minimum(np.minimum(whole, slow), fast)]
-    total = rows[1] / max(1, len(motion))
-    return np.where(np.isfinite(total), total, np.nan)
+        # Frame for frame, two frames of the motion for one of the stretch, one for two.
+        ways = np.stack([_later(rows[1], 1), _later(rows[0], 1) + apart[place - 1], _later(rows[1], 2)])
+        began = np.stack([_later(starts[1], 1), _later(starts[0], 1), _later(starts[1], 2)])
+        best = ways.argmin(axis=0)[None]
+        rows = [rows[1], np.take_along_axis(ways, best, axis=0)[0] + here]
+        starts = [starts[1], np.take_along_axis(began, best, axis=0)[0]]
+    return rows[1], starts[1]
 
 
 def _nothing(features: Array) -> Array:

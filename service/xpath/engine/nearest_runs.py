@@ -43,18 +43,19 @@ class NearestRuns(BestRuns):
     def _compare(self, asked: Asked) -> None:
         bounds = [_least_distances(runs, asked) for runs in self._groups]
         columns = self._groups[0].columns
+        forest = columns.forest
         for near in nearest_first(bounds, lambda: -self._least):
             places = [(group, int(documents_of(self._groups[group].first[run]))) for group, run in near]
             documents = {place: self._groups[place[0]].columns.forest.documents[place[1]] for place in places}
-            poses = columns.forest.caches.poses.read(columns.forest.tx, list(documents.values()))
-            unlike = dict(zip(documents, asked.unlike(poses, columns.check), strict=True))
-            found: dict[int, list[tuple[int, float]]] = {}
+            found = asked.unlike(forest.tx, forest.caches, list(documents.values()), columns.check)
+            unlike = dict(zip(documents, found, strict=True))
+            scores: dict[int, list[tuple[int, float]]] = {}
             for (group, run), place in zip(near, places, strict=True):
                 runs = self._groups[group]
                 frames = slice(int(frames_of(runs.first[run])) - 1, int(frames_of(runs.last[run])))
-                found.setdefault(group, []).append((run, -float(np.fmin.reduce(unlike[place][frames]))))
-            for group, scores in found.items():
-                which, numbers = zip(*scores, strict=True)
+                scores.setdefault(group, []).append((run, -float(np.fmin.reduce(unlike[place][frames]))))
+            for group, known in scores.items():
+                which, numbers = zip(*known, strict=True)
                 self._take(self._groups[group], np.array(which, np.int64), np.array(numbers))
 
 

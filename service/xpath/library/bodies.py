@@ -12,6 +12,7 @@ import numpy as np
 from service.clips.bodies import MADE, Body, read_turned
 from service.errors import QueryError
 from service.motion.bodies.limb_angles import turn_named
+from service.motion.bodies.pose_index import MADE as INDEX_MADE
 from service.motion.bodies.pose_index import WIDTH, Balls, PoseIndex, balls_of, pose_index
 from service.motion.bodies.poses import NEEDS, pose_features
 from service.motion.bodies.quantities import compute, joints_of
@@ -121,7 +122,7 @@ class Bodies:
             poses = Poses.of(body)
             return balls_of(poses.vectors, poses.seconds)
 
-        return self._forest.pose_index(f"{MADE}", lambda: pose_index(self._each(balls)))
+        return self._forest.pose_index(f"{MADE} {INDEX_MADE}", lambda: pose_index(self._each(balls)))
 
     def _named(self, text: str) -> Listed:
         listing = self._forest.caches.listing

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from service.clips.bodies import Body
 from service.motion.bodies.pose_index import WIDTH, PoseIndex, Singles
-from service.motion.bodies.poses import NEEDS, at_rate, pose_features
+from service.motion.bodies.poses import JOINTS, NEEDS, at_rate, motion_starts, pose_features
 from service.motion.skeleton import Array
+from service.storage.columns import Listed
+from service.storage.database import Transaction
 from service.xpath.library.pose_columns import PoseColumns
 from service.xpath.nodes.numbering import Floats, Ints
 
+MOST_FRAMES = 1 << 18
+"""Whose poses are in memory at once, of whatever is compared."""
 TOGETHER = 64
 """Of the nearest whose poses are compared exactly before it is asked what can still be nearer."""
 
@@ -37,6 +42,17 @@ class Poses:
         return cls(vectors, body.frame_time)
 
 
+class _Kept(Protocol):
+    def read(self, tx: Transaction, documents: Sequence[Listed]) -> list[Poses]: ...
+
+
+class _Caches(Protocol):
+    """What keeps poses."""
+
+    @property
+    def poses(self) -> _Kept: ...
+
+
 @dataclass(frozen=True, eq=False)
 class Asked:
     """What is compared with others. poses: (m, 20, 3) as `pose_features` gives them. moves: whether they are a motion,
@@ -46,15 +62,36 @@ class Asked:
     moves: bool
     seconds: float | None = None
 
-    def unlike(self, documents: Sequence[Poses], check: Callable[[], None]) -> list[Floats]:
+    def unlike(
+        self, tx: Transaction, caches: _Caches, documents: Sequence[Listed], check: Callable[[], None]
+    ) -> Iterator[Floats]:
         """How unlike each frame of documents is, or the stretch that ends there; NaN where that is not known. check:
         called often."""
+        first = 0
+        while first < len(documents):
+            last, frames = first + 1, documents[first].frames
+            while last < len(documents) and frames + documents[last].frames <= MOST_FRAMES:
+                frames += documents[last].frames
+                last += 1
+            yield from self._unlike(caches.poses.read(tx, documents[first:last]), check)
+            first = last
+
+    def _unlike(self, documents: Sequence[Poses], check: Callable[[], None]) -> list[Floats]:
         counts = np.array([len(poses.vectors) for poses in documents], np.int64)
         ends: Ints = np.cumsum(counts)
         vectors = np.concatenate([np.empty((0, WIDTH), np.float32), *(poses.vectors for poses in documents)])
         seconds = np.array([poses.seconds or np.nan for poses in documents], np.float64)
         columns = PoseColumns(vectors, (ends - counts)[counts > 0])
         return np.split(self.column(columns, seconds, counts, check), ends[:-1])
+
+    def began(self, document: Poses, end: int) -> int:
+        """Where the stretch began that ends in a frame (from 0) of a document, as like the motion as it can be."""
+        if not self.moves or document.seconds is None:
+            return end
+        motion = self._at(document.seconds)
+        first = max(0, end + 1 - 2 * len(motion))
+        features = document.vectors[first : end + 1].astype(np.float64).reshape(-1, len(JOINTS), 3)
+        return first + int(motion_starts(features, motion)[-1])
 
     def column(self, columns: PoseColumns, seconds: Floats, frames: Ints, check: Callable[[], None]) -> Floats:
         """The same of documents one after the other. seconds: a frame of each. frames: of each."""

@@ -3,7 +3,7 @@ precision, which tells six digits of a distance."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,8 @@ from service.xpath.nodes.numbering import Bools, Floats, Ints
 
 BLOCK = 8192
 """Poses that are compared while they lie in the processor's cache."""
+ROWS = 64
+"""Poses of a motion that others are compared with together: memory is bounded by them."""
 NEAR = np.float32(1e-3)
 """Sum of squares below which the difference of squares has lost too many digits."""
 
@@ -55,7 +57,7 @@ class PoseColumns:
         if np.isnan(asked).any() or np.isnan(vectors).any():
             found[own] = self._by_parts(motion, np.flatnonzero(own), np.flatnonzero(starts))
         elif len(vectors):
-            found[own] = warped(_apart(vectors, asked, check), starts, check)
+            found[own] = warped(vectors, asked, starts, check)
         return found
 
     def _poses(self, frames: Ints) -> Floats:
@@ -67,37 +69,41 @@ class PoseColumns:
         return np.concatenate([np.empty(0), *(motion_distances(self._poses(part), motion) for part in parts)])
 
 
-def _apart(vectors: Singles, asked: Singles, check: Callable[[], None]) -> Singles:
-    """(m, frames) pose distances."""
-    found = np.empty((len(asked), len(vectors)), np.float32)
-    lengths = np.einsum("ij,ij->i", asked, asked)
-    for at in range(0, len(vectors), BLOCK):
-        check()
-        some = vectors[at : at + BLOCK]
-        squares = np.einsum("ij,ij->i", some, some)[:, None] + lengths - 2 * (some @ asked.T)
-        rows, columns = np.nonzero(squares < NEAR)
-        for first in range(0, len(rows), BLOCK):
-            which = slice(first, first + BLOCK)
-            exact = some[rows[which]] - asked[columns[which]]
-            squares[rows[which], columns[which]] = np.einsum("ij,ij->i", exact, exact)
-        found[:, at : at + BLOCK] = squares.T
-    np.sqrt(found, out=found)
-    found /= np.float32(np.sqrt(len(JOINTS)))
-    return found
+def _apart(vectors: Singles, asked: Singles, check: Callable[[], None]) -> Iterator[Singles]:
+    """(frames,) pose distances from each of the asked poses."""
+    lengths = np.einsum("ij,ij->i", vectors, vectors)
+    for first in range(0, len(asked), ROWS):
+        some = asked[first : first + ROWS]
+        found = np.empty((len(some), len(vectors)), np.float32)
+        for at in range(0, len(vectors), BLOCK):
+            check()
+            block = vectors[at : at + BLOCK]
+            squares = lengths[at : at + BLOCK, None] + np.einsum("ij,ij->i", some, some) - 2 * (block @ some.T)
+            rows, columns = np.nonzero(squares < NEAR)
+            for near in range(0, len(rows), BLOCK):
+                which = slice(near, near + BLOCK)
+                exact = block[rows[which]] - some[columns[which]]
+                squares[rows[which], columns[which]] = np.einsum("ij,ij->i", exact, exact)
+            found[:, at : at + BLOCK] = squares.T
+        np.sqrt(found, out=found)
+        found /= np.float32(np.sqrt(len(JOINTS)))
+        yield from found
 
 
-def warped(apart: Singles, starts: Bools, check: Callable[[], None]) -> Floats:
-    """The recurrence of `poses.motion_distances` over documents one after the other. apart: (m, frames) pose distances.
-    starts: which frames begin a document, before which nothing lies."""
+def warped(vectors: Singles, asked: Singles, starts: Bools, check: Callable[[], None]) -> Floats:
+    """The recurrence of `poses.motion_distances` over documents one after the other. asked: (m, WIDTH). starts: which
+    frames begin a document, before which nothing lies."""
     firsts = np.flatnonzero(starts)
-    before, last = np.full(apart.shape[1], np.inf, np.float32), apart[0].copy()
-    for place in range(1, len(apart)):
+    rows = _apart(vectors, asked, check)
+    apart = next(rows)
+    before, last = np.full(len(vectors), np.inf, np.float32), apart.copy()
+    for row in rows:
         check()
         here = later(before, 1, firsts)
-        here += apart[place - 1]
+        here += apart
         np.minimum(here, later(last, 1, firsts), out=here)
         np.minimum(here, later(last, 2, firsts), out=here)
-        here += apart[place]
-        before, last = last, here
-    total = last.astype(np.float64) / len(apart)
+        here += row
+        before, last, apart = last, here, row
+    total = last.astype(np.float64) / len(asked)
     return np.where(np.isfinite(total), total, np.nan)

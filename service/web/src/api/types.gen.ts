@@ -500,6 +500,38 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/search": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["search_motion"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/search/file": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["search_file"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/compose": {
         parameters: {
             query?: never;
@@ -1442,6 +1474,17 @@ export interface components {
         Body_read_music: {
             /** Format: binary */
             file: string;
+        };
+        Body_search_file: {
+            file: string[];
+            /** @default 1 */
+            first: number;
+            last?: number | null;
+            within?: string[] | null;
+            project?: string | null;
+            /** @default 20 */
+            limit: number;
+            apart?: number | null;
         };
         Body_upload_documents: {
             file: string[];
@@ -3189,6 +3232,36 @@ export interface components {
             document: string;
             revision: number;
             value: string | number | boolean;
+        };
+        SearchAnswer: {
+            frames: number;
+            joints: string[];
+            hits: components["schemas"]["SearchHit"][];
+            warnings?: string[];
+        };
+        SearchHit: {
+            document: string;
+            name: string;
+            revision: number;
+            first: number;
+            last: number;
+            distance: number;
+        };
+        SearchRequest: {
+            document?: string | null;
+            revision?: number | null;
+            /** @default 1 */
+            first: number;
+            last?: number | null;
+            joints?: string[] | null;
+            positions?: (number[] | null)[][] | null;
+            seconds_per_frame?: number | null;
+            up?: string | null;
+            within?: string[];
+            project?: string | null;
+            /** @default 20 */
+            limit: number;
+            apart?: number | null;
         };
         Segment: {
             document?: string | null;
@@ -5867,6 +5940,100 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Completions"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    search_motion: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SearchRequest"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SearchAnswer"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    search_file: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "multipart/form-data": components["schemas"]["Body_search_file"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SearchAnswer"];
                 };
             };
             503: {
