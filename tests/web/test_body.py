@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.motion.bodies.made import person
 from tests.web.conftest import Served, Visit, one_door, walk
 from tests.web.test_journeys import ready
 
@@ -66,15 +67,30 @@ def _moves(page: Any, box: Any, part: float, field: Any) -> bool:
     return bool(field.input_value() != before)
 
 
-def test_poses_like_this_are_found_in_other_clips(visit: Visit, studio: Served) -> None:
-    uuid = studio.upload("kick.bvh", walk(60))
-    other = studio.upload("again.bvh", walk(60, seed=1))
-    page = visit.open(f"/clips/{uuid}?f=30&tab=body")
+def test_poses_and_motions_like_these_are_found_in_other_clips(visit: Visit, studio: Served) -> None:
+    uuid, other = studio.upload("kick.bvh", person(1, 60)), studio.upload("again.bvh", person(2, 60))
+    page = visit.open(f"/clips/{uuid}?f=30&in=10&out=40&tab=body")
     ready(page)
     page.get_by_role("button", name="Find poses like this").click()
-    expect(page.get_by_role("textbox").filter(has_text=f"mo:pose-distance('{uuid}', 30)").first).to_be_visible()
-    expect(page.get_by_text(re.compile(r"frames? in \d+ runs?|frames? in 1 run"))).to_be_visible()
-    assert other != uuid
+    poses = page.get_by_role("dialog", name="Poses like frame 30 of kick")
+    best = poses.get_by_role("option").first
+    expect(best).to_contain_text("kick")
+    expect(best).to_contain_text("0.000")
+    expect(poses.get_by_role("option").filter(has_text="again").first).to_be_visible()
+    poses.get_by_role("button", name="Close").click()
+    page.get_by_role("button", name="Find motions like 10–40").click()
+    motions = page.get_by_role("dialog", name="Motions like frames 10–40 of kick")
+    expect(motions.get_by_role("option").first).to_contain_text("10–40")
+    motions.get_by_role("option").first.press("ArrowDown")
+    expect(motions.get_by_role("option", selected=True)).not_to_contain_text("10–40")
+    with studio.client() as client:
+        found = client.post("/search", json={"document": uuid, "first": 10, "last": 40, "limit": 60}).json()["hits"]
+    hit = found[1]
+    link = motions.get_by_role("link", name="Open")
+    expect(link).to_have_attribute(
+        "href", f"/clips/{hit['document']}?f={hit['first']}&in={hit['first']}&out={hit['last']}"
+    )
+    assert other in {one["document"] for one in found}
 
 
 def test_the_floor_is_set_and_taken_back(visit: Visit, studio: Served) -> None:

@@ -134,12 +134,13 @@ def _asked(body: Body, name: str, first: int, last: int | None) -> Asked:
     if end - first >= MOST_FRAMES:
         raise LimitError(f"A motion that is asked has at most {MOST_FRAMES:,} frames.", remedy="Ask a part of it.")
     poses = pose_features(body.stretch(NEEDS))[first - 1 : end]
-    unseen = np.flatnonzero(np.isfinite(poses).all(axis=2).sum(axis=1) < FEWEST)
-    if len(unseen):
+    known = np.isfinite(poses).all(axis=2).sum(axis=1)
+    if known.min() < FEWEST:
+        lacking = [name for name in NEEDS if name not in body.names]
+        why = f"it lacks {', '.join(lacking)}" if lacking else "its joints or the way it faces are not known there"
         raise RequestError(
-            f"Frame {first + int(unseen[0])} of {name!r} shows no pose: fewer than {FEWEST} joints are known, or not "
-            "where the body faces.",
-            remedy="A pose is of joints with MCML's names, among them both legs; look at the mapping of the names.",
+            f"Frame {first + int(known.argmin())} of {name!r} shows no pose: {why}.",
+            remedy=f"A pose needs Root, both legs, and {FEWEST} or more of the joints of a body, with MCML's names.",
         )
     if last is not None and body.frame_time is None:
         raise RequestError(f"The frame time of {name!r} is not known.", remedy="Ask a single frame, or set it.")

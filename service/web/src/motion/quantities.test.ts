@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { argumentOf, expression, known, likeThis, rounded, startOf, textOf } from "./quantities";
+import { argumentOf, expression, known, rounded, startOf, textOf } from "./quantities";
 
 const bones = ["Root", "left_hand", "it's"];
 
@@ -23,7 +23,6 @@ test("a threshold becomes a question", () => {
   expect(expression({ kind: "height", argument: "left_hand" }, 1.5, true)).toBe("//frame[mo:height('left_hand') > 1.5]");
   expect(expression({ kind: "heading", argument: "" }, -90, false)).toBe("//frame[mo:heading() < -90]");
   expect(expression({ kind: "contact", argument: "it's" }, 0, true)).toBe('//frame[mo:contact("it\'s")]');
-  expect(likeThis("01a2", 7)).toBe("mo:top(20, //frame[mo:pose-distance('01a2', 7) < 0.15], -mo:pose-distance('01a2', 7))");
 });
 
 test("what is not known has no ends", () => {

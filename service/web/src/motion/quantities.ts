@@ -13,9 +13,6 @@ const FIRST_ANGLE = "left-knee-flexion";
 /** What a body may stand on, or reaches with: of these the first that it has. */
 const PREFERRED = ["left_hand", "left_toes", "left_foot", "Head", "Root"];
 const DIGITS = 4;
-/** Pose distances, in leg lengths, of poses that look alike. */
-const ALIKE = 0.15;
-const BEST = 20;
 
 export const textOf = ({ kind, argument }: Asked): string => (argument ? `${kind}:${argument}` : kind);
 
@@ -42,12 +39,6 @@ const jointOf = (bones: readonly string[]): string => PREFERRED.find((name) => b
 export function expression({ kind, argument }: Asked, limit: number, above: boolean): string {
   const call = `mo:${kind}(${argument ? quoted(argument) : ""})`;
   return kind === "contact" ? `//frame[${call}]` : `//frame[${call} ${above ? ">" : "<"} ${limit}]`;
-}
-
-/** The best places with a pose like that of a frame, from 1. */
-export function likeThis(document: string, frame: number): string {
-  const distance = `mo:pose-distance('${document}', ${frame})`;
-  return `mo:top(${BEST}, //frame[${distance} < ${ALIKE}], -${distance})`;
 }
 
 const quoted = (text: string): string => (text.includes("'") ? `"${text}"` : `'${text}'`);

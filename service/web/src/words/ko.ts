@@ -65,6 +65,7 @@ export const ko: typeof en = {
   clearLoop: "반복 구간 지우기", setIn: "여기서부터 반복", setOut: "여기까지 반복", timeline: "타임라인", oldRevision: "지난 리비전입니다. 바꾸려면 복원하세요.",
   restore: "복원", restoredAs: "리비전 {n}(으)로 복원했습니다", tree: "트리", graph: "곡선", bodyTab: "몸", quantity: "몸의 무엇", quantityHeight: "높이", quantitySpeed: "속력", quantityAcceleration: "가속도", quantityAngle: "각도", quantityContact: "바닥에 닿음", quantityHeading: "바라보는 방향",
   quantityUnknown: "여기서는 알 수 없습니다. 클립의 단위나 프레임 시간을 모르거나 몸에 관절이 없습니다.", quantityAsk: "이 곡선의 질문", threshold: "기준값", above: "초과", below: "미만", framesFound: "{all}프레임 중 {n}개", askLibrary: "라이브러리에 묻기",
+  motionsLike: "{first}–{last}과 닮은 동작 찾기", motionsLikeHelp: "반복 구간과 가장 닮은 동작을 라이브러리 전체에서 찾습니다. 몸이 달라도, 절반에서 두 배까지 빠르기가 달라도 됩니다", posesLikeTitle: "{name}의 {first}번 프레임과 닮은 자세", motionsLikeTitle: "{name}의 {first}–{last}번 프레임과 닮은 동작", distance: "거리", distanceHelp: "관절에 대한 제곱평균제곱근, 다리 길이 단위: 0은 같은 자세입니다", looking: "라이브러리를 살펴보고 있습니다. 처음에는 더 오래 걸립니다.", nothingAlike: "비교할 수 있는 것이 라이브러리에 없습니다.",
   posesLike: "이런 자세 찾기", posesLikeHelp: "재생 위치의 자세와 가장 닮은 자세를 라이브러리 전체에서 찾습니다. 몸이 달라도 됩니다", calibration: "이 숫자의 근거", calibrationHelp: "길이는 원본의 단위입니다. 파일에 없는 것은 추정합니다. 칸을 비우면 추정값으로 돌아갑니다.", floor: "바닥", legLength: "다리", originStated: "파일에 있음", originMeasured: "잰 값", originGuessed: "추정", originSet: "정한 값",
   structure: "구조", text: "텍스트", history: "변경 이력", info: "정보",
   spanAdd: "이 구간에 이름 붙이기", spanSplit: "재생 위치에서 나누기", spanName: "동작 이름",

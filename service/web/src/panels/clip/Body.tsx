@@ -5,7 +5,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { ask, get, type Schemas } from "../../api/client";
 import { quantityOf } from "../../motion/blocks";
-import { ANGLE, argumentOf, expression, JOINT_KINDS, KINDS, likeThis, known, rounded, startOf, textOf, UNITS, type Asked, type Kind } from "../../motion/quantities";
+import { ANGLE, argumentOf, expression, JOINT_KINDS, KINDS, known, rounded, startOf, textOf, UNITS, type Asked, type Kind } from "../../motion/quantities";
 import type { Clip } from "../../state/clip";
 import { refuse } from "../../state/notes";
 import { go, param, setParams } from "../../state/route";
@@ -13,6 +13,7 @@ import { colour, look } from "../../state/settings";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { number, w, type Word } from "../../words";
+import { Alike } from "./Alike";
 import { inSight } from "./Timeline";
 
 const NEAR = 10; // px from the threshold that take hold of it
@@ -31,6 +32,8 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
   const frame = clip.player.playing.value ? clip.player.frame.peek() : clip.player.frame.value;
   const question = mine && expression(asked, mine.at, mine.above);
   const hits = values && mine ? values.reduce((sum, value) => sum + Number(asked.kind === "contact" ? value === 1 : mine.above ? value > mine.at : value < mine.at), 0) : 0;
+  const loop = clip.player.loop.value;
+  const [alike, setAlike] = useState<{ first: number; last?: number } | null>(null);
   const search = (q: string) => go(`/xpath?q=${encodeURIComponent(q)}`);
   const bones = clip.skeleton.view.bones.map((bone) => bone.name);
   return (
@@ -44,7 +47,8 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
           {[...new Set([asked.argument, ...(angles.value?.items ?? []).filter((one) => one.kind === "angle").map((one) => one.text)])].map((name) => <option key={name}>{name}</option>)}
         </select>}
         <span class="tail" />
-        <button type="button" class="button" disabled={!clip.frames} title={w("posesLikeHelp")} onClick={() => search(likeThis(clip.id, frame + 1))}>{w("posesLike")}</button>
+        <button type="button" class="button" disabled={!clip.frames} title={w("posesLikeHelp")} onClick={() => setAlike({ first: frame + 1 })}>{w("posesLike")}</button>
+        {loop && <button type="button" class="button" title={w("motionsLikeHelp")} onClick={() => setAlike({ first: loop[0] + 1, last: loop[1] + 1 })}>{w("motionsLike", { first: number(loop[0] + 1), last: number(loop[1] + 1) })}</button>}
       </div>
       <Trouble error={curve.error} retry={curve.again} />
       {curve.busy && !values && <div class="busy" />}
@@ -64,6 +68,7 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
         </div>
       )}
       <Calibrated clip={clip} reload={reload} />
+      {alike && <Alike clip={clip} {...alike} onClose={() => setAlike(null)} />}
     </div>
   );
 }

@@ -10,6 +10,7 @@ import { asked, remember } from "../../state/queries";
 import { go, param, setParams } from "../../state/route";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
+import { RunPlayer } from "../../ui/RunPlayer";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { VirtualList } from "../../ui/VirtualList";
@@ -20,7 +21,6 @@ import { Builder } from "./Builder";
 import { mountXPath } from "./editor";
 import { Examples } from "./Examples";
 import { asCommand, asCurl, asPython } from "./scripts";
-import { RunPlayer } from "./RunPlayer";
 import { SavedQueries } from "./SavedQueries";
 import "../../styles/xpath.css";
 

@@ -1,16 +1,17 @@
 /** Runs of frames, played one after the other. */
 import { effect, signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
-import type { Schemas } from "../../api/client";
-import { motionOf, type Motion } from "../../motion/source";
-import { Player } from "../../state/player";
-import { Icon } from "../../ui/icons";
-import { MotionView, type Actor } from "../../ui/MotionView";
-import { Trouble } from "../../ui/Trouble";
-import { number, w } from "../../words";
+import type { Schemas } from "../api/client";
+import { motionOf, type Motion } from "../motion/source";
+import { Player } from "../state/player";
+import { Icon } from "./icons";
+import { MotionView, type Actor } from "./MotionView";
+import { Trouble } from "./Trouble";
+import { number, w } from "../words";
+import "../styles/runs.css";
 
 const LEAST_SHOWN = 1200; // ms
-type Run = Schemas["RunItem"];
+type Run = Pick<Schemas["RunItem"], "document" | "name" | "revision" | "first" | "last">;
 
 export function RunPlayer({ runs, at, onAt }: { runs: Run[]; at: number; onAt: (at: number) => void }) {
   const run = runs[Math.min(at, runs.length - 1)];
@@ -52,7 +53,7 @@ export function RunPlayer({ runs, at, onAt }: { runs: Run[]; at: number; onAt: (
         <button type="button" class="button quiet icon dense" aria-label={w("backFrame")} disabled={at === 0} onClick={() => onAt(at - 1)}><Icon name="first" /></button>
         <button type="button" class="button quiet icon play" aria-label={w(playing ? "pause" : "play")} onClick={() => setPlaying(!playing)}><Icon name={playing ? "pause" : "play"} /></button>
         <button type="button" class="button quiet icon dense" aria-label={w("nextFrame")} disabled={at >= runs.length - 1} onClick={() => onAt(at + 1)}><Icon name="last" /></button>
-        <span class="cut grow"><strong>{run.name}</strong> <span class="dim">{number(run.first)}–{number(run.last)}</span></span>
+        <span class="cut grow"><strong>{run.name}</strong> <span class="dim">{number(run.first)}{run.last > run.first && `–${number(run.last)}`}</span></span>
         <a class="button dense" href={`/clips/${run.document}?f=${run.first}&in=${run.first}&out=${run.last}`}>{w("open")}</a>
       </div>
     </div>
