@@ -22,7 +22,7 @@ Singles = NDArray[np.float32]
 Places = NDArray[np.int64]
 Some: TypeAlias = slice | Places
 
-MADE: Final = 1
+MADE: Final = 2
 """Counts on when an index comes to be made in another way: what was kept before is made again."""
 WIDTH: Final = 3 * len(JOINTS)
 COMPONENTS = 12
@@ -43,9 +43,10 @@ SAMPLE = 20_000
 class PoseIndex:
     """Of documents that follow one another. frames: of each. lengths: frames of its segments, the last of which may
     have less. ends: the place behind its last segment. kind_of: which joints its poses have. kinds: (k, 20) these.
-    means: (k, WIDTH), bases: (k, COMPONENTS, WIDTH): what components are made with. components: (segments, COMPONENTS).
-    radius, reach: (segments,) how far a pose is at most from the centre, and from what the components tell of it;
-    infinite where nothing bounds that."""
+    means: (k, WIDTH), bases: (k, COMPONENTS, WIDTH): what components are made with. points: (segments, COMPONENTS + 2)
+    the components of each centre, the square of their length, and 1: times what is made of a pose it is the square of
+    how far they are apart. radius, reach: (segments,) how far a pose is at most from the centre, and from what the
+    components tell of it; infinite where nothing bounds that."""
 
     frames: Places
     lengths: Places
@@ -54,14 +55,14 @@ class PoseIndex:
     kinds: Flags
     means: Singles
     bases: Singles
-    components: Singles
+    points: Singles
     radius: Singles
     reach: Singles
 
     @property
     def nbytes(self) -> int:
         """About how much memory it takes."""
-        return self.components.nbytes + 2 * self.radius.nbytes + self.bases.nbytes + 32 * len(self.frames) + 1000
+        return self.points.nbytes + 2 * self.radius.nbytes + self.bases.nbytes + 32 * len(self.frames) + 1000
 
     @property
     def starts(self) -> Places:
@@ -79,7 +80,8 @@ class PoseIndex:
         found = np.full(len(self.radius), np.inf, np.float32)
         for kind, segments in self._of_kinds():
             _, bounds = self._bounds(kind, segments, pose[None])
-            found[segments] = bounds[:, 0]
+            np.maximum(bounds[0], 0, out=bounds[0])
+            found[segments] = bounds[0]
         return found
 
     def near_motion(self, motion: Array, seconds: float | None, own: Flags) -> Singles:
@@ -99,12 +101,14 @@ class PoseIndex:
                 found[segments] = 0
                 continue
             shared, bounds = self._bounds(kind, segments, anchors)
-            costs = []
-            for part, anchor, bound in zip(parts, anchors, bounds.T, strict=True):
+            for part, anchor, bound in zip(parts, anchors, bounds, strict=True):
+                # The bounds become what the part costs in each segment at least.
                 apart = (part - anchor)[:, shared]
                 slack = np.sqrt((apart**2).sum(axis=(1, 2)) / max(1, shared.sum())).sum()
-                costs.append(np.maximum(bound * np.float32(len(part)) - np.float32(slack), 0))
-            found[segments] = _path(np.stack(costs), begins[segments]) / np.float32(len(motion))
+                bound *= np.float32(len(part))
+                bound -= np.float32(slack)
+                np.maximum(bound, 0, out=bound)
+            found[segments] = _path(bounds, begins[segments]) / np.float32(len(motion))
         return found
 
     def _of_kinds(self, own: Flags | None = None) -> Iterator[tuple[int, Some]]:
@@ -118,33 +122,35 @@ class PoseIndex:
                 yield kind, slice(None) if documents.all() else np.flatnonzero(np.repeat(documents, counts))
 
     def _bounds(self, kind: int, segments: Some, poses: Array) -> tuple[Flags, Singles]:
-        """(20,) the joints that segments of a kind share with poses (m, 20, 3), and (segments, m) how unlike they are
-        at least, by these."""
+        """(20,) the joints that segments of a kind share with poses (m, 20, 3), and (m, segments) how unlike they are
+        at least, by these; negative where they may be alike."""
         shared: Flags = self.kinds[kind] & np.isfinite(poses).all(axis=(0, 2))
-        components = self.components[segments]
+        points = self.points[segments]
         if shared.sum() < FEWEST:
-            return shared, np.full((len(components), len(poses)), np.inf, np.float32)
+            return shared, np.full((len(poses), len(points)), np.inf, np.float32)
         counted = np.repeat(shared, 3)
         vectors = np.where(counted, poses.reshape(-1, WIDTH) - self.means[kind], 0).astype(np.float32)
         basis = np.where(counted, self.bases[kind], np.float32(0))
         if (shared == self.kinds[kind]).all():
             # What components leave out makes a vector no longer.
             off, vectors = self.radius[segments], vectors @ basis.T
-            lengths = np.einsum("ij,ij->i", components, components)
-            products = components @ vectors.T
+            asked = -2 * vectors
         else:
             # Of a part of the joints they tell only what the whole is nearly.
-            off = self.reach[segments]
+            components = points[:, :COMPONENTS]
             lengths = np.einsum("ij,ij->i", components @ (basis @ basis.T), components)
-            products = components @ (basis @ vectors.T)
-        squares = lengths[:, None] + np.einsum("ij,ij->i", vectors, vectors)
-        squares *= 1 - ROUNDING
-        squares -= 2 * products
-        apart = np.sqrt(np.maximum(squares, 0, out=squares), out=squares)
-        apart -= off[:, None]
-        apart /= np.float32(np.sqrt(shared.sum()))
-        apart -= SLACK
-        return shared, np.maximum(apart, 0, out=apart)
+            points = np.column_stack([components, lengths * (1 - ROUNDING), points[:, -1]])
+            off, asked = self.reach[segments], -2 * vectors @ basis.T
+        lengths = np.einsum("ij,ij->i", vectors, vectors) * (1 - ROUNDING)
+        bounds: Singles = np.column_stack([asked, np.ones(len(poses), np.float32), lengths]) @ points.T
+        scale = 1 / np.float32(np.sqrt(shared.sum()))
+        off = off * scale + SLACK
+        for bound in bounds:
+            np.maximum(bound, 0, out=bound)
+            np.sqrt(bound, out=bound)
+            bound *= scale
+            bound -= off
+        return shared, bounds
 
 
 def segment_length(seconds: float | None) -> int:
@@ -197,7 +203,7 @@ def pose_index(documents: Sequence[Balls]) -> PoseIndex:
     radius = np.concatenate([np.empty(0, np.float32), *(balls.radius for balls in documents)])
     means = np.zeros((len(kinds), WIDTH), np.float32)
     bases = np.zeros((len(kinds), COMPONENTS, WIDTH), np.float32)
-    components = np.empty((len(centres), COMPONENTS), np.float32)
+    points = np.ones((len(centres), COMPONENTS + 2), np.float32)
     reach = radius.copy()
     for kind in range(len(kinds)):
         segments = np.flatnonzero(own_kind == kind)
@@ -205,8 +211,10 @@ def pose_index(documents: Sequence[Balls]) -> PoseIndex:
         for at in range(0, len(segments), SAMPLE):
             some = segments[at : at + SAMPLE]
             apart = centres[some] - means[kind]
-            components[some] = apart @ bases[kind].T
-            left = apart - components[some] @ bases[kind]
+            components = apart @ bases[kind].T
+            points[some, :-2] = components
+            points[some, -2] = np.einsum("ij,ij->i", components, components) * (1 - ROUNDING)
+            left = apart - components @ bases[kind]
             reach[some] += np.sqrt(np.einsum("ij,ij->i", left, left))
     return PoseIndex(
         frames=np.array([balls.frames for balls in documents], np.int64),
@@ -216,7 +224,7 @@ def pose_index(documents: Sequence[Balls]) -> PoseIndex:
         kinds=kinds,
         means=means,
         bases=bases,
-        components=components,
+        points=points,
         radius=radius,
         reach=reach,
     )

@@ -44,7 +44,7 @@ def pose_features(stretch: Stretch) -> Array:
     on = cross(left, up)
     if calibration.leg is None:
         return np.full((stretch.frames, len(JOINTS), 3), np.nan)
-    vectors = np.stack([stretch.at(joint) for joint in JOINTS]) - stretch.at(ORIGIN)
+    vectors = stretch.stacked(JOINTS) - stretch.at(ORIGIN)
     x, y, z = vectors.transpose(2, 0, 1)
     sides = [x * each[:, 0] + y * each[:, 1] + z * each[:, 2] for each in (left, up, on)]
     found: Array = np.stack(sides, axis=2).transpose(1, 0, 2) * (calibration.step / calibration.leg)

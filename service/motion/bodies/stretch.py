@@ -6,7 +6,7 @@ positions until they become metres at the end.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Mapping
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
@@ -82,6 +82,20 @@ class Stretch:
             unseen[:1] = True
         if unseen.any():
             found[unseen] = np.nan
+        return found
+
+    def stacked(self, joints: Sequence[str]) -> Array:
+        """(joints, n, 3) steps, NaN where unknown."""
+        found = np.full((len(joints), self.frames, 3), np.nan)
+        known = [place for place, name in enumerate(joints) if name in self.places]
+        if known:
+            steps = np.stack([self.places[joints[place]] for place in known])
+            found[known] = steps
+            unseen = steps[:, :, 0] == UNSEEN
+            if unseen.any():
+                found[np.array(known)[:, None], np.arange(self.frames)] = np.where(unseen[:, :, None], np.nan, steps)
+        if self.calibration.leaps and self.first == 0:
+            found[:, :1] = np.nan
         return found
 
     def between(self, start: str, end: str) -> Array:

@@ -108,5 +108,5 @@ def test_joints_that_are_not_asked_may_be_anywhere() -> None:
 def test_an_index_of_nothing_finds_nothing(documents: list[tuple[Singles, float | None]]) -> None:
     index = pose_index([balls_of(*one) for one in documents])
     pose = np.zeros((len(JOINTS), 3))
-    assert index.components.shape == (0, COMPONENTS)
+    assert index.points.shape == (0, COMPONENTS + 2)
     assert len(index.near_pose(pose)) == len(index.near_motion(pose[None], 1 / 30, np.ones(len(documents), bool))) == 0
