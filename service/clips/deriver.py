@@ -21,8 +21,9 @@ LOOK_SECONDS = 1.0
 """How often it is looked for what came in, from other processes too."""
 QUIET_SECONDS = 0.5
 """After a commit, and how often it is asked meanwhile whether others are at work, a tenth of it."""
-PATIENCE_SECONDS = 2.0
-"""Behind a server that is always at work, some bodies are derived nevertheless, after so long."""
+PATIENCE_SECONDS = 10.0
+"""Behind a server that is always at work, some bodies are derived nevertheless, after so long: meanwhile an import in
+another thread gets on several times as slowly."""
 LATER_SECONDS = 30.0
 """After the store could not be read or written."""
 TOGETHER, FRAMES = 16, 4096
