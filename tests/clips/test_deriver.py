@@ -60,11 +60,13 @@ def test_a_server_derives_what_comes_in(database: Database) -> None:
     with served(database, Settings(derive=True)) as client:
         whole = '{body="kept"} 3\nmcml_documents{body="missing"} 0\n'
         form = [("file", ("late.bvh", bvh(9, seed=9, names=NAMES)))]
-        late = client.post("/api/v1/documents", files=form).json()["documents"][0]["id"]
+        stored = client.post("/api/v1/documents", files=form).json()["documents"][0]
+        late, link = stored["id"], stored["calibration"]
         until(lambda: missing(database) == 0)
         assert whole in client.get("/metrics").text
         place = f"/api/v1/documents/{late}"
-        assert client.get(f"{place}/calibration").json()["kept"]
+        assert client.get(link).json()["kept"]
+        assert client.get(place).json()["links"]["calibration"] == link
         assert client.post(f"{place}/frames", json=CUT, headers={"if-match": "*"}).status_code == 200
         until(lambda: missing(database) == 0)
         assert client.get(f"{place}/calibration").json()["kept"]
