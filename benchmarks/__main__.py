@@ -11,6 +11,7 @@ from pathlib import Path
 
 BENCHMARKS = {
     "beside": "a library of thousands of clips, beside BaseX",
+    "bodies": "bodies of a library: deriving, room, questions beside channels, what is most alike",
     "dance": "beats of an hour, a graph of 500 bars, three minutes of dance",
     "edits": "one value, difference, undo, label, cut in a document of 100,000 frames",
     "expression": "expression spaces: all stages, operations, 96,000 frames",

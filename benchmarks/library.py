@@ -138,12 +138,13 @@ def served(url: str) -> Iterator[httpx.Client]:
 
 
 @contextmanager
-def serving(url: str) -> Iterator[tuple[int, int]]:
-    """A server process on the store: its process id and its port."""
+def serving(url: str, derive: str = "no") -> Iterator[tuple[int, int]]:
+    """A server process on the store: its process id and its port. derive: "yes" or "no", else it would work on bodies
+    beside what is measured, and leave them in the store."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    environment = os.environ | {"MCML_DATABASE": url, "MCML_PORT": str(port)}
+    environment = os.environ | {"MCML_DATABASE": url, "MCML_PORT": str(port), "MCML_DERIVE": derive}
     command = [sys.executable, "-m", "service.cli", "serve"]
     process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
     try:

@@ -24,7 +24,13 @@ from schemas.media import MediaInfo
 from schemas.problem import Problem
 from schemas.revisions import FrameRange
 
-_IMPORTED = {"id": DOCUMENT, "name": "walk", "skipped": False, "receipt": RECEIPT}
+_IMPORTED = {
+    "id": DOCUMENT,
+    "name": "walk",
+    "skipped": False,
+    "receipt": RECEIPT,
+    "calibration": f"/api/v1/documents/{DOCUMENT}/calibration",
+}
 _REFUSED = {"file": "broken.bvh", "problem": PROBLEM}
 _REVISION = {
     "number": 2,
@@ -204,6 +210,9 @@ class ImportedDocument(BaseModel):
     skipped: bool = Field(False, description="It was stored already (on_duplicate=skip)")
     movements: int | None = Field(None, description="Labels that were found in the motion and accepted, if asked")
     receipt: Receipt
+    calibration: str = Field(
+        description="Address of unit, up axis, floor and leg as the body shows them, which is known after the import"
+    )
 
 
 class FileProblem(BaseModel):

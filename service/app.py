@@ -20,6 +20,8 @@ from service.api.doors import Doors
 from service.api.guard import Guard
 from service.api.parameters import known_parameters
 from service.api.routes import PREFIX, add_routes
+from service.api.traffic import Traffic
+from service.clips.deriver import Deriver
 from service.jobs.runner import Runner
 from service.local_secret import keep_secret, read_secret
 from service.operations import all_operations
@@ -55,6 +57,8 @@ def create_app(
     that it is asked for; who sends it from this machine may come in as the owner of the store.
     """
     store = database or Database(settings.database_url)
+    traffic = Traffic()
+    deriver = Deriver(store, traffic.is_busy)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
@@ -63,7 +67,10 @@ def create_app(
         store.reserve.keep()
         finish_purges(store, cache_dir=settings.cache_dir)
         app.state.runner.start()
+        if settings.derive:
+            deriver.start()
         yield
+        deriver.stop()
         app.state.runner.stop()
         app.state.repository.close()
         if database is None:
@@ -88,7 +95,8 @@ def create_app(
     problems.install(app)
     description.install(app)
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1, exclude_content_types=AS_THEY_ARE)
-    app.add_middleware(Guard, settings=settings, doors=Doors(settings, store, secret), counts=app.state.requests)
+    doors = Doors(settings, store, secret)
+    app.add_middleware(Guard, settings=settings, doors=doors, counts=app.state.requests, traffic=traffic)
     if settings.friends:
         # Outside all others: a browser asks first whether it may ask, and sends no token then.
         app.add_middleware(

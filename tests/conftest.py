@@ -14,8 +14,9 @@ from typing import Any, TypeAlias
 # Before NumPy is imported. Tests run on all cores already: where several processes let BLAS take all of them too, its
 # threads wait for each other, and a decomposition of a second takes ten.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# What tests of the store beside it ask for, they ask for.
+# What tests of columns beside the store and of bodies ask for, they ask for.
 os.environ.setdefault("MCML_CACHE_DIR", "none")
+os.environ.setdefault("MCML_DERIVE", "no")
 
 import pytest
 from fastapi.testclient import TestClient

@@ -15,6 +15,7 @@ from service.api.forwarded import as_the_client_sent_it
 from service.api.policy import DEFAULTS
 from service.api.problems import answer, plain
 from service.api.sessions import LOGIN_PATH, login_page
+from service.api.traffic import FOLLOWING, Traffic
 from service.errors import McmlError
 from service.settings import Settings
 
@@ -31,14 +32,17 @@ ENTRIES = {LOGIN_PATH, "/api/v1/session"}
 
 
 class Guard:
-    """ASGI middleware. Counts answers."""
+    """ASGI middleware. Counts answers, and requests under way."""
 
-    def __init__(self, app: Any, settings: Settings, doors: Doors, counts: dict[tuple[str, int], int]) -> None:
+    def __init__(
+        self, app: Any, settings: Settings, doors: Doors, counts: dict[tuple[str, int], int], traffic: Traffic
+    ) -> None:
         self.app = app
         self.doors = doors
         self.proxies = settings.proxies
         self.max_bytes = settings.max_upload_bytes
         self.counts = counts
+        self.traffic = traffic
         self.friends = settings.friends
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -72,7 +76,14 @@ class Guard:
                 message = {**message, "body": b""}
             await send(message)
 
-        await (refusal or self.app)(scope, self._bounded(receive), answered)
+        if scope["path"].endswith(FOLLOWING):
+            await (refusal or self.app)(scope, self._bounded(receive), answered)
+            return
+        self.traffic.begins()
+        try:
+            await (refusal or self.app)(scope, self._bounded(receive), answered)
+        finally:
+            self.traffic.ends()
 
     def _entry(self, scope: Scope, headers: Headers) -> Any:
         try:

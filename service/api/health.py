@@ -8,7 +8,9 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import PlainTextResponse
 
 from schemas.catalogues import Health
+from service.clips.bodies import MADE
 from service.storage.database import Database
+from service.storage.filtering import DocumentFilter
 
 router = APIRouter(tags=["health"])
 
@@ -43,6 +45,10 @@ def metrics(request: Request) -> str:
         f'mcml_requests_total{{method="{method}",status="{status}"}} {count}'
         for (method, status), count in sorted(counts.items())
     ]
+    with _database(request).read() as tx:
+        count, missing = tx.documents.count(DocumentFilter()), len(tx.bodies.without(MADE))
+    lines += ["# HELP mcml_documents Documents, by whether their body is kept.", "# TYPE mcml_documents gauge"]
+    lines += [f'mcml_documents{{body="kept"}} {count - missing}', f'mcml_documents{{body="missing"}} {missing}']
     sizes = _database(request).size()
     lines += ["# HELP mcml_store_bytes Size of the store.", "# TYPE mcml_store_bytes gauge"]
     lines += [f'mcml_store_bytes{{part="{part}"}} {size}' for part, size in sorted(sizes.items())]

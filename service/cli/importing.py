@@ -10,13 +10,13 @@ import typer
 from rich.text import Text
 
 from mcml.choosing import id_of
+from mcml.client import Client
 from mcml.folders import import_paths
+from mcml.local import Local
 from schemas.documents import ImportedDocument
 from service.cli.bar import Bar
+from service.cli.deriving import FEW, derive_stored, tell_calibrations, tell_origins
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, write_to_the_end
-
-MANY = 100
-"""Documents whose bodies are worth being derived before somebody asks for them."""
 
 
 def import_(
@@ -45,6 +45,9 @@ def import_(
         typer.Option(min=0, max=1, help="Name anatomical movements found in the motion with this confidence or more"),
     ] = None,
     again: Annotated[bool, typer.Option("--again", help="Store files again that are stored already")] = False,
+    no_derive: Annotated[
+        bool, typer.Option("--no-derive", help="Leave the bodies of what was stored to a server, or to mcml db derive")
+    ] = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
     as_json: JsonOption = False,
@@ -84,16 +87,30 @@ def import_(
                     line = problem.problem.where.line if problem.problem.where else None
                     place = f"{problem.file}:{line}" if line else problem.file
                     console.print(Text.assemble(("failed", "red"), f"   {place}: {problem.problem.detail}{remedy}"))
+    documents = [document for answer in answers for document in answer.documents]
     if as_json:
-        documents = [item.model_dump() for answer in answers for item in answer.documents]
         problems = [item.model_dump(exclude_none=True) for answer in answers for item in answer.problems]
-        print_json({"documents": documents, "problems": problems})
+        print_json({"documents": [item.model_dump() for item in documents], "problems": problems})
     else:
         console.print(f"{stored} stored, {failed} failed")
-        if stored >= MANY:
-            console.print("mcml db derive works out their bodies once, for questions about motion", style="dim")
+    _derive(client, documents, no_derive=no_derive, quiet=as_json)
     if failed:
         raise typer.Exit(3 if stored else 1)
+
+
+def _derive(client: Client, documents: list[ImportedDocument], *, no_derive: bool, quiet: bool) -> None:
+    """Derive bodies in a store here; a server does so by itself. Tell what is known of them."""
+    stored = [document for document in documents if not document.skipped]
+    here = isinstance(client, Local) and client.repository.settings.derive and not no_derive
+    if isinstance(client, Local) and here:
+        # Those that were here before, too: their import may have been stopped while it derived.
+        derive_stored(client.repository.database, {document.id for document in documents}, quiet=quiet)
+    if quiet:
+        return
+    if len(stored) <= FEW:
+        tell_calibrations(client, stored)
+    elif isinstance(client, Local) and here:
+        tell_origins(client.repository.database, {document.id for document in stored})
 
 
 def _print_imported(document: ImportedDocument) -> None:

@@ -132,6 +132,7 @@ EXTRAS = {"arrow": "pyarrow", "audio": "librosa", "plots": "matplotlib", "usd": 
 
 def doctor(database: DatabaseOption = None) -> None:
     """Say what this installation has, what it lacks, and how to mend it."""
+    from service.clips.bodies import MADE
     from service.xpath.library.part_file import path_of, why_not
 
     settings = chosen_settings(database)
@@ -173,10 +174,16 @@ def doctor(database: DatabaseOption = None) -> None:
             line("schema", f"{version} of {wanted}")
             sizes = store.size()
             with store.read() as tx:
-                count = tx.documents.count(DocumentFilter())
+                count, missing = tx.documents.count(DocumentFilter()), len(tx.bodies.without(MADE))
             line(
                 "documents",
                 f"{count:,} in {sizes['total'] / 1e6:,.1f} MB, {sizes['uploads'] / 1e6:,.1f} MB of it uploads",
+            )
+            way = "A server derives the others" if settings.derive else "Derive the others"
+            line(
+                "bodies",
+                f"{count - missing:,} of {count:,} documents have theirs",
+                remedy=f"{way}: mcml {'serve, or mcml ' * settings.derive}db derive." if missing else "",
             )
             place = path_of(store, settings.cache_dir)
             trouble = "" if place is None else why_not(place)

@@ -87,7 +87,7 @@ def derive_bodies(tx: Transaction, documents: Sequence[Listed], skeletons: Skele
 
 
 def _derived(tx: Transaction, documents: Sequence[Listed], skeletons: Skeletons) -> list[Body]:
-    clips = [read_clip(tx, listed, labelled=False, skeletons=skeletons) for listed in documents]
+    clips = [read_clip(tx, listed, bare=True, skeletons=skeletons) for listed in documents]
     same: dict[tuple[int, Reading], list[int]] = {}
     for place, clip in enumerate(clips):
         same.setdefault((id(clip.clip.head.skeleton), reading_of(clip.clip.head)), []).append(place)

@@ -43,12 +43,13 @@ def read_clip(
     last: int | None = None,
     step: int = 1,
     labelled: bool = True,
+    bare: bool = False,
     skeletons: Skeletons | None = None,
 ) -> StoredClip:
     """Frames first to last (positions from 1, inclusive; default all). NotFoundError outside the document.
 
-    labelled: with their motion names. skeletons: those of documents that were read before, of which the document then
-    has no elements; this one's is added.
+    labelled: with their motion names. bare: samples alone, without names, shapes and ids. skeletons: those of documents
+    that were read before, of which the document then has no elements; this one's is added.
     """
     last = stored.frames if last is None else last
     if stored.frames and not 1 <= first <= last <= stored.frames:
@@ -78,10 +79,10 @@ def read_clip(
 
     def blocks() -> Iterator[FrameBlock]:
         position = first
-        for block in tx.tracks.blocks(stored.key, first, last, columns=bone_columns, step=step):
+        for block in tx.tracks.blocks(stored.key, first, last, columns=bone_columns, step=step, bare=bare):
             if not same:
                 block = _renumbered(block, joint_of)
-            if labelled:
+            if labelled and not bare:
                 end = position + (len(block) - 1) * step
                 spans = tx.spans.of(stored.key, position, end)
                 block = replace(block, motion_names=names_of_frames(spans, range(position, end + 1, step)))

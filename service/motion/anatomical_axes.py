@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from service.errors import ConversionError
+from service.motion.bodies.vectors import dot, length
 from service.motion.hub import Rest, walked
 from service.motion.rotations import inverse, multiply, rotate
 from service.motion.sides import sagittal
@@ -127,15 +128,15 @@ def uprightness(skeleton: Skeleton, positions: Array, up: Array) -> Array:
     ):
         if start in places and end in places:
             vector = positions[:, places[end]] - positions[:, places[start]]
-            length = np.sqrt((vector * vector).sum(axis=1))
-            found = np.minimum(found, sense * (vector @ up) / np.where(length > 0, length, 1.0))
+            far = length(vector)
+            found = np.minimum(found, sense * (vector @ up) / np.where(far > 0, far, 1.0))
     pairs = [
         positions[:, places[f"left_{part}"]] - positions[:, places[f"right_{part}"]]
         for part in ("up_leg", "up_arm")
         if f"left_{part}" in places and f"right_{part}" in places
     ]
     if len(pairs) == 2:
-        found = np.where((pairs[0] * pairs[1]).sum(axis=1) > 0, found, -1.0)
+        found = np.where(dot(*pairs) > 0, found, -1.0)
     return found
 
 

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import orjson
-from sqlalchemy import and_, delete, select
+from sqlalchemy import and_, bindparam, delete, exists, select
 
 from service.storage.lists import OneOf
+from service.storage.moments import there
 from service.storage.seals import checked
-from service.storage.shown import Shown
-from service.storage.tables import body
+from service.storage.shown import Shown, moves
+from service.storage.tables import body, document, revision
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction
@@ -26,6 +27,14 @@ _ROWS = checked(
 )
 
 _SHOWN = Shown(body)
+
+_KEPT = (
+    select(body.c.document)
+    .where(body.c.document == document.c.id, body.c.block == 0, body.c.facts.like(bindparam("made")))
+    .where(~exists().where(revision.c.document == body.c.document, revision.c.number > body.c.revision, moves()))
+    .exists()
+)
+_WITHOUT = select(document.c.id).where(there(), ~_KEPT)
 
 
 class AtRevision(Protocol):
@@ -83,9 +92,15 @@ class Bodies:
         return {key: StoredBody(facts[key], tuple(blocks[key])) for key in whole}
 
     def missing(self, documents: Sequence[AtRevision], made: int) -> list[int]:
-        """The keys of those that have none that was made in this way."""
+        """The keys of those that have none that is sound and was made in this way."""
         there = self.of(documents)
         return [one.key for one in documents if one.key not in there or there[one.key].facts["made"] != made]
+
+    def without(self, made: int) -> list[int]:
+        """The keys of all documents that have none that was made in this way, sound or not."""
+        # Their facts end with it (`Body.facts`): databases read JSON each in a way of its own.
+        rows = self._tx.rows(_WITHOUT, {"at": self._tx.at, "made": f'%"made":{made}}}'})
+        return [row[0] for row in rows]
 
     def forget(self, document_key: int, before: int) -> None:
         """Remove the bodies of revisions before one."""

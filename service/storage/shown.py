@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from sqlalchemy import Table, literal_column, select
+from sqlalchemy import ColumnElement, Table, and_, literal_column, select
 
 from service.storage.lists import OneOf
 from service.storage.tables import revision
@@ -15,9 +15,13 @@ if TYPE_CHECKING:
 STILL = ("label", "unlabel", "delete")
 """Operations of revisions that move nothing. Undoing, restoring and editing elements may."""
 
-_MOVED = select(revision.c.document, revision.c.number).where(
-    OneOf(revision.c.document, "keys"), *(revision.c.operation != literal_column(f"'{still}'") for still in STILL)
-)
+
+def moves() -> ColumnElement[bool]:
+    """Revisions that may move something."""
+    return and_(*(revision.c.operation != literal_column(f"'{still}'") for still in STILL))
+
+
+_MOVED = select(revision.c.document, revision.c.number).where(OneOf(revision.c.document, "keys"), moves())
 
 
 class Shown:

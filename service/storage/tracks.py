@@ -237,11 +237,13 @@ class Tracks:
         columns: Sequence[tuple[int, int]] = (),
         bones: Sequence[int] | None = None,
         step: int = 1,
+        bare: bool = False,
     ) -> Iterator[FrameBlock]:
         """Frames first to last (positions) in blocks of bounded size, without motion names.
 
         columns: (bone, channel) that every block has, in this order; further channels that occur follow.
         bones: read these only (shapes keep the others out too). step: every step-th frame, counted from `first`.
+        bare: samples alone, without shapes and ids.
         """
         for piece in self.pieces(document_key, first, last):
             start = piece.slot
@@ -250,7 +252,7 @@ class Tracks:
                 end = min((start // BLOCK_FRAMES + 1) * BLOCK_FRAMES, piece.slot + piece.count)
                 position = piece.first + start - piece.slot
                 skip = -(position - first) % step
-                block = self._block(document_key, start, end, position, columns, bones)
+                block = self._block(document_key, start, end, position, columns, bones, bare=bare)
                 if step > 1:
                     block = _every(block, skip, step)
                 if len(block):
@@ -265,6 +267,8 @@ class Tracks:
         position: int,
         columns: Sequence[tuple[int, int]],
         bones: Sequence[int] | None,
+        *,
+        bare: bool,
     ) -> FrameBlock:
         """The frames in slots start to end - 1, which are neighbours on the timeline."""
         first_chunk, last_chunk = start // CHUNK, (end - 1) // CHUNK
@@ -283,6 +287,8 @@ class Tracks:
             offsets = slice(begin - chunk * CHUNK, stop - chunk * CHUNK)
             stretches.append(Stretch(side_by_side(held), offsets, slice(begin - start, stop - start)))
         values, whole = gathered(stretches, end - start, columns)
+        if bare:
+            return FrameBlock(values, whole, (), [])
         shapes, shape_of = self._shapes(document_key, start, end, bones)
         ids = self.frame_ids(document_key, position, position + end - start - 1)
         return FrameBlock(values, whole, shapes, ids, shape_of)

@@ -132,3 +132,27 @@ def test_several_files_are_one_request(server: Client, folder: Path) -> None:  #
     answer = _stored(server, paths, {}, lambda *_: None)
     assert [item.name for item in answer.documents] == ["3", "5"]
     assert [item.file for item in answer.problems] == ["4.bvh"]
+
+
+def test_what_is_stored_is_derived_afterwards(mcml: Mcml, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: F811
+    code, output, _ = mcml("import", "walk.bvh", MCML_DERIVE="yes")
+    assert code == 0
+    assert "body     walk: unit unknown, up Y (guessed), floor unknown, leg unknown" in output
+    assert "1 of 1 documents have theirs" in mcml("doctor")[1]
+    code, output, _ = mcml("import", "takes", MCML_DERIVE="yes")
+    assert code == 3, "one is cut off"
+    assert "up       11 guessed" in output
+    assert json.loads(mcml("db", "derive", "--json")[1]) == {"derived": 0, "failed": 0}
+    mcml("import", "two.htr", "--no-derive", MCML_DERIVE="yes")
+    assert "12 of 13 documents have theirs" in mcml("doctor")[1]
+
+    def stopped(*_: object) -> int:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("service.cli.deriving.derive_missing", stopped)
+        code, output, _ = mcml("import", "hand.mcml", MCML_DERIVE="yes")
+    assert code == 130
+    assert ("1 stored, 0 failed" in output, "mcml db derive goes on" in output) == (True, True)
+    assert json.loads(mcml("import", "two.htr", "hand.mcml", "--json", MCML_DERIVE="yes")[1])["documents"][0]["skipped"]
+    assert json.loads(mcml("db", "derive", "--json")[1]) == {"derived": 0, "failed": 0}, "those were, that were skipped"

@@ -50,6 +50,9 @@ def test_dropped_files_are_stored_and_seen(visit: Visit, studio: Served, tmp_pat
     expect(page.get_by_role("gridcell", name=re.compile("stride"))).to_be_visible()
     document = studio.get("/documents")["items"][0]
     expect(tray.get_by_role("button", name="cm")).to_have_count(0)
+    body = tray.locator(".calibrated span:not([class])")
+    expect(body.filter(has_text="Unit")).to_have_text("Unit cm stated")
+    expect(body.filter(has_text="Up")).to_have_text("Up Y guessed")
     assert studio.get(f"/documents/{document['id']}")["unit"] == "cm"
     tray.get_by_role("link", name="Open").click()
     ready(page)

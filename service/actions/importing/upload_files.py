@@ -32,7 +32,13 @@ def upload_files(
     done = import_files(database, files, options, settings, author=author, progress=progress, pool=pool)
     documents = []
     for item in done.documents:
-        document = ImportedDocument(id=item.uuid, name=item.name, skipped=item.skipped, receipt=Receipt(**item.receipt))
+        document = ImportedDocument(
+            id=item.uuid,
+            name=item.name,
+            skipped=item.skipped,
+            receipt=Receipt(**item.receipt),
+            calibration=f"/api/v1/documents/{item.uuid}/calibration",
+        )
         if options.movements is not None and not item.skipped:
             _name_movements(database, document, options.movements, author)
         documents.append(document)

@@ -70,6 +70,7 @@ def detail(tx: Transaction, stored: StoredDocument) -> DocumentDetail:
             "frames": f"{address}/frames",
             "labels": f"{address}/labels",
             "revisions": f"{address}/revisions",
+            "calibration": f"{address}/calibration",
         },
     )
 

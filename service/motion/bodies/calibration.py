@@ -22,8 +22,9 @@ from service.motion.figures import axis_of
 from service.motion.frames import Rows
 from service.motion.guesses import likely_up
 from service.motion.kinematics import rest_positions
-from service.motion.skeleton import Array, Skeleton
-from service.motion.units import UNITS, metres_of, reading_of
+from service.motion.skeleton import Array, Skeleton, once_a_skeleton
+from service.motion.units import UNITS, Reading, metres_of, reading_of
+from service.numerics.ranks import median, percentile
 
 LEGS: Final = 0.6, 1.1
 """Metres from hip to knee to ankle of the people whose motion is captured."""
@@ -121,7 +122,8 @@ def calibrate(
     Raises RequestError for a value that cannot be.
     """
     skeleton = head.skeleton
-    rest = rest_positions(skeleton, reading_of(head))[None, : len(skeleton)]
+    reading = reading_of(head)
+    rest = _rest(skeleton, reading)
     places: Rows = np.arange(len(positions)) if frames is None else frames
     overrides = dict(overrides_of(head) if overrides is None else _checked(overrides))
     # A frame that the clip no longer has is no pose.
@@ -143,7 +145,7 @@ def calibrate(
     settle("up", _up(head, poses))
     up = axis_of(values["up"])
     settle("floor", _floor(skeleton, poses, up))
-    settle("reference", _reference(skeleton, rest, positions, places, up))
+    settle("reference", _reference(skeleton, reading, positions, places, values["up"]))
     return Calibration(step=_step(values["metres"], values["leg"], poses), origins=origins, **values)
 
 
@@ -188,7 +190,7 @@ def _leg(skeleton: Skeleton, positions: Array) -> tuple[float | None, Origin]:
             hip, knee, ankle = (positions[:, part] for part in parts)
             lengths = length(knee - hip) + length(ankle - knee)
             seen = lengths[np.isfinite(lengths)]
-            found += [float(np.median(seen))] if len(seen) else []
+            found += [median(seen)] if len(seen) else []
     leg = sum(found) / len(found) if found else 0.0
     if not 0 < leg < np.inf:
         return None, Origin("unknown", "no leg is known from hip to knee to ankle")
@@ -254,14 +256,28 @@ def _floor(skeleton: Skeleton, positions: Array, up: Array) -> tuple[float | Non
         heights = heights[np.isfinite(heights)]
         if len(heights):
             word = "toes" if part == "toes" else "feet (no toes are known)"
-            return float(np.percentile(heights, _FLOOR)), Origin("guessed", f"the {word} are above it nearly always")
+            return percentile(heights, _FLOOR), Origin("guessed", f"the {word} are above it nearly always")
     return None, Origin("unknown", "no foot is known")
 
 
-def _reference(skeleton: Skeleton, rest: Array, positions: Array, frames: Rows, up: Array) -> tuple[int | None, Origin]:
-    if uprightness(skeleton, rest, up)[0] > STANDS:
+@once_a_skeleton
+def _rest(skeleton: Skeleton, reading: Reading) -> Array:
+    """(1, J, 3) of the rest pose."""
+    return rest_positions(skeleton, reading)[None, : len(skeleton)]
+
+
+@once_a_skeleton
+def _could_stand(skeleton: Skeleton, reading: Reading, up: str) -> bool:
+    """Whether a body could stand in the rest pose."""
+    return bool(uprightness(skeleton, _rest(skeleton, reading), axis_of(up))[0] > STANDS)
+
+
+def _reference(
+    skeleton: Skeleton, reading: Reading, positions: Array, frames: Rows, up: str
+) -> tuple[int | None, Origin]:
+    if _could_stand(skeleton, reading, up):
         return None, Origin("measured", "a body could stand in the rest pose")
-    upright = uprightness(skeleton, positions, up)
+    upright = uprightness(skeleton, positions, axis_of(up))
     if not np.isfinite(upright).any():
         return None, Origin("unknown", "no frame shows the body, and it could not stand in the rest pose")
     best = int(np.nanargmax(upright))

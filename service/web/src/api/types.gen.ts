@@ -2393,6 +2393,7 @@ export interface components {
             skipped: boolean;
             movements?: number | null;
             receipt: components["schemas"]["Receipt"];
+            calibration: string;
         };
         InsertEdit: {
             /**

@@ -44,7 +44,7 @@ export const en = {
   dropTitle: "Drop to add", dropHelp: "Files, folders, or a zip. An ASF goes with its AMC.", lookFirst: "Look first", lookFirstHelp: "Opens them without storing anything",
   queue: "Import", queued: "waiting", sending: "sending", reading: "reading", stored: "stored", refused: "refused", cancelled: "cancelled",
   skippedTwin: "here already", retry: "Retry", uploads: "{done} of {n} done", uploadsPace: "{done} of {of} · {speed} · {left} left", filesASecond: "1 file a second|{n} files a second", filesAMinute: "1 file a minute|{n} files a minute", receipts: "Receipts", hideQueue: "Hide the list",
-  undoImport: "Undo import", receiptUnit: "Unit", receiptRate: "Rate", receiptUp: "Up axis", receiptJoints: "Joints", receiptNumbers: "Numbers",
+  undoImport: "Undo import", receiptUnit: "Unit", receiptRate: "Rate", receiptUp: "Up axis", receiptBody: "Body", receiptJoints: "Joints", receiptNumbers: "Numbers",
   receiptNumbersText: "{channels} channels × {frames} frames; the original is kept byte for byte",
   jointsMapped: "{mapped} of {n} mapped (convention: {rig}), {own} keep their own names", notices: "Notes",
   noFiles: "No file could be read from what was dropped.", keep: "Keep", notStored: "Not stored yet",

@@ -44,7 +44,7 @@ export const ko: typeof en = {
   dropTitle: "놓으면 추가합니다", dropHelp: "파일, 폴더, zip. ASF는 AMC와 함께 놓으세요.", lookFirst: "먼저 보기", lookFirstHelp: "저장하지 않고 열어 봅니다",
   queue: "가져오기", queued: "대기", sending: "보내는 중", reading: "읽는 중", stored: "저장됨", refused: "거부됨", cancelled: "취소됨",
   skippedTwin: "이미 있음", retry: "다시 시도", uploads: "{n}개 중 {done}개 완료", uploadsPace: "{of}개 중 {done}개 · {speed} · {left} 남음", filesASecond: "초당 {n}개", filesAMinute: "분당 {n}개", receipts: "결과", hideQueue: "목록 숨기기",
-  undoImport: "가져오기 취소", receiptUnit: "단위", receiptRate: "속도", receiptUp: "위쪽 축", receiptJoints: "관절", receiptNumbers: "숫자",
+  undoImport: "가져오기 취소", receiptUnit: "단위", receiptRate: "속도", receiptUp: "위쪽 축", receiptBody: "몸", receiptJoints: "관절", receiptNumbers: "숫자",
   receiptNumbersText: "채널 {channels}개 × {frames}프레임, 원본을 한 바이트도 다르지 않게 보관합니다",
   jointsMapped: "{n}개 중 {mapped}개 대응 (규칙: {rig}), {own}개는 원래 이름을 씁니다", notices: "알림",
   noFiles: "놓은 것 중에 읽을 수 있는 파일이 없습니다.", keep: "저장하기", notStored: "아직 저장하지 않았습니다",

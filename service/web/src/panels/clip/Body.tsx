@@ -5,6 +5,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { ask, get, type Schemas } from "../../api/client";
 import { quantityOf } from "../../motion/blocks";
+import { FACTS, ORIGINS, shownValue, type Fact } from "../../motion/calibration";
 import { ANGLE, argumentOf, expression, JOINT_KINDS, KINDS, known, rounded, startOf, textOf, UNITS, type Asked, type Kind } from "../../motion/quantities";
 import type { Clip } from "../../state/clip";
 import { refuse } from "../../state/notes";
@@ -162,22 +163,21 @@ function Calibrated({ clip, reload }: { clip: Clip; reload: () => void }) {
       refuse(error);
     }
   };
-  const origins: Record<string, Word> = { stated: "originStated", measured: "originMeasured", guessed: "originGuessed", set: "originSet", unknown: "unknown" };
   if (!known) return null;
   return (
     <details class="calibration">
       <summary>{w("calibration")}</summary>
       <p class="dim">{w("calibrationHelp")}</p>
       <table aria-label={w("calibration")}><tbody>
-        {(["unit", "up", "floor", "leg"] as const).map((name) => {
+        {(Object.keys(FACTS) as Fact[]).map((name) => {
           const one = known[name];
-          const shown = typeof one.value === "number" ? String(rounded(one.value)) : String(one.value ?? "");
-          const word: Word = name === "unit" ? "unit" : name === "up" ? "up" : name === "floor" ? "floor" : "legLength";
+          const shown = shownValue(one);
+          const word = FACTS[name];
           return (
             <tr key={name}><td>{w(word)}</td>
               <td>{name === "floor" || name === "leg" ? <input class="field number" type="number" step="any" aria-label={w(word)} disabled={clip.pinned !== null} value={shown} onChange={(event) => void set(name, event.currentTarget.value)} /> : shown}</td>
               <td class="dim">{one.metres === null || one.metres === undefined || name === "unit" ? "" : `${rounded(one.metres)} m`}</td>
-              <td class="dim" title={one.reason}>{w(origins[one.origin])}</td></tr>
+              <td class="dim" title={one.reason}>{w(ORIGINS[one.origin])}</td></tr>
           );
         })}
       </tbody></table>

@@ -3,12 +3,14 @@ import { useState } from "preact/hooks";
 import { looked } from "../../state/inspect";
 import { timeLeft } from "../../state/pace";
 import { addFiles, cancel, cancelAll, confirmFact, filesDone, pace, retry, trayOpen, undoImport, uploads, type Upload } from "../../state/uploads";
+import { FACTS, ORIGINS, shownValue, type Fact } from "../../motion/calibration";
 import type { Told } from "../../motion/preview";
 import { lazy } from "../../shell/lazy";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
+import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";
-import type { Problem, Schemas } from "../../api/client";
+import { get, type Problem, type Schemas } from "../../api/client";
 
 type Receipt = Schemas["Receipt"];
 
@@ -112,6 +114,7 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
       <dd>{receipt.frame_rate.frames_per_second ? `${number(receipt.frame_rate.frames_per_second, 4)} Hz` : w("rateUnknown")} <span class="dim">{receipt.frame_rate.why}</span></dd>
       <dd>{receipt.frame_rate.stated && <Icon name="check" />}</dd>
       <dt>{w("receiptUp")}</dt>{fact("up", receipt.up_axis, AXES)}
+      {documents.length > 0 && <CalibrationRow id={documents[0]} said={said} />}
       {naming && (
         <>
           <dt>{w("receiptJoints")}</dt>
@@ -126,6 +129,23 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
         <><dt>{w("notices")}</dt><dd><ul>{receipt.notices.slice(0, 20).map((one, index) => <li key={index}>{one.what} <span class="dim">{one.at}</span></li>)}</ul></dd><dd /></>
       )}
     </dl>
+  );
+}
+
+/** What is known of the body, which is worked out when it is looked at. */
+function CalibrationRow({ id, said }: { id: string; said: object }) {
+  const found = useAsync((signal) => get("/documents/{id}/calibration", { path: { id }, signal }), [id, said]);
+  const known = found.value as Schemas["Calibration"] | undefined;
+  if (!known) return null;
+  return (
+    <>
+      <dt>{w("receiptBody")}</dt>
+      <dd class="calibrated">
+        {(Object.keys(FACTS) as Fact[]).map((name) => (
+          <span key={name} title={known[name].reason}>{w(FACTS[name])} <span class={/guessed|unknown/.test(known[name].origin) ? "guess" : ""}>{shownValue(known[name])}</span> <span class="dim">{w(ORIGINS[known[name].origin])}</span></span>
+        ))}
+      </dd><dd />
+    </>
   );
 }
 
