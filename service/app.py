@@ -58,7 +58,15 @@ def create_app(
     """
     store = database or Database(settings.database_url)
     traffic = Traffic()
-    deriver = Deriver(store, traffic.is_busy)
+    repository = Repository(store, settings)
+
+    def index(go_on: Callable[[], bool]) -> None:
+        # Imported here: a server starts without mathematics.
+        from service.xpath.library.search import index_poses
+
+        index_poses(store, repository.queries.caches, go_on)
+
+    deriver = Deriver(store, traffic.is_busy, index)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
@@ -86,11 +94,11 @@ def create_app(
         separate_input_output_schemas=False,
         routes=_routes(),
     )
-    app.state.repository = Repository(store, settings)
+    app.state.repository = repository
     app.state.runner = Runner(store, settings)
-    app.state.repository.wake = app.state.runner.wake
-    app.state.repository.import_pool = ImportPool()
-    app.state.repository.register.patience = 0
+    repository.wake = app.state.runner.wake
+    repository.import_pool = ImportPool()
+    repository.register.patience = 0
     app.state.requests = {}
     problems.install(app)
     description.install(app)

@@ -26,6 +26,8 @@ PATIENCE_SECONDS = 10.0
 another thread gets on several times as slowly."""
 LATER_SECONDS = 30.0
 """After the store could not be read or written."""
+MANY = 32
+"""Documents that came in, after which an index is made of them before anybody searches."""
 TOGETHER, FRAMES = 16, 4096
 """Documents, and frames of several documents, at a time: 40 ms."""
 
@@ -33,12 +35,19 @@ TOGETHER, FRAMES = 16, 4096
 class Deriver:
     """Started and stopped with the server.
 
-    busy: whether the server has something else to do.
+    busy: whether the server has something else to do. index: makes of the bodies what searches need, once none is
+    missing; it is given what waits until nobody else is at work, and says whether to go on.
     """
 
-    def __init__(self, database: Database, busy: Callable[[], bool]) -> None:
+    def __init__(
+        self,
+        database: Database,
+        busy: Callable[[], bool],
+        index: Callable[[Callable[[], bool]], None] = lambda go_on: None,
+    ) -> None:
         self._database = database
         self._busy = busy
+        self._index = index
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="mcml-derive", daemon=True)
         self._failed: set[tuple[int, int]] = set()
@@ -67,10 +76,12 @@ class Deriver:
         first = random.randrange(len(left)) if left else 0
         skeletons: Skeletons = {}
         for some in _batches([*left[first:], *left[:first]]):
-            self._wait()
-            if self._stopping.is_set():
+            if not self._may_go_on():
                 return
             keep_bodies(self._database, some, skeletons, self._note)
+        # After an edit the next search makes that part again, if there is one.
+        if self._done < 0 or len(left) >= MANY:
+            self._index(self._may_go_on)
         self._done = newest
 
     def _run(self) -> None:
@@ -91,12 +102,13 @@ class Deriver:
         self._failed.add((listed.key, listed.revision))
         log.warning("cannot derive the body of %r (%s): %s", listed.name, listed.uuid, error)
 
-    def _wait(self) -> None:
-        """Until nobody is served and nothing is imported, but not for ever."""
+    def _may_go_on(self) -> bool:
+        """Wait until nobody is served and nothing is imported, but not for ever; whether the server goes on."""
         until = time.monotonic() + PATIENCE_SECONDS
         while self._others() and time.monotonic() < until:
             if self._stopping.wait(QUIET_SECONDS / 10):
-                return
+                break
+        return not self._stopping.is_set()
 
     def _others(self) -> bool:
         """Whether others are at work, here or in other processes, which write."""

@@ -24,6 +24,8 @@ from service.errors import UnavailableError
 from service.settings import Settings
 from service.storage.columns import Listed
 from service.storage.database import Database
+from service.xpath.library.caches import Caches
+from service.xpath.library.search import index_poses
 from tests.builders import bvh, one_kind, served, store
 
 NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")
@@ -202,3 +204,35 @@ def test_what_is_missing_is_known_without_reading_bodies(database: Database) -> 
             documents = tx.columns.documents()
             assert sorted(tx.bodies.without(MADE)) == sorted(tx.bodies.missing(documents, MADE))
             assert sorted(tx.bodies.without(MADE + 1)) == sorted(listed.key for listed in documents)
+
+
+@one_kind
+def test_a_server_makes_the_index_that_searches_look_into(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    """At its start, and after much came in; one document more is no reason."""
+    asked: list[int] = []
+    one = Deriver(database, lambda: False, lambda go_on: asked.append(int(go_on())))
+    monkeypatch.setattr(deriver, "MANY", 3)
+    one.derive()
+    one.derive()
+    assert asked == [1]
+    some(database, 2)
+    one.derive()
+    assert asked == [1]
+    some(database, 3)
+    one.derive()
+    assert asked == [1, 1]
+
+
+@one_kind
+def test_the_index_is_made_as_long_as_it_may(database: Database) -> None:
+    caches = Caches()
+    some(database, 4)
+    index_poses(database, caches, lambda: False)
+    assert not caches.bodies.holds(_all(database))
+    index_poses(database, caches, lambda: True)
+    assert caches.bodies.holds(_all(database))
+
+
+def _all(database: Database) -> list[Listed]:
+    with database.read() as tx:
+        return tx.columns.documents()

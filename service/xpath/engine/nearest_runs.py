@@ -62,7 +62,7 @@ class NearestRuns(BestRuns):
 def _least_distances(runs: Runs, asked: Asked) -> Floats:
     """How far from what is asked each run is at least."""
     bodies = runs.columns.motions.bodies
-    index = bodies.pose_index
+    index = bodies.pose_index()
     documents = documents_of(runs.first)
     ends = [index.segments(documents, frames_of(frames) - 1) for frames in (runs.first, runs.last)]
     # Behind the last segment lies one that nothing is near to.

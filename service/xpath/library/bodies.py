@@ -114,7 +114,6 @@ class Bodies:
 
         return self._column(("poses",), make)
 
-    @cached_property
     def pose_index(self) -> PoseIndex:
         """Where the poses of all documents lie, kept on disk."""
 

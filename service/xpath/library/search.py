@@ -11,7 +11,7 @@ import numpy as np
 
 from service.motion.bodies.pose_index import Singles
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.database import Database, Transaction
 from service.xpath.language.reach import HeadPart
 from service.xpath.library.bodies import Bodies
 from service.xpath.library.caches import Caches
@@ -60,7 +60,7 @@ def search(
     bounds: list[Floats] = []
     for group in scope.groups():
         bodies = Bodies(Forest(tx, group, caches, head_part=HeadPart.MOTION), check)
-        index = bodies.pose_index
+        index = bodies.pose_index()
         bounds.append(_of_documents(asked.least(index, bodies.seconds), index.starts, index.ends))
         documents += group
     every = np.concatenate([np.empty(0), *bounds])
@@ -77,6 +77,21 @@ def search(
         best[:] = nsmallest(wanted, best, key=lambda hit: hit.distance)
     hits = [_from_its_start(tx, caches, asked, hit) for hit in best]
     return Found(hits, len(documents), int(np.isinf(every).sum()))
+
+
+def index_poses(database: Database, caches: Caches, go_on: Callable[[], bool]) -> None:
+    """Make the indexes of all documents that the next searches look into. go_on: asked before each group; may wait."""
+
+    def check() -> None:
+        """There is no hurry."""
+
+    with database.read() as tx:
+        groups = Scope(tx, caches.listing).groups()
+    for group in groups:
+        if not go_on():
+            return
+        with database.read() as tx:
+            Bodies(Forest(tx, group, caches, head_part=HeadPart.MOTION), check).pose_index()
 
 
 def _of_documents(least: Singles, starts: Ints, ends: Ints) -> Floats:
