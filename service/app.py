@@ -18,6 +18,7 @@ from service.actions.keeping.purge_documents import finish_purges
 from service.api import description, events, health, page, problems, sessions, studio
 from service.api.doors import Doors
 from service.api.guard import Guard
+from service.api.lanes import Lanes
 from service.api.parameters import known_parameters
 from service.api.routes import PREFIX, add_routes
 from service.api.traffic import Traffic
@@ -99,6 +100,7 @@ def create_app(
     repository.wake = app.state.runner.wake
     repository.import_pool = ImportPool()
     repository.register.patience = 0
+    app.state.lanes = Lanes(settings)
     app.state.requests = {}
     problems.install(app)
     description.install(app)

@@ -21,7 +21,7 @@ from service import errors
 from service.actions.checking.describe_problem import problem_of
 
 RETRY_SECONDS = "5"
-"""After these a store that could not be reached may be asked again."""
+"""After these a store that could not be reached, or a server that was too busy, may be asked again."""
 
 log = logging.getLogger("mcml.api")
 
@@ -34,8 +34,8 @@ def respond(problem: Problem, headers: dict[str, str] | None = None) -> JSONResp
 
 def answer(error: errors.McmlError) -> JSONResponse:
     """An error of ours."""
-    away = isinstance(error, errors.UnavailableError)
-    return respond(problem_of(error), {"retry-after": RETRY_SECONDS} if away else None)
+    later = isinstance(error, (errors.UnavailableError, errors.BusyError))
+    return respond(problem_of(error), {"retry-after": RETRY_SECONDS} if later else None)
 
 
 def plain(

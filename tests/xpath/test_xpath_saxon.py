@@ -17,7 +17,7 @@ from service.xpath.limits import Limits
 from service.xpath.queries import Queries
 from service.xpath.xml import saxon
 from service.xpath.xml.saxon import Saxon
-from service.xpath.xml.turns import Turns
+from service.processes.turns import Turns
 from tests.builders import MCML, bvh, store
 
 DOCUMENT = b"<mcml><motion><frame id='1'/><frame id='2'/></motion></mcml>"
