@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import cache
+from typing import Any
 
 from fastapi import APIRouter, Depends, FastAPI
 from fastapi.middleware.cors import CORSMiddleware
@@ -32,7 +34,7 @@ from service.settings import Settings, data_folder
 from service.storage.database import Database
 
 EXPOSED = [
-    *("ETag", "Link", "Location", "Retry-After", "Content-Disposition", "X-Total-Count"),
+    *("ETag", "Link", "Location", "Retry-After", "Content-Disposition", "X-Total-Count", "X-Request-ID"),
     *("X-MCML-Columns", "X-MCML-Shape", "X-MCML-Origin", "X-MCML-Step"),
     *("X-MCML-First-Line", "X-MCML-Lines", "X-MCML-Total-Lines"),
 ]
@@ -70,7 +72,7 @@ def create_app(
     deriver = Deriver(store, traffic.is_busy, index)
 
     @asynccontextmanager
-    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+    async def lifespan(_app: FastAPI) -> AsyncIterator[dict[str, Any]]:
         store.require_schema()
         store.reserve.spend(store.sweep)
         store.reserve.keep()
@@ -78,7 +80,8 @@ def create_app(
         app.state.runner.start()
         if settings.derive:
             deriver.start()
-        yield
+        app.state.stopping.clear()
+        yield {"stopping": app.state.stopping}
         deriver.stop()
         app.state.runner.stop()
         app.state.repository.close()
@@ -102,6 +105,8 @@ def create_app(
     repository.register.patience = 0
     app.state.lanes = Lanes(settings)
     app.state.requests = {}
+    # Streams of events, and requests that wait, look at it; connections set it.
+    app.state.stopping = threading.Event()
     problems.install(app)
     description.install(app)
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1, exclude_content_types=AS_THEY_ARE)

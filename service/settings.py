@@ -115,7 +115,7 @@ class Settings(BaseSettings):
     stall_seconds: float = Field(
         30.0, gt=0, description="Longest time in which a body brings, or a client takes, next to nothing"
     )
-    stop_seconds: float = Field(10.0, gt=0, description="Time that requests have to end when the server stops")
+    stop_seconds: int = Field(10, ge=1, description="Time that requests have to end when the server stops")
     log_format: Literal["text", "json"] = Field("text", description="How a server writes its log")
     log_level: Literal["info", "warning", "error"] = Field("warning", description="info: a line for each request too")
     page_limit: int = Field(1000, ge=1, description="Most items on one page of a list")

@@ -68,8 +68,12 @@ class Lane:
         end = loop.time() + self._seconds
         while not turn.done():
             await asyncio.wait({asyncio.wrap_future(turn)}, timeout=min(LOOK_SECONDS, end - loop.time()))
-            if not turn.done() and (loop.time() >= end or await http.is_disconnected()):
-                raise BusyError(f"Others were worked on for {self._seconds:g} s.")
+            if turn.done():
+                return
+            if http.app.state.stopping.is_set():
+                raise BusyError("The server stops.")
+            if loop.time() >= end or await http.is_disconnected():
+                raise BusyError(f"No place was free within {self._seconds:g} s.")
 
 
 class Lanes:
