@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import re
 import time
@@ -88,6 +89,11 @@ class Guard:
             self.traffic.begins()
         try:
             await (refusal or self.app)(scope, self._bounded(receive), answered)
+        except asyncio.CancelledError:
+            if status or not scope["app"].state.stopping.is_set():
+                raise
+            words = "Ask again; of what writes, look first whether it was done."
+            await plain(503, "The server stopped before this was done.", words)(scope, receive, answered)
         except Exception:
             status = status or 500
             raise
