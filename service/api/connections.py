@@ -22,8 +22,7 @@ LEAST_BYTES = 16_384
 """Of a body, that must come in the time of `stall_seconds`: about 500 bytes a second."""
 
 BACKLOG = 128
-"""Connections that are accepted in one go, before any is counted: together with those that are, less than the files
-that may be open."""
+"""Connections that are accepted in one go, before any is counted."""
 
 
 class Connection(H11Protocol):
@@ -158,10 +157,10 @@ def connections_of(settings: Settings) -> Callable[..., asyncio.Protocol]:
 
 
 def _most(wanted: int) -> int:
-    """Files of the store and of uploads take the other half of what may be open."""
+    """Files of the store and of uploads take half of what may be open."""
     try:
         import resource
     except ImportError:  # Windows
         return wanted
     may = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
-    return wanted if may == resource.RLIM_INFINITY else max(1, min(wanted, may // 2))
+    return wanted if may == resource.RLIM_INFINITY else max(1, min(wanted, (may - BACKLOG) // 2))
