@@ -95,7 +95,7 @@ def test_a_request_is_found_by_its_id(database: Database, monkeypatch: pytest.Mo
     with log(logging.INFO) as told, TestClient(app, raise_server_exceptions=False, **where) as client:
         mine = client.get(f"{API}/documents/none", headers={"x-request-id": "lab-7"})
         assert mine.headers["x-request-id"] == mine.json()["request"] == "lab-7"
-        for bad in ("a b", "x" * 65, b'"\n{}', "é".encode()):
+        for bad in ("a b", "x" * 65, "{}", "a;b"):
             other = client.get(f"{API}/documents", headers={"x-request-id": bad}).headers["x-request-id"]
             assert len(other) == 16
         failed = client.get(f"{API}/xpath", params={"q": "//bone"})
