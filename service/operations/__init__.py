@@ -149,10 +149,10 @@ _ROWS = [
               "queries"),
     Operation("search_motion", "POST /search", READS, READ,
               "The poses or motions of the library that are most like one: of a document, or of joints at positions.",
-              "searching", waits=True),
+              "searching", waits=True, heavy=True),
     Operation("search_file", "POST /search/file", READS, READ,
               "The poses or motions of the library that are most like one of a file that is not stored.",
-              "searching", waits=True),
+              "searching", waits=True, heavy=True),
 
     # new documents of others
     Operation("compose", "POST /compose", WRITES, EDIT,

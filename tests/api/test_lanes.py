@@ -12,6 +12,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from service.api import lanes
+from service.operations import OPERATIONS
 from service.settings import Settings
 from service.storage.database import Database
 from service.xpath.queries import Queries
@@ -20,8 +21,6 @@ from tests.builders import bvh, one_kind, served, upload
 API = "/api/v1"
 MANY = 45
 """More than the threads that a server has for what is light."""
-
-pytestmark = one_kind
 
 
 @pytest.fixture
@@ -59,6 +58,7 @@ def waiting(client: TestClient) -> int:
     return int(lane._turns.waiting.total())
 
 
+@one_kind
 def test_what_is_light_is_not_behind_what_is_heavy(database: Database, gate: threading.Event) -> None:
     with served(database, Settings(heavy_places=2, heavy_waiting=200)) as client:
         upload(client, {"a.bvh": bvh(3)})
@@ -72,6 +72,12 @@ def test_what_is_light_is_not_behind_what_is_heavy(database: Database, gate: thr
             assert [query.result().status_code for query in queries] == [200] * MANY
 
 
+def test_what_ends_with_its_client_has_a_lane() -> None:
+    """Who waits elsewhere does not look whether the client is there."""
+    assert [name for name, one in OPERATIONS.items() if one.waits and one.heavy is not True] == []
+
+
+@one_kind
 def test_those_who_ask_too_much_are_sent_away_first(database: Database, gate: threading.Event) -> None:
     with database.write() as tx:
         others = [{"authorization": f"Bearer {tx.tokens.add(name)}"} for name in ("kim", "lee", "park")]
@@ -94,6 +100,7 @@ def test_those_who_ask_too_much_are_sent_away_first(database: Database, gate: th
         assert client.get(f"{API}/xpath", headers=others[2], **question).status_code == 200
 
 
+@one_kind
 def test_nobody_waits_for_ever(database: Database, gate: threading.Event) -> None:
     with served(database, Settings(heavy_places=1, heavy_wait_seconds=0.01)) as client, asked(client, 1) as queries:
         until(lambda: client.app.state.lanes._reads._turns.held == 1)  # type: ignore[attr-defined]  # as above
@@ -107,6 +114,7 @@ def test_nobody_waits_for_ever(database: Database, gate: threading.Event) -> Non
         assert queries[0].result().status_code == 200
 
 
+@one_kind
 def test_the_time_of_a_query_begins_with_its_turn(
     database: Database, gate: threading.Event, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -125,6 +133,7 @@ def test_the_time_of_a_query_begins_with_its_turn(
         assert len(begun) == 3
 
 
+@one_kind
 def test_memory_is_given_back_when_it_is_quiet(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     given, quiet = threading.Event(), lanes.give_memory_back
 
