@@ -103,9 +103,10 @@ class Guard:
             self._note(scope, method, status, (time.perf_counter() - began) * 1000)
 
     def _note(self, scope: Scope, method: str, status: int, milliseconds: float) -> None:
-        """Count an answer and tell the log of it."""
-        key = (method if method in COUNTED_METHODS else "other", status)
-        self.counts[key] = self.counts.get(key, 0) + 1
+        """Count an answer and tell the log of it. status: 0 where the client left before there was any."""
+        if status:
+            key = (method if method in COUNTED_METHODS else "other", status)
+            self.counts[key] = self.counts.get(key, 0) + 1
         if requests.isEnabledFor(logging.INFO):
             client = scope.get("client")
             facts = {

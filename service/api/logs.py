@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import re
 import secrets
@@ -12,8 +13,6 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
-
-import orjson
 
 from service.settings import Settings
 
@@ -27,6 +26,7 @@ MANY = 500
 """Kinds of faults that are remembered."""
 
 _ID = re.compile(r"[A-Za-z0-9._:-]{1,64}")
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 
 requests = logging.getLogger("mcml.requests")
 
@@ -54,6 +54,8 @@ class Line(logging.Formatter):
         head = f"{told['time']} {told['level']} {told['source']} {told.get('request', '-')}: {told['message']}"
         if "repeated" in told:
             head += f" (and {told['repeated']} times since it was told)"
+        # Addresses may hold line ends: nobody writes lines of his own here.
+        head = _CONTROL.sub(lambda found: ascii(found[0])[1:-1], head)
         return f"{head}\n{told['traceback']}" if "traceback" in told else head
 
 
@@ -61,7 +63,8 @@ class JsonLine(logging.Formatter):
     """The same as an object, with the facts of a request by their names."""
 
     def format(self, record: logging.LogRecord) -> str:
-        return orjson.dumps(_told(record), default=str).decode()
+        # In ASCII: names of files may hold bytes that are no text.
+        return json.dumps(_told(record), default=str)
 
 
 def _told(record: logging.LogRecord) -> dict[str, Any]:

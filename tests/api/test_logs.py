@@ -81,7 +81,16 @@ def test_faults_that_all_differ_are_not_remembered_for_ever() -> None:
 def test_lines_as_text() -> None:
     with log(lines=Line()) as told:
         logging.getLogger("mcml.x").warning("%s is %s", "disk", "full")
+        logging.getLogger("mcml.x").error("GET %s", "/a\n2026 error mcml.x -: forged\x1b[31m\u2028!")
         assert told()[0].endswith("warning mcml.x -: disk is full")
+        assert told()[1].endswith(r"error mcml.x -: GET /a\n2026 error mcml.x -: forged\x1b[31m\u2028!")
+        assert len(told()) == 2
+
+
+def test_lines_as_json_hold_any_text() -> None:
+    with log() as told:
+        logging.getLogger("mcml.x").error("no file %s", b"a\xff\n".decode("utf-8", "surrogateescape"))
+        assert [json.loads(line)["message"] for line in told()] == ["no file a\udcff"]
 
 
 @one_kind
