@@ -84,8 +84,8 @@ class Guard:
                 message = {**message, "body": b""}
             await send(message)
 
-        is_counted = not scope["path"].endswith(FOLLOWING)
-        if is_counted:
+        is_work = not scope["path"].endswith(FOLLOWING)
+        if is_work:
             self.traffic.begins()
         try:
             await (refusal or self.app)(scope, self._bounded(receive), answered)
@@ -98,7 +98,7 @@ class Guard:
             status = status or 500
             raise
         finally:
-            if is_counted:
+            if is_work:
                 self.traffic.ends()
             self._note(scope, method, status, (time.perf_counter() - began) * 1000)
 
