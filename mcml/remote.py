@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,9 @@ NPY = b"\x93NUMPY"
 TIMEOUT = 600.0
 """Seconds that a server may be silent."""
 
+BUSY = 300.0
+"""Seconds for which a server that is too busy is asked again."""
+
 
 class Remote(Client):
     """address: such as http://127.0.0.1:8000. token: where the server needs one. http: another way to the API."""
@@ -38,7 +42,7 @@ class Remote(Client):
         request = self._http.build_request(operation.method, **_parts(operation, given))
         with ExitStack() as stack:
             try:
-                answer = self._http.send(request, stream=True)
+                answer = self._sent(request)
                 stack.callback(answer.close)
                 if answer.is_success and operation.media and not _is_json(answer, operation):
                     return _content(answer, stack.pop_all())
@@ -51,6 +55,20 @@ class Remote(Client):
             return None
         return operation.model.model_validate_json(answer.content)
 
+    def _sent(self, request: httpx.Request) -> httpx.Response:
+        """The answer to a request, which waits where the server is too busy to have begun with it."""
+        end = time.monotonic() + BUSY
+        while True:
+            answer = self._http.send(request, stream=True)
+            if answer.status_code not in (429, 503):
+                return answer
+            answer.read()
+            seconds = answer.headers.get("retry-after", "")
+            if not _is_busy(answer) or not seconds.isdigit() or time.monotonic() + int(seconds) > end:
+                return answer
+            answer.close()
+            time.sleep(int(seconds))
+
     def finish(self, job: Job, progress: JobProgress) -> Job:
         return follow(self, job, progress)
 
@@ -60,6 +78,11 @@ class Remote(Client):
 
 def _is_json(answer: httpx.Response, operation: Operation) -> bool:
     return operation.model is not None and answer.headers.get("content-type", "").startswith("application/json")
+
+
+def _is_busy(answer: httpx.Response) -> bool:
+    """Whether nothing of a request was done. A store that is away, say, is told of at once."""
+    return b"#busy-error" in answer.content or b"#share-error" in answer.content
 
 
 def _away(error: httpx.HTTPError) -> StoreError:

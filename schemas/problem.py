@@ -33,6 +33,7 @@ class Problem(BaseModel):
     details: dict[str, Any] | None = Field(
         None, description="What the fault is about, such as the document, conflicts, repairs, or a suggestion"
     )
+    request: str | None = Field(None, description="Id of the request, as the log of the server has it")
     errors: list[dict[str, Any]] | None = None
     problems: list[dict[str, Any]] | None = Field(
         None, description="Of an upload of which nothing was stored: what was wrong with each file"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import cache
+from typing import Any
 
 from fastapi import APIRouter, Depends, FastAPI
 from fastapi.middleware.cors import CORSMiddleware
@@ -18,6 +20,7 @@ from service.actions.keeping.purge_documents import finish_purges
 from service.api import description, events, health, page, problems, sessions, studio
 from service.api.doors import Doors
 from service.api.guard import Guard
+from service.api.lanes import Lanes
 from service.api.parameters import known_parameters
 from service.api.routes import PREFIX, add_routes
 from service.api.traffic import Traffic
@@ -31,7 +34,7 @@ from service.settings import Settings, data_folder
 from service.storage.database import Database
 
 EXPOSED = [
-    *("ETag", "Link", "Location", "Retry-After", "Content-Disposition", "X-Total-Count"),
+    *("ETag", "Link", "Location", "Retry-After", "Content-Disposition", "X-Total-Count", "X-Request-ID"),
     *("X-MCML-Columns", "X-MCML-Shape", "X-MCML-Origin", "X-MCML-Step"),
     *("X-MCML-First-Line", "X-MCML-Lines", "X-MCML-Total-Lines"),
 ]
@@ -69,7 +72,7 @@ def create_app(
     deriver = Deriver(store, traffic.is_busy, index)
 
     @asynccontextmanager
-    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+    async def lifespan(_app: FastAPI) -> AsyncIterator[dict[str, Any]]:
         store.require_schema()
         store.reserve.spend(store.sweep)
         store.reserve.keep()
@@ -77,7 +80,8 @@ def create_app(
         app.state.runner.start()
         if settings.derive:
             deriver.start()
-        yield
+        app.state.stopping.clear()
+        yield {"stopping": app.state.stopping}
         deriver.stop()
         app.state.runner.stop()
         app.state.repository.close()
@@ -99,7 +103,10 @@ def create_app(
     repository.wake = app.state.runner.wake
     repository.import_pool = ImportPool()
     repository.register.patience = 0
+    app.state.lanes = Lanes(settings)
     app.state.requests = {}
+    # Streams of events, and requests that wait, look at it; connections set it.
+    app.state.stopping = threading.Event()
     problems.install(app)
     description.install(app)
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1, exclude_content_types=AS_THEY_ARE)

@@ -112,6 +112,20 @@ class UnavailableError(StoreError):
     """The store cannot be reached now, and may be soon: its server is down or starts, or all connections are taken."""
 
 
+class BusyError(McmlError):
+    """More is asked for than can be worked on now. Nothing of the request was done."""
+
+    def __init__(self, what: str) -> None:
+        super().__init__(what, remedy="Ask again in some seconds.")
+
+
+class ShareError(BusyError):
+    """One client has as many requests waiting as one may have. waiting: how many."""
+
+    def __init__(self, waiting: int) -> None:
+        super().__init__(f"{waiting} requests of yours wait already.")
+
+
 class SpaceError(StoreError):
     """The disk is full. Nothing of the request was stored."""
 

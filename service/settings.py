@@ -105,6 +105,19 @@ class Settings(BaseSettings):
     cors_origins: str = Field(
         "", description="Origins, separated by commas, whose pages may use this server, such as https://lab.example"
     )
+    heavy_places: int = Field(
+        0, ge=0, description="Heavy requests worked on at a time, of those that read and of those that write; 0: cores"
+    )
+    heavy_waiting: int = Field(100, ge=1, description="Most heavy requests that wait, of either kind")
+    heavy_wait_seconds: float = Field(30.0, gt=0, description="Longest time that one waits")
+    connections: int = Field(1000, ge=1, description="Most connections; never more than half of the open files")
+    header_seconds: float = Field(10.0, gt=0, description="Longest time until the headers of a request are there")
+    stall_seconds: float = Field(
+        30.0, gt=0, description="Longest time in which a body brings, or a client takes, next to nothing"
+    )
+    stop_seconds: int = Field(10, ge=1, description="Time that requests have to end when the server stops")
+    log_format: Literal["text", "json"] = Field("text", description="How a server writes its log")
+    log_level: Literal["info", "warning", "error"] = Field("warning", description="info: a line for each request too")
     page_limit: int = Field(1000, ge=1, description="Most items on one page of a list")
 
     @field_validator("trusted_proxies")
@@ -130,6 +143,10 @@ class Settings(BaseSettings):
     @property
     def jobs_at_a_time(self) -> int:
         return self.job_workers or max(1, min(4, (os.cpu_count() or 1) - 1))
+
+    @property
+    def heavy_at_once(self) -> int:
+        return self.heavy_places or max(2, os.cpu_count() or 1)
 
     @property
     def import_processes_at_a_time(self) -> int:

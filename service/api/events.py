@@ -52,8 +52,7 @@ async def follow_job(
         job, silent = first, 0.0
         yield _event(job)
         while job.state not in ENDED:
-            await asyncio.sleep(NEWS_SECONDS)
-            if await http.is_disconnected():
+            if not await _wait(http):
                 return
             known, job = job, await run_in_threadpool(_read, database, id)
             silent = 0.0 if job != known else silent + NEWS_SECONDS
@@ -114,14 +113,21 @@ async def follow_events(
             for text in found:
                 yield text
             silent = 0.0 if found else silent + NEWS_SECONDS
-            if (until is not None and time.monotonic() >= until) or await http.is_disconnected():
+            if until is not None and time.monotonic() >= until:
                 return
             if silent >= SILENCE_SECONDS:
                 silent = 0.0
                 yield ": still there\n\n"
-            await asyncio.sleep(NEWS_SECONDS)
+            if not await _wait(http):
+                return
 
     return StreamingResponse(events(), media_type="text/event-stream", headers={"cache-control": "no-store"})
+
+
+async def _wait(http: Request) -> bool:
+    """Waits until it is time to look for news; whether anybody listens, and the server does not stop."""
+    await asyncio.sleep(NEWS_SECONDS)
+    return not (http.app.state.stopping.is_set() or await http.is_disconnected())
 
 
 def _begin(database: Database, mark: str | None) -> News:

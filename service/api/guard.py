@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 import re
+import time
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
 
@@ -12,6 +15,7 @@ from starlette.exceptions import HTTPException
 
 from service.api.doors import Doors, foreign_name
 from service.api.forwarded import as_the_client_sent_it
+from service.api.logs import begin_request, requests
 from service.api.policy import DEFAULTS
 from service.api.problems import answer, plain
 from service.api.sessions import LOGIN_PATH, login_page
@@ -32,7 +36,7 @@ ENTRIES = {LOGIN_PATH, "/api/v1/session"}
 
 
 class Guard:
-    """ASGI middleware. Counts answers, and requests under way."""
+    """ASGI middleware. Names requests, counts answers, and requests under way."""
 
     def __init__(
         self, app: Any, settings: Settings, doors: Doors, counts: dict[tuple[str, int], int], traffic: Traffic
@@ -49,8 +53,10 @@ class Guard:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
+        began = time.perf_counter()
         scope = as_the_client_sent_it(scope, self.proxies)
         headers = Headers(scope=scope)
+        request = begin_request(headers.get("x-request-id"))
         refusal = self._refusal(scope, headers)
         if headers.get("range"):
             # Ranges are of the bytes as they are.
@@ -66,24 +72,53 @@ class Guard:
         if method == "HEAD":
             scope = {**scope, "method": "GET"}
 
+        status = 0
+
         async def answered(message: MutableMapping[str, Any]) -> None:
+            nonlocal status
             if message["type"] == "http.response.start":
-                key = (method if method in COUNTED_METHODS else "other", message["status"])
-                self.counts[key] = self.counts.get(key, 0) + 1
+                status = message["status"]
                 _tag_compressed(message)
-                _protect(message)
+                _protect(message, request)
             elif method == "HEAD":
                 message = {**message, "body": b""}
             await send(message)
 
-        if scope["path"].endswith(FOLLOWING):
-            await (refusal or self.app)(scope, self._bounded(receive), answered)
-            return
-        self.traffic.begins()
+        is_work = not scope["path"].endswith(FOLLOWING)
+        if is_work:
+            self.traffic.begins()
         try:
             await (refusal or self.app)(scope, self._bounded(receive), answered)
+        except asyncio.CancelledError:
+            if status or not scope["app"].state.stopping.is_set():
+                raise
+            words = "Ask again; of what writes, look first whether it was done."
+            await plain(503, "The server stopped before this was done.", words)(scope, receive, answered)
+        except Exception:
+            status = status or 500
+            raise
         finally:
-            self.traffic.ends()
+            if is_work:
+                self.traffic.ends()
+            self._note(scope, method, status, (time.perf_counter() - began) * 1000)
+
+    def _note(self, scope: Scope, method: str, status: int, milliseconds: float) -> None:
+        """Count an answer and tell the log of it. status: 0 where the client left before there was any."""
+        if status:
+            key = (method if method in COUNTED_METHODS else "other", status)
+            self.counts[key] = self.counts.get(key, 0) + 1
+        if requests.isEnabledFor(logging.INFO):
+            client = scope.get("client")
+            facts = {
+                "method": method,
+                "path": scope["path"],
+                "status": status,
+                "milliseconds": round(milliseconds, 1),
+                "author": scope.get("mcml.author"),
+                "client": client and client[0],
+            }
+            said = (method, scope["path"], status, milliseconds)
+            requests.info("%s %s %d in %.1f ms", *said, extra={"facts": facts})
 
     def _entry(self, scope: Scope, headers: Headers) -> Any:
         try:
@@ -130,8 +165,9 @@ def _is_page(scope: Scope, headers: Headers) -> bool:
     return scope["method"] == "GET" and "text/html" in headers.get("accept", "")
 
 
-def _protect(message: MutableMapping[str, Any]) -> None:
+def _protect(message: MutableMapping[str, Any], request: str) -> None:
     headers = MutableHeaders(raw=message["headers"])
+    headers["x-request-id"] = request
     for name, value in DEFAULTS:
         headers.setdefault(name, value)
 

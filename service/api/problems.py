@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import uuid
 from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
@@ -19,14 +18,16 @@ from starlette.routing import Match
 from schemas.problem import Problem
 from service import errors
 from service.actions.checking.describe_problem import problem_of
+from service.api.logs import REQUEST
 
 RETRY_SECONDS = "5"
-"""After these a store that could not be reached may be asked again."""
+"""After these a store that could not be reached, or a server that was too busy, may be asked again."""
 
 log = logging.getLogger("mcml.api")
 
 
 def respond(problem: Problem, headers: dict[str, str] | None = None) -> JSONResponse:
+    problem.request = REQUEST.get()
     return JSONResponse(
         problem.model_dump(exclude_none=True), problem.status, headers, media_type="application/problem+json"
     )
@@ -34,8 +35,8 @@ def respond(problem: Problem, headers: dict[str, str] | None = None) -> JSONResp
 
 def answer(error: errors.McmlError) -> JSONResponse:
     """An error of ours."""
-    away = isinstance(error, errors.UnavailableError)
-    return respond(problem_of(error), {"retry-after": RETRY_SECONDS} if away else None)
+    later = isinstance(error, (errors.UnavailableError, errors.BusyError))
+    return respond(problem_of(error), {"retry-after": RETRY_SECONDS} if later else None)
 
 
 def plain(
@@ -109,7 +110,7 @@ def install(app: FastAPI) -> None:
 
     @app.exception_handler(Exception)
     def _unexpected(request: Request, error: Exception) -> JSONResponse:
-        number = uuid.uuid4().hex[:12]
-        log.error("%s %s failed, incident %s", request.method, request.url.path, number, exc_info=error)
-        detail = f"The server failed on this request. The log has the details under incident {number}."
-        return plain(500, detail, "Try again; if it fails again, report the incident.")
+        log.error("%s %s failed", request.method, request.url.path, exc_info=error)
+        name = REQUEST.get() or ""
+        detail = f"The server failed on this request. The log has the details under {name}."
+        return plain(500, detail, "Try again; if it fails again, report that name.", {"x-request-id": name})

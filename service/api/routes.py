@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import asyncio
 import inspect
 from collections.abc import Callable
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
+from anyio import to_thread
 from fastapi import APIRouter, Depends, Form, Header, Path, Query, Request, Response, UploadFile
 from fastapi import File as FilePart
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import UploadFile as FormFile
 
 from service.actions.analysing.start_analysis import find_analysis
+from service.api.lanes import while_connected
 from service.api.once import Key, creates, done_once
 from service.api.streaming import answered, known_as, read_body
 from service.formats.format import SourceFile
@@ -26,11 +27,7 @@ BYTES = "application/octet-stream"
 LASTING = {"cache-control": "private, max-age=31536000, immutable"}
 """Of answers about a revision that the question names: a client that has one never asks for it again."""
 
-LOOK_SECONDS = 0.25
-"""How often a running operation that waits for its client looks whether it is still there."""
-
 _MARKS: dict[str, Callable[..., Any]] = {"path": Path, "query": Query, "header": Header, "form": Form, "file": FilePart}
-Value = TypeVar("Value")
 
 
 def add_routes(router: APIRouter, operations: list[Operation]) -> None:
@@ -48,7 +45,7 @@ def _unknown_analysis(name: str) -> None:
 
 
 def _add_route(router: APIRouter, operation: Operation) -> None:
-    endpoint = _waiting(operation) if operation.waits else _plain(operation)
+    endpoint = _heavy(operation) if operation.heavy else _plain(operation)
     endpoint.__signature__ = _signature(operation)  # type: ignore[attr-defined]  # what inspect, and so FastAPI, reads
     endpoint.__name__ = operation.name
     plain: dict[str, Any] = {"response_class": Response} if operation.media and operation.model is None else {}
@@ -76,22 +73,22 @@ def _plain(operation: Operation) -> Callable[..., Any]:
     return endpoint
 
 
-def _waiting(operation: Operation) -> Callable[..., Any]:
-    """An endpoint that cancels the operation when its client leaves."""
+def _heavy(operation: Operation) -> Callable[..., Any]:
+    """An endpoint that is worked on when it is its turn."""
 
     async def endpoint(http: Request, call: Call, response: Response, **given: Any) -> Any:
-        return await while_connected(http, call.limits.cancel, lambda: respond(operation, call, http, response, given))
+        def ask() -> Any:
+            return respond(operation, call, http, response, given)
+
+        if not operation.weighs(given):
+            return await run_in_threadpool(ask)
+        async with http.app.state.lanes.of(operation).place(http, call.client) as threads:
+            if operation.waits:
+                # Only now, for the time of a query begins with its limits.
+                return await while_connected(http, call.limits.cancel, ask, threads)
+            return await to_thread.run_sync(ask, limiter=threads)
 
     return endpoint
-
-
-async def while_connected(http: Request, cancel: Callable[[], None], ask: Callable[[], Value]) -> Value:
-    """Runs something in a thread; cancels it when the client leaves."""
-    running = asyncio.ensure_future(run_in_threadpool(ask))
-    while not (await asyncio.wait({running}, timeout=LOOK_SECONDS))[0]:
-        if await http.is_disconnected():
-            cancel()
-    return await running
 
 
 def respond(operation: Operation, call: Call, http: Request, response: Response, given: dict[str, Any]) -> Any:

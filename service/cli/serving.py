@@ -35,7 +35,9 @@ def serve(
     # Imported late: other commands need not wait for the web.
     import uvicorn
 
+    from service.api.connections import BACKLOG, connections_of
     from service.api.doors import why_closed
+    from service.api.logs import keep_log
 
     settings = chosen_settings(database, port=port)
     settings = settings.model_copy(update={"host": host or settings.host})
@@ -68,13 +70,17 @@ def serve(
         console.print(f"This link opens it once in a browser:  http://{name}:{settings.port}/login?link={link}")
     os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
     os.environ["MCML_DATABASE"] = settings.database_url
+    keep_log(settings)
     uvicorn.run(
         "service.app:app_from_environment",
         factory=True,
         host=settings.host,
         port=settings.port,
-        log_level="warning",
-        timeout_graceful_shutdown=2,
+        http=connections_of(settings),  # type: ignore[arg-type]  # whatever makes one
+        backlog=BACKLOG,
+        log_config=None,
+        access_log=False,
+        timeout_graceful_shutdown=settings.stop_seconds,
         # The service reads such headers itself, of proxies that it trusts.
         proxy_headers=False,
     )

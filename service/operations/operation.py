@@ -138,6 +138,7 @@ class Operation:
     command: how a terminal calls it, with positional arguments in capitals; None where none is made from this row.
     status: of a success. unmade: what an answer 200 is, of operations that need not make anything.
     terse: answers leave out what is null. waits: the operation ends when its client leaves.
+    heavy: it takes long, so that a server works on few at a time; or the argument that makes it so.
     summary: a title, where the words are too long for one. made: the function, where no module has it.
     """
 
@@ -152,6 +153,7 @@ class Operation:
     terse: bool = False
     unmade: str = ""
     waits: bool = False
+    heavy: bool | str = False
     summary: str = ""
     made: Callable[..., Any] | None = None
 
@@ -207,6 +209,10 @@ class Operation:
         if any(argument.place == "file" for argument in found):
             found = [_in_form(argument) for argument in found]
         return tuple(found)
+
+    def weighs(self, given: Mapping[str, Any]) -> bool:
+        """Whether it is heavy with these arguments."""
+        return given.get(self.heavy) is not None if isinstance(self.heavy, str) else self.heavy
 
     def run(self, call: Call, given: Mapping[str, Any]) -> Any:
         """The answer. given: checked values by the names of the arguments."""

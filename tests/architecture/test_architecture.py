@@ -87,7 +87,7 @@ def test_no_attics() -> None:
     assert not [path for path in sources() if path.stem in ATTICS]
 
 
-FRAMEWORK_CALLS = {"writable", "handle_request", "WebBuild", "dependencies", "initialize"}
+FRAMEWORK_CALLS = {"writable", "handle_request", "WebBuild", "dependencies", "initialize", "send_400_response"}
 """What another library calls: methods, and the hook that hatchling looks for."""
 
 

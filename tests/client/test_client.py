@@ -8,6 +8,7 @@ import pkgutil
 from collections.abc import Iterator
 from pathlib import Path
 
+import httpx
 import numpy as np
 import pytest
 
@@ -16,10 +17,10 @@ from mcml.client import Client
 from mcml.local import Local
 from mcml.remote import Remote
 from service.actions.importing.load_demo import demo_files
-from service.errors import ConflictError, NotFoundError, RequestError
+from service.errors import ConflictError, McmlError, NotFoundError, RequestError
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import ASF, amc, bvh, served
+from tests.builders import ASF, amc, bvh, served, source
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
@@ -186,3 +187,33 @@ def test_examples_of_the_page_run(demo_folder: Path) -> None:
 @pytest.mark.parametrize("name", ["mcml", *_examples()])
 def test_examples_of_docstrings_run(demo_folder: Path, name: str) -> None:
     assert doctest.testmod(importlib.import_module(name)).failed == 0
+
+
+def test_a_server_that_is_too_busy_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the whole of the file each time; other refusals are told at once."""
+    waited: list[float] = []
+    monkeypatch.setattr("mcml.remote.time.sleep", waited.append)
+    busy = {"type": "/docs/problems#busy-error", "title": "Busy error", "status": 503, "detail": "100 wait already."}
+    share = busy | {"type": "/docs/problems#share-error", "status": 429}
+    away = busy | {"type": "/docs/problems#unavailable-error"}
+    bodies: list[bytes] = []
+    left = [busy, share]
+
+    def answer(request: httpx.Request) -> httpx.Response:
+        bodies.append(request.read())
+        if left:
+            return httpx.Response(left[0]["status"], json=left.pop(0), headers={"retry-after": "5"})  # type: ignore[arg-type]
+        return httpx.Response(201, json={"documents": [], "problems": []})
+
+    client = Remote("", http=httpx.Client(base_url="http://server/api/v1", transport=httpx.MockTransport(answer)))
+    assert client.call("upload_documents", file=[source("a.bvh", bvh(3))]).documents == []
+    assert (waited, len(bodies)) == ([5, 5], 3)
+    assert all(bvh(3) in body for body in bodies)
+    left.append(away)
+    with pytest.raises(McmlError, match="100 wait"):
+        client.call("list_documents")
+    left += [busy] * 1000
+    monkeypatch.setattr("mcml.remote.BUSY", 1.0)
+    with pytest.raises(McmlError, match="100 wait"):
+        client.call("list_documents")
+    assert waited == [5, 5]

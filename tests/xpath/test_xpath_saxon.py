@@ -17,7 +17,6 @@ from service.xpath.limits import Limits
 from service.xpath.queries import Queries
 from service.xpath.xml import saxon
 from service.xpath.xml.saxon import Saxon
-from service.xpath.xml.turns import Turns
 from tests.builders import MCML, bvh, store
 
 DOCUMENT = b"<mcml><motion><frame id='1'/><frame id='2'/></motion></mcml>"
@@ -217,35 +216,6 @@ def test_long_questions_leave_a_place_for_others() -> None:
         for thread in threads:
             thread.join()
         pool.close()
-
-
-def test_who_waits_is_served_in_turn() -> None:
-    turns = Turns(2)
-    assert turns.take("a", 0)
-    assert not turns.take("a", 0)
-    assert turns.take("b", 0)
-    order: list[str] = []
-    begun = threading.Semaphore(0)
-
-    def wait(client: str) -> None:
-        begun.release()
-        assert turns.take(client, 60)
-        order.append(client)
-        turns.give(client)
-
-    threads = [threading.Thread(target=wait, args=(client,)) for client in "aaac"]
-    for thread in threads:
-        thread.start()
-        begun.acquire()
-    while turns.waiting < 4:
-        pass
-    turns.give("b")
-    threads[-1].join()
-    assert order == ["c"]
-    turns.give("a")
-    for thread in threads:
-        thread.join()
-    assert order == ["c", "a", "a", "a"]
 
 
 def test_regular_expressions_that_explode_are_ended(pool: Saxon) -> None:

@@ -28,6 +28,8 @@ STATUS_OF: dict[type[errors.McmlError], int] = {
     errors.StoreError: 500,
     errors.SpaceError: 507,
     errors.UnavailableError: 503,
+    errors.BusyError: 503,
+    errors.ShareError: 429,
     errors.AccessError: 403,
 }
 

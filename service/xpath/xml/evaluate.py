@@ -17,10 +17,10 @@ from typing import Any
 from service.errors import LimitError, QueryError, StoreError
 from service.processes.messages import read_message, write_message
 from service.processes.programs import Watch, end_program, start_program
+from service.processes.turns import Turns
 from service.xpath.language.parse import Query
 from service.xpath.language.reach import may_select_document
 from service.xpath.limits import Limits
-from service.xpath.xml.turns import Turns
 from service.xpath.xml.worker import LAST
 
 SECONDS_OF_SHORT = 1.0

@@ -2809,6 +2809,8 @@ export interface components {
                 [key: string]: unknown;
             } | null;
             /** @default null */
+            request: string | null;
+            /** @default null */
             errors: {
                 [key: string]: unknown;
             }[] | null;

@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { describe, expect, it } from "vitest";
-import { grouped } from "./uploads";
+import { grouped, outcomes, together, type Upload } from "./uploads";
 
 const file = (path: string): File => Object.assign(new File([""], path.split("/").at(-1)!), { path: `/${path}` });
 const names = (groups: File[][]) => groups.map((group) => group.map((one) => (one as File & { path: string }).path.slice(1)).sort()).sort();
@@ -26,5 +26,41 @@ describe("files that are stored together", () => {
     expect(grouped(files).flat().length).toBe(files.length);
     expect(new Set(grouped(files).flat())).toEqual(new Set(files));
     expect(grouped([])).toEqual([]);
+  });
+});
+
+const upload = (name: string, bytes = 10, more = 0): Upload => ({
+  id: 0, name, files: Array.from({ length: 1 + more }, () => ({ name, size: bytes }) as File), state: "queued", sent: 0, documents: [], problems: [],
+});
+const chosen = (queue: Upload[]) => together(queue).map((one) => one.name);
+const MIB = 1 << 20;
+
+describe("uploads that share a request", () => {
+  it("are short single files, as many as are worth it", () => {
+    const queue = Array.from({ length: 40 }, (_, n) => upload(`${n}.bvh`));
+    expect(together(queue)).toEqual(queue.slice(0, 32));
+    expect(together([])).toEqual([]);
+    expect(chosen([upload("a.bvh", 5 * MIB), upload("b.c3d", 3 * MIB), upload("c.htr", 1)])).toEqual(["a.bvh", "b.c3d"]);
+    expect(chosen([upload("long.bvh", 500 * MIB), upload("b.bvh")])).toEqual(["long.bvh"]);
+  });
+
+  it("are none that hold several files, nor two of one name", () => {
+    expect(chosen([upload("a.bvh"), upload("x.zip"), upload("b.bvh")])).toEqual(["a.bvh"]);
+    expect(chosen([upload("x.zip"), upload("b.bvh")])).toEqual(["x.zip"]);
+    expect(chosen([upload("1.asf", 10, 3), upload("b.bvh")])).toEqual(["1.asf"]);
+    expect(chosen([upload("a.bvh"), upload("a.bvh")])).toEqual(["a.bvh"]);
+  });
+
+  it("are told what became of each", () => {
+    const [a, b, c] = ["a.bvh", "b.bvh", "c.bvh"].map((name) => upload(name)) as [Upload, Upload, Upload];
+    const made = (name: string) => ({ id: name, name, skipped: false }) as Upload["documents"][number];
+    const bad = { file: "b.bvh", problem: { title: "Format error" } };
+    expect(outcomes([a, b, c], [made("a"), made("c")], [bad])).toEqual([
+      { state: "stored", documents: [made("a")], problems: [] },
+      { state: "refused", documents: [], problems: [bad] },
+      { state: "stored", documents: [made("c")], problems: [] },
+    ]);
+    const zip = upload("all.zip");
+    expect(outcomes([zip], [made("a"), made("c")], [bad])).toEqual([{ state: "stored", documents: [made("a"), made("c")], problems: [bad] }]);
   });
 });

@@ -27,12 +27,16 @@ export const pace = signal<Told | null>(null);
 const PACE_TOLD = 500; // ms between two tellings
 const SHOWN_EVERY = 1000; // ms between two looks at the library while files come in
 const AT_ONCE = 2;
+// Short files share a request: each by itself they take five times as long.
+const MOST_TOGETHER = 32;
+const BYTES_TOGETHER = 8 << 20;
 const MOST_FILES = 5000;
 const READABLE = /\.(bvh|asf|amc|htr|gtr|c3d|trc|mcml|xml|zip)$/i;
 let last = 0;
 let measured = new Pace();
 let telling = 0;
 let showing = 0;
+let resting = 0; // a timer, while the server is too busy
 
 const isOver = (one: Upload): boolean => /stored|refused|cancelled/.test(one.state);
 const filesIn = (some: Upload[]): number => some.reduce((sum, one) => sum + one.files.length, 0);
@@ -110,45 +114,88 @@ export function chooseFiles(): void {
   input.click();
 }
 
-function pump(): void {
-  const all = uploads.peek();
-  const busy = all.filter((one) => one.state === "sending" || one.state === "reading").length;
-  for (const one of all.filter((each) => each.state === "queued").slice(0, Math.max(0, AT_ONCE - busy))) send(one);
+/** The next of those that wait that go in one request: one upload, or short single files of different names. */
+export function together(queued: Upload[]): Upload[] {
+  const batch: Upload[] = [];
+  let bytes = 0;
+  for (const one of queued) {
+    const size = one.files[0]!.size;
+    const isSingle = one.files.length === 1 && !/\.(asf|amc|zip)$/i.test(one.name);
+    const fits = isSingle && bytes + size <= BYTES_TOGETHER && !batch.some((other) => other.name === one.name);
+    if (batch.length && !fits) break;
+    batch.push(one);
+    bytes += size;
+    if (!isSingle || batch.length === MOST_TOGETHER) break;
+  }
+  return batch;
 }
 
-function send(upload: Upload): void {
+type Outcome = Pick<Upload, "state" | "documents" | "problems">;
+
+/** What became of each upload of a request. Documents come in the order of the files, but for those with a problem. */
+export function outcomes(batch: Upload[], documents: Upload["documents"], problems: Upload["problems"]): Outcome[] {
+  const isBad = (one: Upload) => problems.some(({ file }) => file === one.name);
+  const left = [...documents];
+  return batch.map((one) => {
+    const own = batch.length === 1 ? documents : isBad(one) ? [] : left.splice(0, 1);
+    return {
+      state: own.length ? "stored" : "refused",
+      documents: own,
+      problems: batch.length === 1 ? problems : problems.filter(({ file }) => file === one.name),
+    };
+  });
+}
+
+function pump(): void {
+  if (resting) return;
+  const all = uploads.peek();
+  const busy = new Set(all.filter((one) => one.state === "sending" || one.state === "reading").map((one) => one.stop));
+  let queued = all.filter((one) => one.state === "queued");
+  for (let free = AT_ONCE - busy.size; free > 0 && queued.length; free--) {
+    const batch = together(queued);
+    queued = queued.slice(batch.length);
+    send(batch);
+  }
+}
+
+function send(batch: Upload[]): void {
   const form = new FormData();
-  for (const file of upload.files) form.append("file", file, file.name);
+  for (const file of batch.flatMap((one) => one.files)) form.append("file", file, file.name);
   const project = param("project");
   if (project) form.append("project", project);
+  const all = (more: Partial<Upload>) => batch.forEach((one) => change(one.id, more));
   // fetch() tells nothing of what was sent; XMLHttpRequest does.
   const request = new XMLHttpRequest();
   request.open("POST", address("/documents"));
   request.setRequestHeader("accept", "application/json");
-  request.upload.onprogress = (event) => change(upload.id, { sent: event.total ? event.loaded / event.total : 0 });
-  request.upload.onload = () => change(upload.id, { state: "reading", sent: 1 });
-  request.onload = () => finished(upload.id, request.status, request.responseText);
-  request.onerror = () => finished(upload.id, 0, "");
-  request.onabort = () => { change(upload.id, { state: "cancelled" }); pump(); };
-  change(upload.id, { state: "sending", sent: 0, problems: [], stop: () => request.abort() });
+  request.upload.onprogress = (event) => all({ sent: event.total ? event.loaded / event.total : 0 });
+  request.upload.onload = () => all({ state: "reading", sent: 1 });
+  request.onload = () => finished(batch, request);
+  request.onerror = () => finished(batch, request);
+  request.onabort = pump;
+  all({ state: "sending", sent: 0, problems: [], stop: () => request.abort() });
   request.send(form);
 }
 
-function finished(id: number, status: number, text: string): void {
+function finished(batch: Upload[], request: XMLHttpRequest): void {
   let answer: Partial<Schemas["UploadResult"]> & Problem = {};
   try {
-    answer = JSON.parse(text);
+    answer = JSON.parse(request.responseText);
   } catch {
     /* No words at all. */
   }
-  if (status >= 200 && status < 300) {
-    change(id, { state: answer.documents?.length ? "stored" : "refused", documents: (answer.documents ?? []) as Upload["documents"], problems: answer.problems ?? [] });
-    showStored();
-  } else {
-    const name = uploads.peek().find((one) => one.id === id)?.name ?? "";
-    const listed = (answer as { problems?: Upload["problems"] }).problems;
-    change(id, { state: "refused", problems: listed?.length ? listed : [{ file: name, problem: status ? answer : { title: w("offline", { time: "" }) } }] });
+  if (/#(busy|share)-error$/.test(answer.type ?? "")) {
+    batch.forEach((one) => change(one.id, { state: "queued" }));
+    resting ||= window.setTimeout(() => { resting = 0; pump(); }, 1000 * Number(request.getResponseHeader("retry-after") ?? 5));
+    return;
   }
+  const isDone = request.status >= 200 && request.status < 300;
+  const listed = (answer as { problems?: Upload["problems"] }).problems ?? [];
+  const problem = request.status ? answer : { title: w("offline", { time: "" }) };
+  const problems = isDone || listed.length ? listed : batch.map((one) => ({ file: one.name, problem }));
+  const became = outcomes(batch, isDone ? ((answer.documents ?? []) as Upload["documents"]) : [], problems);
+  batch.forEach((one, index) => change(one.id, became[index]!));
+  if (isDone) showStored();
   measured.tell(filesDone(uploads.peek()).done);
   pump();
 }
@@ -160,12 +207,22 @@ export function retry(id: number): void {
 }
 
 export function cancel(id: number): void {
-  const one = uploads.peek().find((each) => each.id === id);
-  if (one?.state === "queued") change(id, { state: "cancelled" });
-  else one?.stop?.();
+  const all = uploads.peek();
+  const one = all.find((each) => each.id === id);
+  if (!one) return;
+  // Of what was not sent whole nothing is stored: others of its request go again.
+  const others = one.state === "queued" ? [] : all.filter((each) => each.id !== id && each.stop === one.stop && /sending|reading/.test(each.state));
+  const stop = one.state === "queued" ? undefined : one.stop;
+  change(id, { state: "cancelled" });
+  others.forEach((each) => change(each.id, { state: each.state === "sending" ? "queued" : "cancelled" }));
+  stop?.();
 }
 
-export const cancelAll = (): void => uploads.peek().forEach((one) => /queued|sending|reading/.test(one.state) && cancel(one.id));
+export function cancelAll(): void {
+  const left = uploads.peek().filter((one) => !isOver(one));
+  left.forEach((one) => change(one.id, { state: "cancelled" }));
+  new Set(left.map((one) => one.stop)).forEach((stop) => stop?.());
+}
 
 /** Hide what an upload stored. */
 export async function undoImport(upload: Upload): Promise<void> {
