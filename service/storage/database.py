@@ -32,6 +32,7 @@ from sqlalchemy.sql import ColumnElement
 from service.errors import StoreError
 from service.resources import migrations_path
 from service.storage import tables
+from service.storage.accounts import Accounts
 from service.storage.aliases import Aliases
 from service.storage.bodies import Bodies
 from service.storage.columns import Columns
@@ -45,7 +46,7 @@ from service.storage.layout import require_layout
 from service.storage.mappings import Mappings
 from service.storage.media import MediaOfDocuments
 from service.storage.moments import valid
-from service.storage.projects import Projects, Tokens
+from service.storage.projects import Projects
 from service.storage.pruning import Pruning
 from service.storage.purging import Purging
 from service.storage.reserve import TO_OPEN, Reserve
@@ -55,6 +56,7 @@ from service.storage.schema import CURRENT
 from service.storage.seals import Checked, sealed
 from service.storage.spans import Spans
 from service.storage.thumbnails import Thumbnails
+from service.storage.tokens import Tokens
 from service.storage.tracks import Tracks
 from service.storage.uploads import Uploads
 from service.storage.visits import Requests, Sessions
@@ -255,6 +257,10 @@ class Transaction:
         return Saved(self)
 
     @cached_property
+    def accounts(self) -> Accounts:
+        return Accounts(self)
+
+    @cached_property
     def tokens(self) -> Tokens:
         return Tokens(self)
 
@@ -373,16 +379,14 @@ class Database:
             return self.dialect.size(connection)
 
     def has_token(self) -> bool:
-        """Whether there is any token, of an SQLite file, in microseconds: asked before every request to an open one.
-
-        For one thread, over a connection that nothing else uses, so it waits for no other request.
-        """
+        """Whether there is any token or account, of an SQLite file, in microseconds: asked before every request to an
+        open one. For one thread, over a connection that nothing else uses, so it waits for no other request."""
         with in_words(self.dialect):
             if self._watch is None:
                 self._watch = self.dialect.engine.raw_connection()
                 self._watch.detach()
             driver: Any = self._watch.dbapi_connection
-            return bool(driver.execute("SELECT 1 FROM token LIMIT 1").fetchall())
+            return bool(driver.execute("SELECT 1 FROM token UNION SELECT 1 FROM account LIMIT 1").fetchall())
 
     def close(self) -> None:
         if self._watch is not None:
