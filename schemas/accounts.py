@@ -31,7 +31,7 @@ class Me(BaseModel):
     model_config = ConfigDict(json_schema_extra=shown(_ME))
 
     name: str
-    role: Role | None
+    role: Role | None = None
     scope: Scope
     rights: list[str] = Field(description="What one may do: read, edit, own (remove for good), operate")
 
@@ -44,7 +44,7 @@ class AccountView(BaseModel):
     name: str
     role: Role
     created: str
-    closed: str | None
+    closed: str | None = None
 
 
 class AccountList(BaseModel):
@@ -129,10 +129,10 @@ class TokenView(BaseModel):
     name: str
     hint: str
     scope: Scope
-    account: str | None
+    account: str | None = None
     created: str
-    expires: str | None
-    used: str | None
+    expires: str | None = None
+    used: str | None = None
 
 
 class TokenList(BaseModel):

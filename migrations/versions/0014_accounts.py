@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import orjson
 import sqlalchemy as sa
 from alembic import op
-from xxhash import xxh3_64_intdigest
 
 revision = '0014'
 down_revision = '0013'
@@ -39,20 +37,32 @@ def upgrade() -> None:
         sa.PrimaryKeyConstraint('id', name=op.f('pk_invitation')),
         sa.UniqueConstraint('sha256', name=op.f('uq_invitation_sha256')),
     )
-    with op.batch_alter_table('token') as batch:
-        # Tokens of before open everything, as they did.
-        batch.add_column(sa.Column('scope', sa.String(length=16), nullable=False, server_default='operate'))
-        batch.add_column(sa.Column('account', KEY, nullable=True))
-        batch.add_column(sa.Column('used', sa.String(length=32), nullable=True))
-        batch.create_foreign_key(op.f('fk_token_account'), 'account', ['account'], ['id'])
-    with op.batch_alter_table('token') as batch:
-        batch.alter_column('scope', server_default=None)
-    with op.batch_alter_table('session') as batch:
-        batch.add_column(sa.Column('account', KEY, nullable=True))
-        batch.create_foreign_key(op.f('fk_session_account'), 'account', ['account'], ['id'])
-    connection = op.get_bind()
-    token = sa.table('token', *map(sa.column, ('id', 'name', 'sha256', 'hint', 'created', 'expires', 'checksum')))
-    for key, *values, checksum in connection.execute(sa.select(token)).all():
-        if checksum is not None:
-            made = xxh3_64_intdigest(orjson.dumps((*values, 'operate', None))) >> 12
-            connection.execute(sa.update(token).where(token.c.id == key).values(checksum=made))
+    op.create_table(
+        'token_grant',
+        sa.Column('token', KEY, nullable=False),
+        sa.Column('scope', sa.String(length=16), nullable=False),
+        sa.Column('account', KEY, nullable=True),
+        sa.Column('used', sa.String(length=32), nullable=True),
+        sa.ForeignKeyConstraint(['account'], ['account.id'], name=op.f('fk_token_grant_account')),
+        sa.ForeignKeyConstraint(['token'], ['token.id'], name=op.f('fk_token_grant_token')),
+        sa.PrimaryKeyConstraint('token', name=op.f('pk_token_grant')),
+    )
+    # Tokens of before open everything, as they did.
+    op.execute("INSERT INTO token_grant (token, scope) SELECT id, 'operate' FROM token")
+    # Sessions end within hours by themselves.
+    op.drop_table('session')
+    op.create_table(
+        'session',
+        sa.Column('id', KEY, nullable=False),
+        sa.Column('sha256', sa.String(length=64), nullable=False),
+        sa.Column('kind', sa.String(length=16), nullable=False),
+        sa.Column('author', NAME, nullable=False),
+        sa.Column('token', KEY, nullable=True),
+        sa.Column('account', KEY, nullable=True),
+        sa.Column('created', sa.String(length=32), nullable=False),
+        sa.Column('expires', sa.String(length=32), nullable=False),
+        sa.ForeignKeyConstraint(['account'], ['account.id'], name=op.f('fk_session_account')),
+        sa.ForeignKeyConstraint(['token'], ['token.id'], name=op.f('fk_session_token')),
+        sa.PrimaryKeyConstraint('id', name=op.f('pk_session')),
+        sa.UniqueConstraint('sha256', name=op.f('uq_session_sha256')),
+    )

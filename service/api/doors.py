@@ -39,7 +39,9 @@ FORWARDING = frozenset(
 COOKIE = "mcml_session"
 """That carries a browser's session."""
 
-LOGIN = "Send `Authorization: Bearer mcml_…`; `mcml token add NAME` on the server's machine makes one. Browsers: /login."
+LOGIN = (
+    "Send `Authorization: Bearer mcml_…`; `mcml token add NAME` on the server's machine makes one. Browsers: /login."
+)
 
 PASSED_ON = "This server needs a token from whatever does not come directly from its own machine."
 

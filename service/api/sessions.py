@@ -1,5 +1,5 @@
-"""Sessions of browsers: a name and password, a token, a link or an invitation, exchanged for a cookie. By hand: they are
-about HTTP itself."""
+"""Sessions of browsers: a name and password, a token, a link or an invitation, exchanged for a cookie. By hand: they
+are about HTTP itself."""
 
 from __future__ import annotations
 

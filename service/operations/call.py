@@ -91,8 +91,8 @@ class SameError(Exception):
 
 @dataclass
 class Call:
-    """repository: what is worked on. author: who asks. scope: of what they may do (`operation.RIGHTS`). account: theirs,
-    None for who has none. client: those who share a turn in fair queues.
+    """repository: what is worked on. author: who asks. scope: of what they may do (`operation.RIGHTS`). account: its
+    name, None for who has none. client: those who share a turn in fair queues.
 
     known: how whoever asks names this version of the answer, None where they do not have it.
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any, Final
 
-from sqlalchemy import Column, String, Table, Text, UniqueConstraint, delete, insert, select, update
+from sqlalchemy import Column, ForeignKey, String, Table, Text, UniqueConstraint, delete, insert, select, update
 
 from service.errors import ConflictError, NotFoundError
 from service.storage.identifiers import now, stored_form
@@ -44,6 +44,17 @@ invitation = Table(
     UniqueConstraint("sha256"),
 )
 """`author`: who invites. It is used up by the account that it becomes."""
+
+grant = Table(
+    "token_grant",
+    metadata,
+    Column("token", ForeignKey("token.id"), primary_key=True),
+    Column("scope", String(16), nullable=False),
+    Column("account", ForeignKey("account.id")),
+    Column("used", String(32)),
+)
+"""What a token may do; one without a row opens nothing. `account`: whose it is; it may do no more than that one, and
+ends with it. `used`: about when it last was."""
 
 ROLES: Final[Mapping[str, str]] = {"reader": "read", "editor": "edit", "owner": "operate"}
 """What people are, and the scope of what they may do."""
@@ -88,15 +99,14 @@ class Entry:
 def entry_of(author: str, scope: str | None, person: Any) -> Entry | None:
     """Who comes in by a token or a session, None where their account is closed. scope: of the token, None: without one.
     person: a row with account, role, closed, all None where it is nobody's."""
-    if person.account is None:
-        return Entry(author, scope or SCOPES[-1])
     if person.closed is not None:
         return None
-    own = ROLES.get(person.role, "")
-    scopes = [own] if scope is None else [own, scope]
+    scopes = [SCOPES[-1] if scope is None else scope]
+    if person.account is not None:
+        scopes.append(ROLES.get(person.role, ""))
     # What is damaged opens nothing.
-    places = [SCOPES.index(one) for one in scopes if one in SCOPES]
-    return Entry(person.account, SCOPES[min(places)], person.account) if len(places) == len(scopes) else None
+    places = [SCOPES.index(one) if one in SCOPES else -1 for one in scopes]
+    return None if min(places) < 0 else Entry(person.account or author, SCOPES[min(places)], person.account)
 
 
 class Accounts:

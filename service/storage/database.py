@@ -42,7 +42,7 @@ from service.storage.documents import Documents
 from service.storage.heads import Heads
 from service.storage.identifiers import now
 from service.storage.jobs import Jobs
-from service.storage.layout import require_layout
+from service.storage.layout import refuse_newer, require_layout
 from service.storage.mappings import Mappings
 from service.storage.media import MediaOfDocuments
 from service.storage.moments import valid
@@ -317,7 +317,7 @@ class Database:
             # Reading commands need no write lock, and work while another process writes.
             self._require_layout()
             return
-        _refuse_newer(found, wanted)
+        refuse_newer(found, wanted)
         # Imported late: it takes as long as all else that a short command needs.
         from alembic import command
         from alembic.config import Config
@@ -345,7 +345,7 @@ class Database:
         """StoreError unless the schema is this program's."""
         found, wanted = self.schema_versions()
         if found != wanted:
-            _refuse_newer(found, wanted)
+            refuse_newer(found, wanted)
             raise StoreError(
                 f"The store's schema is {found or 'empty'}, this program needs {wanted}.",
                 remedy="Run `mcml db upgrade`.",
@@ -393,12 +393,3 @@ class Database:
             self._watch.close()
             self._watch = None
         self.dialect.engine.dispose()
-
-
-def _refuse_newer(found: str | None, wanted: str | None) -> None:
-    """StoreError where a newer program made or upgraded the store."""
-    if found is not None and wanted is not None and found > wanted:
-        raise StoreError(
-            f"The store is newer than this program: its schema is {found}, this program knows {wanted}.",
-            remedy="Update the program.",
-        )

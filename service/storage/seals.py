@@ -75,7 +75,7 @@ class Seal:
 
 _COVERED: dict[Table, tuple[str, ...]] = {
     tables.project: ("name", "created"),
-    tables.token: ("name", "sha256", "hint", "created", "expires", "scope", "account"),
+    tables.token: ("name", "sha256", "hint", "created", "expires"),
     tables.commit: ("number", "time", "author"),
     tables.document: ("uuid", "project", "state", "name", "format", "created_commit", "deleted_commit", "next_slot"),
     tables.revision: ("document", "number", "commit", "parent", "operation", "message", "name", "project"),

@@ -57,12 +57,8 @@ token = Table(
     Column("hint", String(16), nullable=False),
     Column("created", String(32), nullable=False),
     Column("expires", String(32)),
-    Column("scope", String(16), nullable=False),
-    Column("account", ForeignKey("account.id")),
-    Column("used", String(32)),
     checksum(),
 )
-"""`account`: whose it is; it may do no more than that one, and ends with it. `used`: about when it last was."""
 
 commit = Table(
     "commit",

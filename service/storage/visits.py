@@ -29,7 +29,7 @@ from sqlalchemy import (
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.sql import ColumnElement
 
-from service.storage.accounts import Account, Entry, account, entry_of
+from service.storage.accounts import Account, Entry, account, entry_of, grant
 from service.storage.identifiers import now
 from service.storage.schema import KEY, NAME, metadata
 from service.storage.tables import token
@@ -122,19 +122,23 @@ class Sessions:
         wanted = (
             select(
                 session.c.author,
+                session.c.token,
                 token.c.expires.label("until"),
-                token.c.scope,
+                grant.c.scope,
                 account.c.name.label("account"),
                 account.c.role,
                 account.c.closed,
             )
             .select_from(session)
             .outerjoin(token, session.c.token == token.c.id)
-            .outerjoin(account, func.coalesce(session.c.account, token.c.account) == account.c.id)
+            .outerjoin(grant, token.c.id == grant.c.token)
+            .outerjoin(account, func.coalesce(session.c.account, grant.c.account) == account.c.id)
             .where(session.c.sha256 == _digest(secret), session.c.kind == kind, session.c.expires >= now())
         )
         row = self._tx.connection.execute(wanted).one_or_none()
         if row is None or (row.until is not None and row.until < now()):
+            return None
+        if row.token is not None and row.scope is None:
             return None
         return entry_of(row.author, row.scope, row)
 

@@ -339,7 +339,7 @@ def test_commands_of_this_machine_go_on_behind_the_first_token(run: Any) -> None
     port = free_port()
     server = run("service.cli", "serve", "--port", str(port))
     assert "MCML Repository on" in server.stdout.readline()
-    assert "until the first token is made: mcml token add NAME" in server.stdout.readline()
+    assert "until the first account or token is made" in server.stdout.readline()
     _until_answers(port, server)
     address = f"http://127.0.0.1:{port}"
     assert httpx.get(address + DOCUMENTS).status_code == 200
@@ -357,7 +357,7 @@ def test_commands_of_this_machine_go_on_behind_the_first_token(run: Any) -> None
 def test_a_closed_server_says_so(run: Any) -> None:
     server = run("service.cli", "serve", "--port", str(free_port()), MCML_LOGIN="always")
     server.stdout.readline()
-    assert server.stdout.readline() == "Closed: requests need a token.\n"
+    assert server.stdout.readline() == "Closed: requests need an account or a token.\n"
 
 
 @pytest.mark.parametrize(("name", "value"), [("MCML_TRUSTED_PROXIES", "nginx"), ("MCML_LOGIN", "never")])
