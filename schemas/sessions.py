@@ -8,12 +8,18 @@ from schemas.examples import shown
 
 
 class SessionRequest(BaseModel):
-    """What a session is opened with: one of both."""
+    """What a session is opened with: a token; name and password; or the code of a link or of an invitation, with the
+    name and password of the account that is made."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"token": "mcml_…"}))
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra=shown({"name": "kim", "password": "four words in a row"})
+    )
 
     token: str | None = Field(None, max_length=256, description="As `mcml token add` made it")
+    name: str | None = Field(None, max_length=256, description="Of an account")
+    password: str | None = Field(None, max_length=256, description="Of this account")
     link: str | None = Field(None, max_length=256, description="The code of a link that `mcml serve` printed")
+    invitation: str | None = Field(None, max_length=256, description="The code of an invitation")
 
 
 class SessionOpened(BaseModel):

@@ -18,6 +18,7 @@ from service.actions.exporting.write_tables import TYPES
 from service.actions.importing.import_pool import ImportPool
 from service.actions.keeping.purge_documents import finish_purges
 from service.api import description, events, health, page, problems, sessions, studio
+from service.api.attempts import Attempts
 from service.api.doors import Doors
 from service.api.guard import Guard
 from service.api.lanes import Lanes
@@ -105,6 +106,7 @@ def create_app(
     repository.register.patience = 0
     app.state.lanes = Lanes(settings)
     app.state.requests = {}
+    app.state.attempts = Attempts()
     # Streams of events, and requests that wait, look at it; connections set it.
     app.state.stopping = threading.Event()
     problems.install(app)

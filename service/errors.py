@@ -126,6 +126,14 @@ class ShareError(BusyError):
         super().__init__(f"{waiting} requests of yours wait already.")
 
 
+class AttemptsError(McmlError):
+    """Somebody tried to log in too often. seconds: until the next attempt."""
+
+    def __init__(self, seconds: int) -> None:
+        super().__init__("There were too many attempts to log in.", remedy=f"Try again in {seconds} seconds.")
+        self.seconds = seconds
+
+
 class SpaceError(StoreError):
     """The disk is full. Nothing of the request was stored."""
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hmac
 from collections.abc import Callable, Mapping, MutableMapping
+from contextlib import suppress
 from http.cookies import CookieError, SimpleCookie
 from typing import Any
 from urllib.parse import urlsplit
@@ -15,7 +16,7 @@ from urllib.parse import urlsplit
 from starlette.datastructures import Headers
 
 from service.api.problems import plain
-from service.errors import StoreError
+from service.errors import McmlError, StoreError
 from service.local_secret import PREFIX
 from service.settings import Settings, is_loopback
 from service.storage.database import Database
@@ -38,7 +39,9 @@ FORWARDING = frozenset(
 COOKIE = "mcml_session"
 """That carries a browser's session."""
 
-LOGIN = "Send `Authorization: Bearer mcml_…`; `mcml token add NAME` on the server's machine makes one."
+LOGIN = (
+    "Send `Authorization: Bearer mcml_…`; `mcml token add NAME` on the server's machine makes one. Browsers: /login."
+)
 
 PASSED_ON = "This server needs a token from whatever does not come directly from its own machine."
 
@@ -75,7 +78,7 @@ class Doors:
     def refusal(self, scope: MutableMapping[str, Any], headers: Headers) -> Any:
         """The answer to who has no token and needs one, or None. May wait for the store.
 
-        Notes the author of a request in `scope["mcml.author"]`.
+        Notes who comes in with a request in `scope["mcml.entry"]` (`storage.accounts.Entry`).
         """
         direct = _is_direct(scope, headers)
         kind, _, given = headers.get("authorization", "").partition(" ")
@@ -86,16 +89,24 @@ class Doors:
             if secret is not None and hmac.compare_digest(given.encode(), secret.encode()):
                 return None
         with self._database.read() as tx:
-            owner = tx.tokens.owner(given) if given else None
-            if visit is not None and owner is None:
-                owner = tx.sessions.author(visit)
-        if visit is not None and owner is not None and _is_foreign(scope, headers):
+            entry = tx.tokens.entry(given) if given else None
+            stale = entry is not None and not tx.tokens.was_used(given)
+            if visit is not None and entry is None:
+                entry = tx.sessions.entry(visit)
+        if visit is not None and entry is not None and _is_foreign(scope, headers):
             return plain(403, "A session writes from pages of this server alone.", "Send the same Origin, or a token.")
-        if owner is None:
+        if entry is None:
             otherwise = "This server needs a token, since its store has one." if direct else PASSED_ON
             return plain(401, self._closed or otherwise, LOGIN, {"www-authenticate": "Bearer"})
-        scope["mcml.author"] = owner
+        if stale:
+            self._note_use(given)
+        scope["mcml.entry"] = entry
         return None
+
+    def _note_use(self, secret: str) -> None:
+        # That it cannot be noted keeps nobody out.
+        with suppress(McmlError), self._database.write("doors") as tx:
+            tx.tokens.note_use(secret)
 
 
 def _is_direct(scope: Mapping[str, Any], headers: Headers) -> bool:

@@ -27,7 +27,7 @@ Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 
-LOGIN_WORDS = "This repository opens with a token."
+LOGIN_WORDS = "This repository opens with an account or a token."
 SAFE_METHODS = {"GET", "HEAD", "OPTIONS"}
 COUNTED_METHODS = SAFE_METHODS | {"POST", "PUT", "PATCH", "DELETE"}
 OPEN_PATHS = {"/healthz", "/readyz"}
@@ -114,7 +114,7 @@ class Guard:
                 "path": scope["path"],
                 "status": status,
                 "milliseconds": round(milliseconds, 1),
-                "author": scope.get("mcml.author"),
+                "author": getattr(scope.get("mcml.entry"), "author", None),
                 "client": client and client[0],
             }
             said = (method, scope["path"], status, milliseconds)

@@ -35,6 +35,8 @@ def respond(problem: Problem, headers: dict[str, str] | None = None) -> JSONResp
 
 def answer(error: errors.McmlError) -> JSONResponse:
     """An error of ours."""
+    if isinstance(error, errors.AttemptsError):
+        return respond(problem_of(error), {"retry-after": str(error.seconds)})
     later = isinstance(error, (errors.UnavailableError, errors.BusyError))
     return respond(problem_of(error), {"retry-after": RETRY_SECONDS} if later else None)
 

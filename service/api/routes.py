@@ -19,10 +19,14 @@ from service.api.streaming import answered, known_as, read_body
 from service.formats.format import SourceFile
 from service.operations.call import Call, Content, SameError
 from service.operations.operation import Argument, Body, Operation
+from service.storage.accounts import Entry
 
 PREFIX = "/api/v1"
 
 BYTES = "application/octet-stream"
+
+LOCAL = Entry("local", "operate")
+"""Who comes in where no door is closed."""
 
 LASTING = {"cache-control": "private, max-age=31536000, immutable"}
 """Of answers about a revision that the question names: a client that has one never asks for it again."""
@@ -133,7 +137,7 @@ def _value(value: Any) -> Any:
 
 def _signature(operation: Operation) -> inspect.Signature:
     keyword = inspect.Parameter.KEYWORD_ONLY
-    own: dict[str, Any] = {"call": Annotated[Call, Depends(_call)], "http": Request, "response": Response}
+    own: dict[str, Any] = {"call": Annotated[Call, Depends(_calling(operation))], "http": Request, "response": Response}
     parameters = [inspect.Parameter(name, keyword, annotation=kind) for name, kind in own.items()]
     for argument in operation.arguments:
         default = argument.default
@@ -167,13 +171,25 @@ def _reading(most: int) -> Callable[[Request], Any]:
     return content
 
 
-async def _call(request: Request) -> Call:
-    """What is async needs no thread."""
-    author = str(request.scope.get("mcml.author", "local"))
+def _calling(operation: Operation) -> Callable[[Request], Any]:
+    async def call(request: Request) -> Call:
+        """What is async needs no thread. Who may not do it is told so before what they send is looked at."""
+        made = call_of(request)
+        operation.allow(made)
+        return made
+
+    return call
+
+
+def call_of(request: Request) -> Call:
+    """The call that a request makes: who asks is what the doors noted."""
+    entry = request.scope.get("mcml.entry", LOCAL)
     call = Call(
         request.app.state.repository,
-        author,
-        client=f"{author}@{request.client.host if request.client else ''}",
+        entry.author,
+        entry.scope,
+        entry.account,
+        client=f"{entry.author}@{request.client.host if request.client else ''}",
         media_type=request.headers.get("content-type", "").partition(";")[0].strip(),
     )
     call.known = lambda tag: known_as(request, f'"{tag}"')

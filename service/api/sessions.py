@@ -1,4 +1,5 @@
-"""Sessions of browsers: a token, or a one-time link, exchanged for a cookie. By hand: they are about HTTP itself."""
+"""Sessions of browsers: a name and password, a token, a link or an invitation, exchanged for a cookie. By hand: they
+are about HTTP itself."""
 
 from __future__ import annotations
 
@@ -9,9 +10,11 @@ from fastapi import APIRouter, Form, Header, Query, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
 
 from schemas.sessions import SessionOpened, SessionRequest
+from service.api.attempts import Attempts
 from service.api.doors import COOKIE
 from service.api.page import page
-from service.errors import AccessError
+from service.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
+from service.passwords import checked_name, hashed, opens
 from service.storage.database import Database
 from service.storage.visits import SESSION_HOURS
 
@@ -23,13 +26,29 @@ pages = APIRouter(include_in_schema=False)
 
 FORM = """<h1>MCML Repository</h1><p>{why}</p>
 <form method="post" action="{path}"><input type="hidden" name="then" value="{then}">
-<p><label>Token <input name="token" type="password" autocomplete="current-password" size="52" autofocus></label>
-<button>Open</button></p></form>
-<p>Whoever keeps the server makes one: <code>mcml token add NAME</code>.</p>"""
+<p><label>Name <input name="name" autocomplete="username" size="24" autofocus></label></p>
+<p><label>Password <input name="password" type="password" autocomplete="current-password" size="24"></label>
+<button>Log in</button></p></form>
+<details><summary>With a token</summary><form method="post" action="{path}">
+<input type="hidden" name="then" value="{then}">
+<p><label>Token <input name="token" type="password" autocomplete="off" size="52"></label>
+<button>Open</button></p></form></details>
+<p>Whoever keeps the server invites people, and makes tokens: <code>mcml account invite</code>,
+<code>mcml token add NAME</code>.</p>"""
+
+JOIN = """<h1>MCML Repository</h1><p>{why}</p>
+<form method="post" action="{path}"><input type="hidden" name="{kind}" value="{code}">
+<p><label>Name <input name="name" autocomplete="username" size="24" maxlength="64" required autofocus></label></p>
+<p><label>Password <input name="password" type="password" autocomplete="new-password" size="24" minlength="10"
+maxlength="256" required></label> <button>Make the account</button></p></form>
+<p>A password has ten characters or more. Revisions carry the name.</p>"""
 
 FOLLOW = """<h1>MCML Repository</h1><p>This link opens the repository once, in this browser.</p>
 <form method="post" action="{path}"><input type="hidden" name="link" value="{link}">
-<button autofocus>Open</button></form>"""
+<button>Open</button></form>"""
+
+FIRST = "You keep this server: make its first account, an owner's."
+INVITED = "You are invited to this repository."
 
 
 @router.post("/session", status_code=201, operation_id="open_session")
@@ -39,14 +58,16 @@ def open_session(
     request: SessionRequest = NOTHING_SAID,
     authorization: Annotated[str | None, Header(description="Bearer and a token", examples=["Bearer mcml_0"])] = None,
 ) -> SessionOpened:
-    """Exchange a token, or a one-time link, for a cookie that opens the repository for some hours.
+    """Exchange a name and password, a token, or the code of a link or an invitation for a cookie that opens the
+    repository for some hours.
 
     The token stands in the body, or in `Authorization`. Writes with the cookie need the same `Origin`. Revoking the
     token ends the session.
     """
     scheme, _, given = (authorization or "").partition(" ")
-    token = request.token or (given.strip() if scheme.lower() == "bearer" else None)
-    author, secret = _opened(http.app.state.repository.database, token, request.link)
+    if request.token is None and scheme.lower() == "bearer":
+        request = request.model_copy(update={"token": given.strip()})
+    author, secret = _opened(http, request)
     _set(http, response, secret)
     return SessionOpened(author=author, hours=SESSION_HOURS)
 
@@ -63,23 +84,39 @@ def close_session(http: Request) -> Response:
 
 
 @pages.get(LOGIN_PATH)
-def login(link: Annotated[str | None, Query()] = None, then: Annotated[str, Query()] = "/") -> HTMLResponse:
-    """A page that asks for a token, or follows a one-time link."""
-    return login_page("A token opens it." if link is None else "", then=then, link=link)
+def login(
+    http: Request,
+    link: Annotated[str | None, Query()] = None,
+    invitation: Annotated[str | None, Query()] = None,
+    then: Annotated[str, Query()] = "/",
+) -> HTMLResponse:
+    """A page that asks for a name and a password, or a token; or follows a link or an invitation."""
+    if invitation is not None:
+        return _join("invitation", invitation, INVITED)
+    if link is not None:
+        return page("MCML Repository", _followed(http, link), forms=True)
+    return login_page("An account opens it.", then=then)
 
 
 @pages.post(LOGIN_PATH)
 def post_login(
     http: Request,
     token: Annotated[str | None, Form()] = None,
+    name: Annotated[str | None, Form()] = None,
+    password: Annotated[str | None, Form()] = None,
     link: Annotated[str | None, Form()] = None,
+    invitation: Annotated[str | None, Form()] = None,
     then: Annotated[str, Form()] = "/",
 ) -> Response:
-    """What the form sends."""
+    """What the forms send."""
     try:
-        _, secret = _opened(http.app.state.repository.database, token, link)
-    except AccessError as error:
-        return login_page(f"{error.what} {error.remedy or ''}", status=403, then=then)
+        request = SessionRequest(token=token, name=name, password=password, link=link, invitation=invitation)
+        _, secret = _opened(http, request)
+    except (AccessError, AttemptsError, RequestError, ConflictError, NotFoundError) as error:
+        why = f"{error.what} {error.remedy or ''}"
+        if invitation or (link and name is not None):
+            return _join("invitation" if invitation else "link", invitation or link or "", why, status=403)
+        return login_page(why, status=429 if isinstance(error, AttemptsError) else 403, then=then)
     # Only a path of this server: what looks like another address leads to the front page.
     safe = then if then.startswith("/") and not then.startswith(("//", "/\\")) else "/"
     response = RedirectResponse(safe, 303)
@@ -87,28 +124,87 @@ def post_login(
     return response
 
 
-def login_page(why: str, *, status: int = 200, then: str = "/", link: str | None = None) -> HTMLResponse:
+def login_page(why: str, *, status: int = 200, then: str = "/") -> HTMLResponse:
     """The page that lets a browser in."""
-    shown = (
-        FORM.format(why=html.escape(why), path=LOGIN_PATH, then=html.escape(then))
-        if link is None
-        else FOLLOW.format(path=LOGIN_PATH, link=html.escape(link))
-    )
+    shown = FORM.format(why=html.escape(why), path=LOGIN_PATH, then=html.escape(then))
     return page("MCML Repository", shown, status=status, forms=True)
 
 
-def _opened(database: Database, token: str | None, link: str | None) -> tuple[str, str]:
-    """(author, secret of a new session). AccessError for what opens nothing."""
+def _join(kind: str, code: str, why: str, *, status: int = 200) -> HTMLResponse:
+    """The page on which an account is made."""
+    shown = JOIN.format(why=html.escape(why), path=LOGIN_PATH, kind=kind, code=html.escape(code))
+    return page("MCML Repository", shown, status=status, forms=True)
+
+
+def _followed(http: Request, link: str) -> str:
+    """What a link offers: the first account where there is none, and to open the repository without one."""
+    with http.app.state.repository.database.read() as tx:
+        first = not tx.accounts.exist()
+    follow = FOLLOW.format(path=LOGIN_PATH, link=html.escape(link))
+    if not first:
+        return follow
+    join = JOIN.format(why=FIRST, path=LOGIN_PATH, kind="link", code=html.escape(link))
+    return join + follow.replace("<h1>MCML Repository</h1><p>", "<h2>Or without an account</h2><p>")
+
+
+def _opened(http: Request, request: SessionRequest) -> tuple[str, str]:
+    """(author, secret of a new session). AccessError for what opens nothing, AttemptsError for who tries too often."""
+    database: Database = http.app.state.repository.database
+    attempts: Attempts = http.app.state.attempts
+    address, name = http.client.host if http.client else "", (request.name or "").strip()
+    attempts.require(address, name)
+    if request.invitation is not None or (request.link is not None and request.name is not None):
+        opened = _joined(database, request)
+    elif request.link is not None:
+        opened = _linked(database, request.link)
+    elif request.name is not None:
+        opened = _logged_in(database, name, request.password or "")
+    else:
+        opened = _exchanged(database, request.token)
+    attempts.forget(address, name)
+    return opened
+
+
+def _joined(database: Database, request: SessionRequest) -> tuple[str, str]:
+    """By an account that a link or an invitation becomes."""
+    name = checked_name(request.name or "")
+    password = hashed(request.password or "", name)
     with database.write("session") as tx:
-        if link:
-            author = tx.sessions.follow(link)
-            if author is None:
-                raise AccessError("This link was used, or is too old.", remedy="Start the server again for another.")
-            return author, tx.sessions.open(author)
-        owner = tx.tokens.owner(token) if token else None
-        if owner is None:
+        role: str | None = None
+        if request.invitation is not None:
+            role = tx.accounts.accept(request.invitation)
+        elif request.link is not None and not tx.accounts.exist() and tx.sessions.follow(request.link) is not None:
+            role = "owner"
+        if role is None:
+            raise AccessError("This link was used, or is too old.", remedy="Ask for another one.")
+        person = tx.accounts.add(name, role, password)
+        return person.name, tx.sessions.open_for(person)
+
+
+def _linked(database: Database, link: str) -> tuple[str, str]:
+    with database.write("session") as tx:
+        author = tx.sessions.follow(link)
+        if author is None:
+            raise AccessError("This link was used, or is too old.", remedy="Start the server again for another.")
+        return author, tx.sessions.open(author)
+
+
+def _logged_in(database: Database, name: str, password: str) -> tuple[str, str]:
+    with database.read() as tx:
+        person = tx.accounts.find(name)
+    # A name that is not there takes as long.
+    if not opens(password, None if person is None else person.password) or person is None or person.closed is not None:
+        raise AccessError("This is no name and password of an account.", remedy="Check both.")
+    with database.write("session") as tx:
+        return person.name, tx.sessions.open_for(person)
+
+
+def _exchanged(database: Database, token: str | None) -> tuple[str, str]:
+    with database.write("session") as tx:
+        entry = tx.tokens.entry(token) if token else None
+        if entry is None:
             raise AccessError("This token opens nothing.", remedy="Check it; `mcml token list` shows the names of all.")
-        return owner, tx.sessions.open(owner, owner)
+        return entry.author, tx.sessions.open(entry.author, tx.tokens.name(token or ""))
 
 
 def _set(http: Request, response: Response, secret: str) -> None:

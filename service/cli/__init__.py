@@ -49,6 +49,12 @@ BY_HAND = {
     "db derive": "deriving:derive",
     "db prune": "store:prune",
     "db compact": "store:compact",
+    "account invite": "accounts:invite",
+    "account add": "accounts:add",
+    "account password": "accounts:password",
+    "account role": "accounts:role",
+    "account close": "accounts:close",
+    "account reopen": "accounts:reopen",
     "token add": "store:token_add",
     "token list": "store:token_list",
     "token revoke": "store:token_revoke",
@@ -63,7 +69,8 @@ GROUPS = {
     "jobs": "Long work: list it, follow it, end it.",
     "analyse": "Run analyses, and use what they found.",
     "db": "Upgrade, back up, restore and check the store.",
-    "token": "Tokens that open a server to other machines.",
+    "account": "Accounts of people, their roles, and invitations.",
+    "token": "Tokens that open a server to programs and other machines.",
 }
 
 MODULES = {"analyse": "service.cli.analyse", "jobs": "service.cli.jobs"}

@@ -17,16 +17,17 @@ from rich.text import Text
 
 from mcml.files import write_file
 from service.cli.shared import DatabaseOption, ForceOption, chosen_settings, console, open_database
-from service.errors import AccessError, McmlError
+from service.errors import McmlError
 from service.resources import dtd_path, migrations_path
-from service.settings import is_loopback
 from service.storage.filtering import DocumentFilter
 
-OPEN = "Open to everything on this machine, a proxy included, until the first token is made: mcml token add NAME"
+OPEN = "Open to everything on this machine, a proxy included, until the first account or token is made"
 
 
 def serve(
-    host: Annotated[str | None, typer.Option(help="Address to listen on; other than loopback needs a token")] = None,
+    host: Annotated[
+        str | None, typer.Option(help="Address to listen on; other than loopback needs an account or a token")
+    ] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on")] = None,
     database: DatabaseOption = None,
     with_demo: Annotated[bool, typer.Option("--demo", help="Load the demo library if the store is empty")] = False,
@@ -43,13 +44,6 @@ def serve(
     settings = settings.model_copy(update={"host": host or settings.host})
     _check_port(settings.host, settings.port)
     store = open_database(settings)
-    if not is_loopback(settings.host):
-        with store.read() as tx:
-            if not tx.tokens.all():
-                raise AccessError(
-                    f"{settings.host} is open to other machines, and the repository has no token yet.",
-                    remedy="Make one first: `mcml token add NAME`; or listen on 127.0.0.1.",
-                )
     if with_demo:
         with store.read() as tx:
             empty = not tx.documents.page(DocumentFilter(), after=None, limit=1)
@@ -57,17 +51,19 @@ def serve(
             _load_demo(database)
     reason = why_closed(settings, store)
     with store.read() as tx:
+        has_people = tx.accounts.exist()
         has_token = tx.tokens.exist()
     link = None
-    if reason or has_token:
+    if reason or has_token or has_people:
         with store.write() as tx:
             link = tx.sessions.link("local")
     store.close()
     name = f"[{settings.host}]" if ":" in settings.host else settings.host
     console.print(Text.assemble("MCML Repository on ", (f"http://{name}:{settings.port}/", "bold"), "  (Ctrl+C stops)"))
-    console.print(Text("Closed: requests need a token." if link else OPEN, style="dim"))
+    console.print(Text("Closed: requests need an account or a token." if link else OPEN, style="dim"))
     if link:
-        console.print(f"This link opens it once in a browser:  http://{name}:{settings.port}/login?link={link}")
+        words = "opens it once in a browser" if has_people else "opens it once in a browser, to make the first account"
+        console.print(f"This link {words}:  http://{name}:{settings.port}/login?link={link}")
     os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
     os.environ["MCML_DATABASE"] = settings.database_url
     keep_log(settings)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -113,6 +113,10 @@ def compact(
 def token_add(
     name: Annotated[str, typer.Argument(help="Who or what uses it; revisions carry this name")],
     days: Annotated[int, typer.Option(help="Days until it expires; 0: never")] = 90,
+    scope: Annotated[
+        Literal["read", "edit", "operate"], typer.Option(help="What it may do; operate: all, accounts too")
+    ] = "operate",
+    account: Annotated[str | None, typer.Option(help="Whose it is: it may do no more than this account")] = None,
     database: DatabaseOption = None,
 ) -> None:
     """Make a token. It is shown once."""
@@ -120,7 +124,8 @@ def token_add(
     if days:
         expires = (datetime.now(UTC) + timedelta(days=days)).isoformat(timespec="milliseconds").replace("+00:00", "Z")
     with open_database(chosen_settings(database)).write() as tx:
-        secret = tx.tokens.add(name, expires)
+        owner = None if account is None else tx.accounts.get(account)
+        secret = tx.tokens.add(name, expires, scope=scope, owner=owner)
     print(secret)
     console.print(
         f"curl -H 'Authorization: Bearer {secret}' …\nMCML_TOKEN={secret} mcml ls --server http://…", style="dim"
@@ -134,9 +139,10 @@ def token_list(database: DatabaseOption = None, as_json: JsonOption = False) -> 
     if as_json:
         print_json({"items": [vars(item) for item in found]})
         return
-    rows = table("name", "begins with", "made", "expires")
+    rows = table("name", "begins with", "may", "whose", "made", "expires", "used")
     for item in found:
-        rows.add_row(item.name, item.hint + "…", item.created, item.expires or "never")
+        whose, expires, used = item.account or "", item.expires or "never", item.used or "never"
+        rows.add_row(item.name, item.hint + "…", item.scope, whose, item.created, expires, used)
     console.print(rows)
 
 

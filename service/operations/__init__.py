@@ -252,6 +252,28 @@ _ROWS = [
               "The skeleton of a document in its rest pose.", "catalogues", "rest ID"),
     Operation("list_projects", "GET /projects", READS, READ,
               "Projects by name.", "catalogues", "projects"),
+
+    # who comes in
+    Operation("get_account", "GET /account", READS, READ,
+              "Who asks: name, role, and what one may do.", "accounts", "account me"),
+    Operation("change_password", "PUT /account/password", WRITES, READ,
+              "Change one's own password.", "accounts", status=204),
+    Operation("list_accounts", "GET /accounts", READS, OPERATE,
+              "The accounts of people.", "accounts", "account list"),
+    Operation("change_account", "PATCH /accounts/{name}", WRITES, OPERATE,
+              "Give somebody another role, or close their account.", "accounts"),
+    Operation("list_invitations", "GET /invitations", READS, OPERATE,
+              "Invitations that can be accepted still.", "accounts", "account invitations"),
+    Operation("invite", "POST /invitations", WRITES, OPERATE,
+              "Invite somebody to make an account of a role.", "accounts", status=201),
+    Operation("revoke_invitation", "DELETE /invitations/{number}", WRITES, OPERATE,
+              "Take an invitation back.", "accounts", "account uninvite NUMBER", status=204),
+    Operation("list_tokens", "GET /tokens", READS, READ,
+              "Tokens of programs: names, scopes, dates.", "accounts"),
+    Operation("add_token", "POST /tokens", WRITES, READ,
+              "Make a token for a program.", "accounts", status=201),
+    Operation("revoke_token", "DELETE /tokens/{name}", WRITES, READ,
+              "Make a token useless at once.", "accounts", status=204),
 ]
 # fmt: on
 

@@ -91,7 +91,8 @@ class SameError(Exception):
 
 @dataclass
 class Call:
-    """repository: what is worked on. author: who asks. client: those who share a turn in fair queues.
+    """repository: what is worked on. author: who asks. scope: of what they may do (`operation.RIGHTS`). account: its
+    name, None for who has none. client: those who share a turn in fair queues.
 
     known: how whoever asks names this version of the answer, None where they do not have it.
 
@@ -103,6 +104,8 @@ class Call:
 
     repository: Repository
     author: str = "local"
+    scope: str = "operate"
+    account: str | None = None
     client: str = ""
     known: Callable[[str], str | None] = lambda tag: None
     media_type: str = ""

@@ -19,7 +19,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
-from service.errors import RequestError
+from service.errors import AccessError, RequestError
 from service.operations.call import Call, Content
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -44,6 +44,14 @@ class Right(StrEnum):
     EDIT = "edit"
     OWN = "own"
     OPERATE = "operate"
+
+
+RIGHTS: Mapping[str, frozenset[Right]] = {
+    "read": frozenset({Right.READ}),
+    "edit": frozenset({Right.READ, Right.EDIT}),
+    "operate": frozenset(Right),
+}
+"""What each scope of tokens and roles allows (`storage.accounts`)."""
 
 
 @dataclass(frozen=True)
@@ -214,8 +222,17 @@ class Operation:
         """Whether it is heavy with these arguments."""
         return given.get(self.heavy) is not None if isinstance(self.heavy, str) else self.heavy
 
+    def allow(self, call: Call) -> None:
+        """AccessError where whoever asks may not do this. Every call passes here."""
+        if self.right not in RIGHTS[call.scope]:
+            raise AccessError(
+                f"{self.name} needs the right to {self.right}, and {call.author} has only that to {call.scope}.",
+                remedy="Ask an owner of the repository for another role, or a token of another scope.",
+            )
+
     def run(self, call: Call, given: Mapping[str, Any]) -> Any:
-        """The answer. given: checked values by the names of the arguments."""
+        """The answer. given: checked values by the names of the arguments. AccessError for who may not."""
+        self.allow(call)
         values: dict[str, Any] = {}
         parts: dict[str, dict[str, Any]] = {name: {} for name in self.groups}
         for argument in self.arguments:

@@ -32,6 +32,7 @@ from sqlalchemy.sql import ColumnElement
 from service.errors import StoreError
 from service.resources import migrations_path
 from service.storage import tables
+from service.storage.accounts import Accounts
 from service.storage.aliases import Aliases
 from service.storage.bodies import Bodies
 from service.storage.columns import Columns
@@ -41,11 +42,11 @@ from service.storage.documents import Documents
 from service.storage.heads import Heads
 from service.storage.identifiers import now
 from service.storage.jobs import Jobs
-from service.storage.layout import require_layout
+from service.storage.layout import refuse_newer, require_layout
 from service.storage.mappings import Mappings
 from service.storage.media import MediaOfDocuments
 from service.storage.moments import valid
-from service.storage.projects import Projects, Tokens
+from service.storage.projects import Projects
 from service.storage.pruning import Pruning
 from service.storage.purging import Purging
 from service.storage.reserve import TO_OPEN, Reserve
@@ -55,6 +56,7 @@ from service.storage.schema import CURRENT
 from service.storage.seals import Checked, sealed
 from service.storage.spans import Spans
 from service.storage.thumbnails import Thumbnails
+from service.storage.tokens import Tokens
 from service.storage.tracks import Tracks
 from service.storage.uploads import Uploads
 from service.storage.visits import Requests, Sessions
@@ -255,6 +257,10 @@ class Transaction:
         return Saved(self)
 
     @cached_property
+    def accounts(self) -> Accounts:
+        return Accounts(self)
+
+    @cached_property
     def tokens(self) -> Tokens:
         return Tokens(self)
 
@@ -311,7 +317,7 @@ class Database:
             # Reading commands need no write lock, and work while another process writes.
             self._require_layout()
             return
-        _refuse_newer(found, wanted)
+        refuse_newer(found, wanted)
         # Imported late: it takes as long as all else that a short command needs.
         from alembic import command
         from alembic.config import Config
@@ -339,7 +345,7 @@ class Database:
         """StoreError unless the schema is this program's."""
         found, wanted = self.schema_versions()
         if found != wanted:
-            _refuse_newer(found, wanted)
+            refuse_newer(found, wanted)
             raise StoreError(
                 f"The store's schema is {found or 'empty'}, this program needs {wanted}.",
                 remedy="Run `mcml db upgrade`.",
@@ -373,28 +379,17 @@ class Database:
             return self.dialect.size(connection)
 
     def has_token(self) -> bool:
-        """Whether there is any token, of an SQLite file, in microseconds: asked before every request to an open one.
-
-        For one thread, over a connection that nothing else uses, so it waits for no other request.
-        """
+        """Whether there is any token or account, of an SQLite file, in microseconds: asked before every request to an
+        open one. For one thread, over a connection that nothing else uses, so it waits for no other request."""
         with in_words(self.dialect):
             if self._watch is None:
                 self._watch = self.dialect.engine.raw_connection()
                 self._watch.detach()
             driver: Any = self._watch.dbapi_connection
-            return bool(driver.execute("SELECT 1 FROM token LIMIT 1").fetchall())
+            return bool(driver.execute("SELECT 1 FROM token UNION SELECT 1 FROM account LIMIT 1").fetchall())
 
     def close(self) -> None:
         if self._watch is not None:
             self._watch.close()
             self._watch = None
         self.dialect.engine.dispose()
-
-
-def _refuse_newer(found: str | None, wanted: str | None) -> None:
-    """StoreError where a newer program made or upgraded the store."""
-    if found is not None and wanted is not None and found > wanted:
-        raise StoreError(
-            f"The store is newer than this program: its schema is {found}, this program knows {wanted}.",
-            remedy="Update the program.",
-        )

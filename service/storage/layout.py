@@ -26,3 +26,12 @@ def require_layout(connection: Connection) -> None:
                 f"The store's {name}: {held.get(name, 'not said')}; this program's: {value}.",
                 remedy="Open the store with the program that made it, export its documents, and import them here.",
             )
+
+
+def refuse_newer(found: str | None, wanted: str | None) -> None:
+    """StoreError where a newer program made or upgraded the store."""
+    if found is not None and wanted is not None and found > wanted:
+        raise StoreError(
+            f"The store is newer than this program: its schema is {found}, this program knows {wanted}.",
+            remedy="Update the program.",
+        )

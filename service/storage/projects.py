@@ -1,17 +1,14 @@
-"""Projects, and the tokens that open a server to other machines."""
+"""Projects."""
 
 from __future__ import annotations
 
-import hashlib
-import secrets
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from sqlalchemy import bindparam, delete, select
+from sqlalchemy import bindparam, select
 
-from service.errors import ConflictError, NotFoundError
+from service.errors import NotFoundError
 from service.storage.identifiers import now, stored_form
-from service.storage.tables import project, token
+from service.storage.tables import project
 
 if TYPE_CHECKING:
     from service.storage.database import Transaction
@@ -54,60 +51,3 @@ class Projects:
         if found is not None:
             return found
         return self._tx.insert_row(project, name=stored_form(name), created=now())
-
-
-_ANY = select(token.c.name).limit(1)
-
-
-@dataclass(frozen=True)
-class TokenSummary:
-    """A token as it is listed. hint: its first characters; the token itself is not kept."""
-
-    name: str
-    hint: str
-    created: str
-    expires: str | None
-
-
-class Tokens:
-    """Access tokens: `mcml_` and 32 random bytes, of which only the SHA-256 is kept."""
-
-    def __init__(self, tx: Transaction) -> None:
-        self._tx = tx
-
-    def add(self, name: str, expires: str | None = None) -> str:
-        """A new token, in clear for the only time. ConflictError where the name is taken."""
-        if any(summary.name == name for summary in self.all()):
-            raise ConflictError(f"There is a token {name!r} already.", remedy="Choose another name or revoke that one.")
-        secret = f"mcml_{secrets.token_urlsafe(32)}"
-        row = {"name": name, "sha256": _digest(secret), "hint": secret[:9], "created": now(), "expires": expires}
-        self._tx.insert_row(token, **row)
-        return secret
-
-    def all(self) -> list[TokenSummary]:
-        rows = self._tx.connection.execute(select(token).order_by(token.c.name))
-        return [TokenSummary(row.name, row.hint, row.created, row.expires) for row in rows]
-
-    def exist(self) -> bool:
-        """Whether there is any token, an expired one too."""
-        return bool(self._tx.rows(_ANY))
-
-    def remove(self, name: str) -> None:
-        from service.storage.visits import session
-
-        # Sessions that it was exchanged for end with it.
-        its = select(token.c.id).where(token.c.name == name).scalar_subquery()
-        self._tx.connection.execute(delete(session).where(session.c.token == its))
-        if not self._tx.connection.execute(delete(token).where(token.c.name == name)).rowcount:
-            raise NotFoundError(f"There is no token {name!r}.", remedy="See `mcml token list`.")
-
-    def owner(self, secret: str) -> str | None:
-        """The name of the token with this secret, None where it is unknown or has expired."""
-        row = self._tx.connection.execute(select(token).where(token.c.sha256 == _digest(secret))).one_or_none()
-        if row is None or (row.expires is not None and row.expires < now()):
-            return None
-        return str(row.name)
-
-
-def _digest(secret: str) -> str:
-    return hashlib.sha256(secret.encode()).hexdigest()

@@ -21,6 +21,7 @@ from sqlalchemy import (
     UniqueConstraint,
     and_,
     delete,
+    func,
     insert,
     select,
     update,
@@ -28,6 +29,7 @@ from sqlalchemy import (
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.sql import ColumnElement
 
+from service.storage.accounts import Account, Entry, account, entry_of, grant
 from service.storage.identifiers import now
 from service.storage.schema import KEY, NAME, metadata
 from service.storage.tables import token
@@ -43,11 +45,13 @@ session = Table(
     Column("kind", String(16), nullable=False),
     Column("author", NAME, nullable=False),
     Column("token", ForeignKey("token.id")),
+    Column("account", ForeignKey("account.id")),
     Column("created", String(32), nullable=False),
     Column("expires", String(32), nullable=False),
     UniqueConstraint("sha256"),
 )
-"""`kind`: session, or link (which becomes a session, once). `token`: that it was exchanged for; it ends with it."""
+"""`kind`: session, or link (which becomes a session, once). `token`: that it was exchanged for; it ends with it.
+`account`: whose it is."""
 
 request = Table(
     "request",
@@ -77,11 +81,15 @@ class Sessions:
         key = None
         if token_name is not None:
             key = self._tx.connection.execute(select(token.c.id).where(token.c.name == token_name)).scalar_one()
-        return self._add("session", author, key, timedelta(hours=SESSION_HOURS))
+        return self._add("session", author, timedelta(hours=SESSION_HOURS), token=key)
+
+    def open_for(self, person: Account) -> str:
+        """A new session of somebody who has an account; its secret."""
+        return self._add("session", person.name, timedelta(hours=SESSION_HOURS), account=person.key)
 
     def link(self, author: str) -> str:
         """The secret of a link that opens one session, soon."""
-        return self._add("link", author, None, timedelta(minutes=LINK_MINUTES))
+        return self._add("link", author, timedelta(minutes=LINK_MINUTES))
 
     def follow(self, secret: str) -> str | None:
         """The author of a link, which is used up by this; None where there is none."""
@@ -89,9 +97,9 @@ class Sessions:
         if found is None:
             return None
         self._tx.connection.execute(delete(session).where(session.c.sha256 == _digest(secret)))
-        return found
+        return found.author
 
-    def author(self, secret: str) -> str | None:
+    def entry(self, secret: str) -> Entry | None:
         """Whose session this is, None where there is none, or it has ended."""
         return self._find("session", secret)
 
@@ -99,20 +107,40 @@ class Sessions:
         """End a session."""
         self._tx.connection.execute(delete(session).where(session.c.sha256 == _digest(secret)))
 
-    def _add(self, kind: str, author: str, key: int | None, lasts: timedelta) -> str:
+    def end_all(self, account_key: int) -> None:
+        """End all sessions of an account."""
+        self._tx.connection.execute(delete(session).where(session.c.account == account_key))
+
+    def _add(self, kind: str, author: str, lasts: timedelta, **whose: int | None) -> str:
         self._tx.connection.execute(delete(session).where(session.c.expires < now()))
         secret = secrets.token_urlsafe(32)
-        row = {"sha256": _digest(secret), "kind": kind, "author": author, "token": key}
+        row = {"sha256": _digest(secret), "kind": kind, "author": author, **whose}
         self._tx.connection.execute(insert(session).values(**row, created=now(), expires=_moment(lasts)))
         return secret
 
-    def _find(self, kind: str, secret: str) -> str | None:
-        wanted = select(session.c.author, token.c.expires.label("until")).outerjoin(token)
-        wanted = wanted.where(session.c.sha256 == _digest(secret), session.c.kind == kind, session.c.expires >= now())
+    def _find(self, kind: str, secret: str) -> Entry | None:
+        wanted = (
+            select(
+                session.c.author,
+                session.c.token,
+                token.c.expires.label("until"),
+                grant.c.scope,
+                account.c.name.label("account"),
+                account.c.role,
+                account.c.closed,
+            )
+            .select_from(session)
+            .outerjoin(token, session.c.token == token.c.id)
+            .outerjoin(grant, token.c.id == grant.c.token)
+            .outerjoin(account, func.coalesce(session.c.account, grant.c.account) == account.c.id)
+            .where(session.c.sha256 == _digest(secret), session.c.kind == kind, session.c.expires >= now())
+        )
         row = self._tx.connection.execute(wanted).one_or_none()
         if row is None or (row.until is not None and row.until < now()):
             return None
-        return str(row.author)
+        if row.token is not None and row.scope is None:
+            return None
+        return entry_of(row.author, row.scope, row)
 
 
 @dataclass(frozen=True)

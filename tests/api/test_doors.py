@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import os
+import re
 import shutil
 import socket
 import stat
@@ -339,7 +340,7 @@ def test_commands_of_this_machine_go_on_behind_the_first_token(run: Any) -> None
     port = free_port()
     server = run("service.cli", "serve", "--port", str(port))
     assert "MCML Repository on" in server.stdout.readline()
-    assert "until the first token is made: mcml token add NAME" in server.stdout.readline()
+    assert "until the first account or token is made" in server.stdout.readline()
     _until_answers(port, server)
     address = f"http://127.0.0.1:{port}"
     assert httpx.get(address + DOCUMENTS).status_code == 200
@@ -354,10 +355,21 @@ def test_commands_of_this_machine_go_on_behind_the_first_token(run: Any) -> None
     assert run("service.cli", "ls", "--server", address, MCML_TOKEN="mcml_wrong").wait(60) == 1
 
 
-def test_a_closed_server_says_so(run: Any) -> None:
-    server = run("service.cli", "serve", "--port", str(free_port()), MCML_LOGIN="always")
+@pytest.mark.parametrize("how", [{"MCML_LOGIN": "always"}, {"MCML_HOST": "0.0.0.0"}])
+def test_a_closed_server_says_so_and_how_its_first_account_is_made(run: Any, how: dict[str, str]) -> None:
+    port = free_port()
+    server = run("service.cli", "serve", "--port", str(port), **how)
     server.stdout.readline()
-    assert server.stdout.readline() == "Closed: requests need a token.\n"
+    assert server.stdout.readline() == "Closed: requests need an account or a token.\n"
+    told = " ".join(server.stdout.readline() for _ in range(2))
+    assert "to make the first account" in told
+    _until_answers(port, server)
+    code = re.search(r"/login\?link=([\w-]+)", "".join(told.split()))
+    assert code is not None
+    asked = {"link": code[1], "name": "kim", "password": "four words in a row"}
+    with httpx.Client(base_url=f"http://127.0.0.1:{port}") as client:
+        assert client.post("/api/v1/session", json=asked).status_code == 201
+        assert client.get("/api/v1/account").json()["role"] == "owner"
 
 
 @pytest.mark.parametrize(("name", "value"), [("MCML_TRUSTED_PROXIES", "nginx"), ("MCML_LOGIN", "never")])

@@ -112,7 +112,6 @@ def test_errors_are_one_message_and_exit_one(mcml: Mcml, tmp_path: Path) -> None
         ("validate", "bad.bvh"),
         ("show", "nothing"),
         ("xpath", "//frame["),
-        ("serve", "--host", "0.0.0.0"),
         ("ls", "--server", "http://127.0.0.1:9"),
         ("ls", "--database", "nonsense"),
     ):

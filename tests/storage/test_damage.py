@@ -144,7 +144,10 @@ def as_before_checksums(database: Database) -> None:
             for column in table.columns:
                 if "checksum" in column.name:
                     tx.connection.execute(text(f'ALTER TABLE "{table.name}" DROP COLUMN {column.name}'))
-        for later in ("store", "joint_alias", "session", "request", "thumbnail", "saved", "document_media", "body"):
+        for later in (
+            *("store", "joint_alias", "session", "request", "thumbnail", "saved", "document_media", "body"),
+            *("token_grant", "invitation", "account"),
+        ):
             tx.connection.execute(text(f"DROP TABLE {later}"))
         for index in ("ix_revision_commit", "ix_document_there"):
             tx.connection.execute(text(f"DROP INDEX {index}"))

@@ -30,6 +30,7 @@ STATUS_OF: dict[type[errors.McmlError], int] = {
     errors.UnavailableError: 503,
     errors.BusyError: 503,
     errors.ShareError: 429,
+    errors.AttemptsError: 429,
     errors.AccessError: 403,
 }
 

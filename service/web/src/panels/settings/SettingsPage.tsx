@@ -4,6 +4,8 @@ import { useEffect } from "preact/hooks";
 import { subject } from "../../shell/Bar";
 import { language, singleKeys, swapSides, theme, timeAs } from "../../state/settings";
 import { w } from "../../words";
+import { Account } from "./Account";
+import "../../styles/settings.css";
 
 export function Segments<T extends string | boolean>({ value, options, label }: { value: Signal<T>; options: [T, string][]; label: string }) {
   return (
@@ -32,6 +34,7 @@ export function SettingsPage() {
         <label for="single">{w("singleKeys")}</label>
         <span class="row"><input id="single" type="checkbox" checked={singleKeys.value} onChange={(event) => (singleKeys.value = event.currentTarget.checked)} /><span class="dim">{w("singleKeysHelp")}</span></span>
       </div>
+      <Account />
     </div>
   );
 }

@@ -1,0 +1,141 @@
+"""Accounts of people, invitations, and tokens of programs."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from schemas.examples import TIME, shown
+
+Role: TypeAlias = Literal["reader", "editor", "owner"]
+Scope: TypeAlias = Literal["read", "edit", "operate"]
+
+_ME = {"name": "kim", "role": "editor", "scope": "edit", "rights": ["edit", "read"]}
+_ACCOUNT = {"name": "kim", "role": "editor", "created": TIME, "closed": None}
+_INVITATION = {"number": 3, "role": "editor", "author": "lee", "created": TIME, "expires": TIME}
+_TOKEN = {
+    "name": "render-farm",
+    "hint": "mcml_Xq2",
+    "scope": "read",
+    "account": "kim",
+    "created": TIME,
+    "expires": TIME,
+    "used": TIME,
+}
+
+
+class Me(BaseModel):
+    """Who asks. name: whose name revisions carry. role: None for who has no account."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_ME))
+
+    name: str
+    role: Role | None = None
+    scope: Scope
+    rights: list[str] = Field(description="What one may do: read, edit, own (remove for good), operate")
+
+
+class AccountView(BaseModel):
+    """closed: since when it opens nothing."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_ACCOUNT))
+
+    name: str
+    role: Role
+    created: str
+    closed: str | None = None
+
+
+class AccountList(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_ACCOUNT]}))
+
+    items: list[AccountView]
+
+
+class AccountChange(BaseModel):
+    """What is left out stays."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"role": "reader"}))
+
+    role: Role | None = None
+    closed: bool | None = Field(None, description="Closed accounts open nothing; their tokens and sessions end")
+
+
+class PasswordChange(BaseModel):
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra=shown({"current": "four words in a row", "new": "five other words in a row"})
+    )
+
+    current: str = Field(max_length=256)
+    new: str = Field(max_length=256)
+
+
+class InvitationRequest(BaseModel):
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"role": "editor", "hours": 72}))
+
+    role: Role = "editor"
+    hours: int = Field(72, ge=1, le=24 * 30, description="How long it can be accepted")
+
+
+class InvitationMade(BaseModel):
+    """code: shown this once; /login?invitation=CODE lets one person make an account."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"code": "Jx0…", "path": "/login?invitation=Jx0…", "hours": 72}))
+
+    code: str
+    path: str
+    hours: int
+
+
+class InvitationView(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown(_INVITATION))
+
+    number: int
+    role: Role
+    author: str
+    created: str
+    expires: str
+
+
+class InvitationList(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_INVITATION]}))
+
+    items: list[InvitationView]
+
+
+class TokenRequest(BaseModel):
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"name": "render-farm", "scope": "read"}))
+
+    name: str = Field(min_length=1, max_length=256, description="What uses it")
+    scope: Scope = Field("read", description="What it may do; no more than who makes it")
+    days: int = Field(90, ge=0, le=3650, description="Until it expires; 0: never")
+
+
+class TokenMade(BaseModel):
+    """token: shown this once."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"name": "render-farm", "token": "mcml_…"}))
+
+    name: str
+    token: str
+
+
+class TokenView(BaseModel):
+    """hint: its first characters. account: whose it is. used: about when it last was."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_TOKEN))
+
+    name: str
+    hint: str
+    scope: Scope
+    account: str | None = None
+    created: str
+    expires: str | None = None
+    used: str | None = None
+
+
+class TokenList(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_TOKEN]}))
+
+    items: list[TokenView]

@@ -1,0 +1,79 @@
+"""`mcml account`: people of a repository."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+import typer
+
+from schemas.accounts import AccountChange, InvitationRequest
+from service.cli.shared import DatabaseOption, ServerOption, chosen_settings, console, open_database, opened
+
+RoleOption: TypeAlias = Annotated[Literal["reader", "editor", "owner"], typer.Option(help="What they may do")]
+Name: TypeAlias = Annotated[str, typer.Argument(help="Name of the account")]
+
+
+def invite(
+    role: RoleOption = "editor",
+    hours: Annotated[int, typer.Option(min=1, help="How long the invitation can be accepted")] = 72,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Make a link by which somebody makes an account. It is shown once."""
+    made = opened(database, server).call("invite", request=InvitationRequest(role=role, hours=hours))
+    home = (server or f"http://127.0.0.1:{chosen_settings(database).port}").rstrip("/")
+    print(f"{home}{made.path}")
+    console.print(f"for one {role}, within {made.hours} hours", style="dim")
+
+
+def add(name: Name, role: RoleOption = "editor", database: DatabaseOption = None) -> None:
+    """Make an account on this machine; its password is asked for."""
+    from service.passwords import checked_name, hashed
+
+    name = checked_name(name)
+    made = hashed(_asked(), name)
+    with open_database(chosen_settings(database)).write() as tx:
+        tx.accounts.add(name, role, made)
+    console.print(f"{name} is {'an' if role[0] in 'eo' else 'a'} {role}")
+
+
+def password(name: Name, database: DatabaseOption = None) -> None:
+    """Give an account of a store on this machine another password, if it was forgotten; its sessions end."""
+    from service.passwords import hashed
+
+    store = open_database(chosen_settings(database))
+    with store.read() as tx:
+        person = tx.accounts.get(name)
+    made = hashed(_asked(), person.name)
+    with store.write() as tx:
+        tx.sessions.end_all(tx.accounts.change(name, password=made).key)
+    console.print(f"{name} has another password")
+
+
+def role(
+    name: Name,
+    role: Annotated[Literal["reader", "editor", "owner"], typer.Argument(help="What they may do from now on")],
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Give somebody another role."""
+    opened(database, server).call("change_account", name=name, change=AccountChange(role=role))
+    console.print(f"{name}: {role}")
+
+
+def close(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:
+    """Close an account: it opens nothing from then on, nor do its tokens."""
+    opened(database, server).call("change_account", name=name, change=AccountChange(closed=True))
+    console.print(f"{name} is closed")
+
+
+def reopen(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:
+    """Open a closed account again."""
+    opened(database, server).call("change_account", name=name, change=AccountChange(closed=False))
+    console.print(f"{name} is open")
+
+
+def _asked() -> str:
+    """A password, typed twice, or read from what is piped in."""
+    answer: str = typer.prompt("Password", hide_input=True, confirmation_prompt=True)
+    return answer

@@ -1,0 +1,57 @@
+"""Passwords of accounts: Argon2 hashes, and what a password must be."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from pwdlib import PasswordHash
+from pwdlib.exceptions import PwdlibError
+
+from service.errors import RequestError
+
+LEAST, MOST = 10, 256
+"""Characters of a password. Nothing else is asked of it but that it is not its owner's name (NIST SP 800-63B)."""
+MOST_OF_A_NAME = 64
+TAKEN = ("local",)
+"""Names of revisions that nobody signed."""
+
+
+@cache
+def _hasher() -> PasswordHash:
+    return PasswordHash.recommended()
+
+
+@cache
+def _nobodys() -> str:
+    """What passwords of names that are not there are compared with, so that they take as long."""
+    return _hasher().hash("nobody has this password")
+
+
+def checked_name(name: str) -> str:
+    """The name of a new account. RequestError."""
+    name = name.strip()
+    if not 0 < len(name) <= MOST_OF_A_NAME or not name.isprintable() or name in TAKEN:
+        raise RequestError(
+            "An account needs a name of its own.",
+            remedy=f"Give one of up to {MOST_OF_A_NAME} characters, such as kim; not {', '.join(TAKEN)}.",
+        )
+    return name
+
+
+def hashed(password: str, name: str) -> str:
+    """The hash that is kept of a new password. RequestError where it is too short, or the name."""
+    if not LEAST <= len(password) <= MOST or password.casefold() == name.casefold():
+        raise RequestError(
+            f"A password has {LEAST} to {MOST} characters, and is not the name.",
+            remedy="A few words in a row are easy to keep in mind.",
+        )
+    return _hasher().hash(password)
+
+
+def opens(password: str, kept: str | None) -> bool:
+    """Whether a password is the one whose hash is kept; it takes as long where none is."""
+    try:
+        right = _hasher().verify(password[: MOST + 1], kept or _nobodys())
+    except PwdlibError:
+        return False
+    return right and kept is not None

@@ -1,0 +1,111 @@
+"""The tokens that open a server to programs and other machines."""
+
+from __future__ import annotations
+
+import hashlib
+import secrets
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from typing import TYPE_CHECKING
+
+from sqlalchemy import delete, insert, select, update
+
+from service.errors import ConflictError, NotFoundError
+from service.storage.accounts import SCOPES, Account, Entry, account, entry_of, grant
+from service.storage.identifiers import now
+from service.storage.tables import token
+from service.storage.visits import session
+
+if TYPE_CHECKING:
+    from service.storage.database import Transaction
+
+_ANY = select(token.c.name).limit(1)
+_GRANTED = token.join(grant).outerjoin(account, grant.c.account == account.c.id)
+USED_HOURS = 1
+"""How precisely it is told when a token was used: reading is no writing."""
+
+
+@dataclass(frozen=True)
+class TokenSummary:
+    """A token as it is listed. hint: its first characters; the token itself is not kept. account: whose it is. used:
+    about when it last was."""
+
+    name: str
+    hint: str
+    created: str
+    expires: str | None
+    scope: str
+    account: str | None
+    used: str | None
+
+
+class Tokens:
+    """Access tokens: `mcml_` and 32 random bytes, of which only the SHA-256 is kept."""
+
+    def __init__(self, tx: Transaction) -> None:
+        self._tx = tx
+
+    def add(
+        self, name: str, expires: str | None = None, *, scope: str = SCOPES[-1], owner: Account | None = None
+    ) -> str:
+        """A new token, in clear for the only time. ConflictError where the name is taken."""
+        if any(summary.name == name for summary in self.all()) or self._tx.accounts.find(name) is not None:
+            raise ConflictError(f"There is a token {name!r} already.", remedy="Choose another name or revoke that one.")
+        secret = f"mcml_{secrets.token_urlsafe(32)}"
+        row = {"name": name, "sha256": _digest(secret), "hint": secret[:9], "created": now(), "expires": expires}
+        key = self._tx.insert_row(token, **row)
+        whose = None if owner is None else owner.key
+        self._tx.connection.execute(insert(grant).values(token=key, scope=scope, account=whose))
+        return secret
+
+    def all(self) -> list[TokenSummary]:
+        """By name."""
+        columns = (token.c.name, token.c.hint, token.c.created, token.c.expires, grant.c.scope)
+        wanted = select(*columns, account.c.name.label("account"), grant.c.used).select_from(_GRANTED)
+        return [TokenSummary(*row) for row in self._tx.connection.execute(wanted.order_by(token.c.name))]
+
+    def exist(self) -> bool:
+        """Whether there is any token, an expired one too."""
+        return bool(self._tx.rows(_ANY))
+
+    def remove(self, name: str) -> None:
+        """NotFoundError."""
+        # Sessions that it was exchanged for end with it.
+        its = select(token.c.id).where(token.c.name == name).scalar_subquery()
+        self._tx.connection.execute(delete(session).where(session.c.token == its))
+        self._tx.connection.execute(delete(grant).where(grant.c.token == its))
+        if not self._tx.connection.execute(delete(token).where(token.c.name == name)).rowcount:
+            raise NotFoundError(f"There is no token {name!r}.", remedy="See `mcml token list`.")
+
+    def entry(self, secret: str) -> Entry | None:
+        """Who comes in by the token with this secret, None where it is unknown or has expired."""
+        whose = account.c.name.label("account"), account.c.role, account.c.closed
+        wanted = select(token.c.name, token.c.expires, grant.c.scope, *whose).select_from(_GRANTED)
+        row = self._tx.connection.execute(wanted.where(token.c.sha256 == _digest(secret))).one_or_none()
+        if row is None or (row.expires is not None and row.expires < now()):
+            return None
+        return entry_of(row.name, row.scope, row)
+
+    def name(self, secret: str) -> str | None:
+        """The name of the token with this secret."""
+        wanted = select(token.c.name).where(token.c.sha256 == _digest(secret))
+        return self._tx.connection.execute(wanted).scalar_one_or_none()
+
+    def was_used(self, secret: str) -> bool:
+        """Whether it is noted that it was used within the last hour."""
+        its = select(grant.c.used).join(token).where(token.c.sha256 == _digest(secret))
+        used = self._tx.connection.execute(its).scalar_one_or_none()
+        return used is not None and used >= _before(timedelta(hours=USED_HOURS))
+
+    def note_use(self, secret: str) -> None:
+        """Note that it was used now."""
+        its = select(token.c.id).where(token.c.sha256 == _digest(secret)).scalar_subquery()
+        self._tx.connection.execute(update(grant).where(grant.c.token == its).values(used=now()))
+
+
+def _before(ago: timedelta) -> str:
+    return (datetime.now(UTC) - ago).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def _digest(secret: str) -> str:
+    return hashlib.sha256(secret.encode()).hexdigest()

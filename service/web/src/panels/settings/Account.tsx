@@ -1,0 +1,141 @@
+/** Who one is here, one's tokens; and for owners, the people of the repository. */
+import type { ComponentChildren } from "preact";
+import { useState } from "preact/hooks";
+import { ask, get, type Schemas } from "../../api/client";
+import { copyText } from "../../shell/App";
+import { note, refuse } from "../../state/notes";
+import { language } from "../../state/settings";
+import { AskName } from "../../ui/AskName";
+import { Trouble } from "../../ui/Trouble";
+import { useAsync } from "../../ui/useAsync";
+import { w, when, type Word } from "../../words";
+
+const day = (iso: string): string => new Intl.DateTimeFormat(language.value, { dateStyle: "medium" }).format(new Date(iso));
+const ROLES = ["reader", "editor", "owner"] as const;
+const SCOPES = ["read", "edit", "operate"] as const;
+const ROLE_WORDS: Record<string, Word> = { reader: "roleReader", editor: "roleEditor", owner: "roleOwner" };
+const SCOPE_WORDS: Record<string, Word> = { read: "scopeRead", edit: "scopeEdit", operate: "scopeOperate" };
+
+export function Account() {
+  const me = useAsync((signal) => get("/account", { signal }), []);
+  if (!me.value) return <Trouble error={me.error} retry={me.again} />;
+  const { name, role, rights } = me.value;
+  const leave = () => void ask("delete", "/session").then(() => location.assign("/login"), refuse);
+  return (
+    <>
+      <h2>{w("account")}</h2>
+      <p class="row wrap"><span>{role ? w("signedIn", { name, role: w(ROLE_WORDS[role]) }) : w("noAccount", { name })}</span>{role && <button type="button" class="button" onClick={leave}>{w("signOut")}</button>}</p>
+      {role && <Password />}
+      <Tokens scopes={SCOPES.filter((scope) => rights.includes(scope))} />
+      {rights.includes("operate") && <People me={name} />}
+    </>
+  );
+}
+
+function Password() {
+  const [given, setGiven] = useState({ current: "", next: "" });
+  const change = async (event: Event) => {
+    event.preventDefault();
+    try {
+      await ask("put", "/account/password", { body: { current: given.current, new: given.next } });
+      location.assign("/login");
+    } catch (error) {
+      refuse(error);
+    }
+  };
+  return (
+    <details class="account-part"><summary>{w("changePassword")}</summary>
+      <form class="row wrap" onSubmit={(event) => void change(event)}>
+        <label>{w("currentPassword")} <input class="field" type="password" autocomplete="current-password" required value={given.current} onInput={(event) => setGiven({ ...given, current: event.currentTarget.value })} /></label>
+        <label>{w("newPassword")} <input class="field" type="password" autocomplete="new-password" minLength={10} maxLength={256} required value={given.next} onInput={(event) => setGiven({ ...given, next: event.currentTarget.value })} /></label>
+        <button class="button primary">{w("change")}</button>
+        <span class="dim">{w("passwordHelp")}</span>
+      </form>
+    </details>
+  );
+}
+
+function Tokens({ scopes }: { scopes: (typeof SCOPES)[number][] }) {
+  const tokens = useAsync((signal) => get("/tokens", { signal }), []);
+  const [asked, setAsked] = useState(false);
+  const [scope, setScope] = useState<(typeof SCOPES)[number]>("read");
+  const [made, setMade] = useState<Schemas["TokenMade"] | null>(null);
+  const add = async (name: string) => {
+    setMade(await ask("post", "/tokens", { body: { name, scope, days: 90 } }));
+    tokens.again();
+  };
+  const end = (name: string) => void ask("delete", "/tokens/{name}", { path: { name } }).then(tokens.again, refuse);
+  return (
+    <section>
+      <h3>{w("tokens")}</h3>
+      <p class="dim">{w("tokensHelp")}</p>
+      {made && <Secret text={made.token} label={w("tokenMade", { name: made.name })} />}
+      <Table head={[w("name"), w("mayDo"), w("expires"), w("lastUsed"), ""]} rows={(tokens.value?.items ?? []).map((one) => [
+        <span key="n">{one.name} <span class="dim">{one.hint}…{one.account && ` · ${one.account}`}</span></span>, w(SCOPE_WORDS[one.scope]), one.expires ? day(one.expires) : w("never"), one.used ? when(one.used) : w("never"),
+        <button key="b" type="button" class="button dense" onClick={() => end(one.name)}>{w("revoke")}</button>,
+      ])} />
+      <p class="row wrap">
+        <select class="field" aria-label={w("mayDo")} value={scope} onChange={(event) => setScope(event.currentTarget.value as typeof scope)}>{scopes.map((one) => <option key={one} value={one}>{w(SCOPE_WORDS[one])}</option>)}</select>
+        <button type="button" class="button" onClick={() => setAsked(true)}>{w("makeToken")}</button>
+      </p>
+      {asked && <AskName title={w("makeToken")} onName={add} onClose={() => setAsked(false)} />}
+    </section>
+  );
+}
+
+function People({ me }: { me: string }) {
+  const people = useAsync((signal) => get("/accounts", { signal }), []);
+  const open = useAsync((signal) => get("/invitations", { signal }), []);
+  const [role, setRole] = useState<(typeof ROLES)[number]>("editor");
+  const [link, setLink] = useState("");
+  const change = async (name: string, body: Schemas["AccountChange"]) => {
+    try {
+      await ask("patch", "/accounts/{name}", { path: { name }, body });
+      note(w("accountChanged", { name }));
+    } catch (error) {
+      refuse(error);
+    }
+    people.again();
+  };
+  const invite = async () => {
+    try {
+      const made = await ask("post", "/invitations", { body: { role, hours: 72 } });
+      setLink(location.origin + made.path);
+      open.again();
+    } catch (error) {
+      refuse(error);
+    }
+  };
+  const takeBack = (number: number) => void ask("delete", "/invitations/{number}", { path: { number } }).then(open.again, refuse);
+  const roles = (label: string, value: string, set: (next: (typeof ROLES)[number]) => void) => (
+    <select class="field" aria-label={label} value={value} onChange={(event) => set(event.currentTarget.value as (typeof ROLES)[number])}>{ROLES.map((one) => <option key={one} value={one}>{w(ROLE_WORDS[one])}</option>)}</select>
+  );
+  return (
+    <section>
+      <h3>{w("people")}</h3>
+      <Trouble error={people.error} retry={people.again} />
+      <Table head={[w("name"), w("role"), w("since"), ""]} rows={(people.value?.items ?? []).map((one) => [
+        <span key="n" class={one.closed ? "dim" : ""}>{one.name}{one.closed && ` · ${w("accountClosed")}`}</span>, roles(w("roleOf", { name: one.name }), one.role, (next) => void change(one.name, { role: next })), when(one.created),
+        one.name === me ? "" : <button key="b" type="button" class="button dense" onClick={() => void change(one.name, { closed: !one.closed })}>{w(one.closed ? "reopenAccount" : "closeAccount")}</button>,
+      ])} />
+      <p class="row wrap">{roles(w("role"), role, setRole)}<button type="button" class="button" onClick={() => void invite()}>{w("invite")}</button><span class="dim">{w("inviteHelp")}</span></p>
+      {link && <Secret text={link} label={w("invitationMade")} />}
+      {(open.value?.items ?? []).length > 0 && <Table head={[w("invitations"), w("role"), w("expires"), ""]} rows={(open.value?.items ?? []).map((one) => [
+        w("invitedBy", { name: one.author }), w(ROLE_WORDS[one.role]), day(one.expires), <button key="b" type="button" class="button dense" onClick={() => takeBack(one.number)}>{w("revoke")}</button>,
+      ])} />}
+    </section>
+  );
+}
+
+/** What is shown this once. */
+function Secret({ text, label }: { text: string; label: string }) {
+  return <p class="row wrap account-secret"><span>{label}</span><code>{text}</code><button type="button" class="button dense" onClick={() => void copyText(text, w("copied"))}>{w("copy")}</button></p>;
+}
+
+function Table({ head, rows }: { head: string[]; rows: ComponentChildren[][] }) {
+  if (!rows.length) return null;
+  return (
+    <table class="account-table"><thead><tr>{head.map((one, at) => <th key={at}>{one}</th>)}</tr></thead>
+      <tbody>{rows.map((cells, row) => <tr key={row}>{cells.map((cell, at) => <td key={at}>{cell}</td>)}</tr>)}</tbody></table>
+  );
+}
