@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -14,6 +14,7 @@ from service.actions.keeping.keep_room import compact_store, prune_history
 from service.actions.keeping.keep_store import backup, restore
 from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
 from service.errors import McmlError
+from service.storage.identifiers import now
 
 
 def upgrade(database: DatabaseOption = None) -> None:
@@ -122,7 +123,7 @@ def token_add(
     """Make a token. It is shown once."""
     expires = None
     if days:
-        expires = (datetime.now(UTC) + timedelta(days=days)).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+        expires = now(timedelta(days=days))
     with open_database(chosen_settings(database)).write() as tx:
         owner = None if account is None else tx.accounts.get(account)
         secret = tx.tokens.add(name, expires, scope=scope, owner=owner)

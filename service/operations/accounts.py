@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -115,8 +115,7 @@ def add_token(call: Call, request: TokenRequest) -> TokenMade:
         )
     expires = None
     if request.days:
-        until = datetime.now(UTC) + timedelta(days=request.days)
-        expires = until.isoformat(timespec="milliseconds").replace("+00:00", "Z")
+        expires = now(timedelta(days=request.days))
     with call.database.write(call.author) as tx:
         owner = None if call.account is None else tx.accounts.get(call.account)
         return TokenMade(

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 from typing import TYPE_CHECKING, Any, Final
 
 from sqlalchemy import Column, ForeignKey, String, Table, Text, UniqueConstraint, delete, insert, select, update
 
 from service.errors import ConflictError, NotFoundError
-from service.storage.identifiers import now, stored_form
+from service.storage.identifiers import digest_of, now, stored_form
 from service.storage.schema import KEY, NAME, metadata
 
 if TYPE_CHECKING:
@@ -156,8 +155,7 @@ class Accounts:
         """The secret of an invitation to an account of a role."""
         self._tx.connection.execute(delete(invitation).where(invitation.c.expires < now()))
         secret = secrets.token_urlsafe(32)
-        expires = (datetime.now(UTC) + lasts).isoformat(timespec="milliseconds").replace("+00:00", "Z")
-        row = {"sha256": _digest(secret), "role": role, "author": author, "created": now(), "expires": expires}
+        row = {"sha256": digest_of(secret), "role": role, "author": author, "created": now(), "expires": now(lasts)}
         self._tx.connection.execute(insert(invitation).values(**row))
         return secret
 
@@ -175,7 +173,7 @@ class Accounts:
 
     def accept(self, secret: str) -> str | None:
         """The role of an invitation, which is used up by this; None where there is none, or it is too old."""
-        its = invitation.c.sha256 == _digest(secret)
+        its = invitation.c.sha256 == digest_of(secret)
         role = self._tx.connection.execute(
             select(invitation.c.role).where(its, invitation.c.expires >= now())
         ).scalar_one_or_none()
@@ -183,7 +181,3 @@ class Accounts:
         if role is None or not self._tx.connection.execute(delete(invitation).where(its)).rowcount:
             return None
         return str(role)
-
-
-def _digest(secret: str) -> str:
-    return hashlib.sha256(secret.encode()).hexdigest()

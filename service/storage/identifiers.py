@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import time
 import unicodedata
 import uuid
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 
 def new_uuid() -> str:
@@ -17,9 +18,14 @@ def new_uuid() -> str:
     return str(uuid.UUID(int=value))
 
 
-def now() -> str:
-    """The time as ISO 8601 in UTC, to the millisecond."""
-    return datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+def now(later: timedelta = timedelta()) -> str:
+    """The time as ISO 8601 in UTC, to the millisecond; or what it will be later."""
+    return (datetime.now(UTC) + later).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def digest_of(secret: str) -> str:
+    """What is kept of a secret: random bytes need no salt."""
+    return hashlib.sha256(secret.encode()).hexdigest()
 
 
 def stored_form(name: str) -> str:

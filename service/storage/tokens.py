@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 import secrets
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 from typing import TYPE_CHECKING
 
 from sqlalchemy import delete, insert, select, update
 
 from service.errors import ConflictError, NotFoundError
 from service.storage.accounts import SCOPES, Account, Entry, account, entry_of, grant
-from service.storage.identifiers import now
+from service.storage.identifiers import digest_of, now
 from service.storage.tables import token
 from service.storage.visits import session
 
@@ -52,7 +51,7 @@ class Tokens:
         if any(summary.name == name for summary in self.all()) or self._tx.accounts.find(name) is not None:
             raise ConflictError(f"There is a token {name!r} already.", remedy="Choose another name or revoke that one.")
         secret = f"mcml_{secrets.token_urlsafe(32)}"
-        row = {"name": name, "sha256": _digest(secret), "hint": secret[:9], "created": now(), "expires": expires}
+        row = {"name": name, "sha256": digest_of(secret), "hint": secret[:9], "created": now(), "expires": expires}
         key = self._tx.insert_row(token, **row)
         whose = None if owner is None else owner.key
         self._tx.connection.execute(insert(grant).values(token=key, scope=scope, account=whose))
@@ -81,31 +80,23 @@ class Tokens:
         """Who comes in by the token with this secret, None where it is unknown or has expired."""
         whose = account.c.name.label("account"), account.c.role, account.c.closed
         wanted = select(token.c.name, token.c.expires, grant.c.scope, *whose).select_from(_GRANTED)
-        row = self._tx.connection.execute(wanted.where(token.c.sha256 == _digest(secret))).one_or_none()
+        row = self._tx.connection.execute(wanted.where(token.c.sha256 == digest_of(secret))).one_or_none()
         if row is None or (row.expires is not None and row.expires < now()):
             return None
         return entry_of(row.name, row.scope, row)
 
     def name(self, secret: str) -> str | None:
         """The name of the token with this secret."""
-        wanted = select(token.c.name).where(token.c.sha256 == _digest(secret))
+        wanted = select(token.c.name).where(token.c.sha256 == digest_of(secret))
         return self._tx.connection.execute(wanted).scalar_one_or_none()
 
     def was_used(self, secret: str) -> bool:
         """Whether it is noted that it was used within the last hour."""
-        its = select(grant.c.used).join(token).where(token.c.sha256 == _digest(secret))
+        its = select(grant.c.used).join(token).where(token.c.sha256 == digest_of(secret))
         used = self._tx.connection.execute(its).scalar_one_or_none()
-        return used is not None and used >= _before(timedelta(hours=USED_HOURS))
+        return used is not None and used >= now(-timedelta(hours=USED_HOURS))
 
     def note_use(self, secret: str) -> None:
         """Note that it was used now."""
-        its = select(token.c.id).where(token.c.sha256 == _digest(secret)).scalar_subquery()
+        its = select(token.c.id).where(token.c.sha256 == digest_of(secret)).scalar_subquery()
         self._tx.connection.execute(update(grant).where(grant.c.token == its).values(used=now()))
-
-
-def _before(ago: timedelta) -> str:
-    return (datetime.now(UTC) - ago).isoformat(timespec="milliseconds").replace("+00:00", "Z")
-
-
-def _digest(secret: str) -> str:
-    return hashlib.sha256(secret.encode()).hexdigest()

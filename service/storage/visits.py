@@ -5,10 +5,9 @@ Rows of both end by themselves: they carry no checksum.
 
 from __future__ import annotations
 
-import hashlib
 import secrets
 from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 from typing import TYPE_CHECKING
 
 from sqlalchemy import (
@@ -30,7 +29,7 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.sql import ColumnElement
 
 from service.storage.accounts import Account, Entry, account, entry_of, grant
-from service.storage.identifiers import now
+from service.storage.identifiers import digest_of, now
 from service.storage.schema import KEY, NAME, metadata
 from service.storage.tables import token
 
@@ -96,7 +95,7 @@ class Sessions:
         found = self._find("link", secret)
         if found is None:
             return None
-        self._tx.connection.execute(delete(session).where(session.c.sha256 == _digest(secret)))
+        self._tx.connection.execute(delete(session).where(session.c.sha256 == digest_of(secret)))
         return found.author
 
     def entry(self, secret: str) -> Entry | None:
@@ -105,7 +104,7 @@ class Sessions:
 
     def close(self, secret: str) -> None:
         """End a session."""
-        self._tx.connection.execute(delete(session).where(session.c.sha256 == _digest(secret)))
+        self._tx.connection.execute(delete(session).where(session.c.sha256 == digest_of(secret)))
 
     def end_all(self, account_key: int) -> None:
         """End all sessions of an account."""
@@ -114,8 +113,8 @@ class Sessions:
     def _add(self, kind: str, author: str, lasts: timedelta, **whose: int | None) -> str:
         self._tx.connection.execute(delete(session).where(session.c.expires < now()))
         secret = secrets.token_urlsafe(32)
-        row = {"sha256": _digest(secret), "kind": kind, "author": author, **whose}
-        self._tx.connection.execute(insert(session).values(**row, created=now(), expires=_moment(lasts)))
+        row = {"sha256": digest_of(secret), "kind": kind, "author": author, **whose}
+        self._tx.connection.execute(insert(session).values(**row, created=now(), expires=now(lasts)))
         return secret
 
     def _find(self, kind: str, secret: str) -> Entry | None:
@@ -133,7 +132,7 @@ class Sessions:
             .outerjoin(token, session.c.token == token.c.id)
             .outerjoin(grant, token.c.id == grant.c.token)
             .outerjoin(account, func.coalesce(session.c.account, grant.c.account) == account.c.id)
-            .where(session.c.sha256 == _digest(secret), session.c.kind == kind, session.c.expires >= now())
+            .where(session.c.sha256 == digest_of(secret), session.c.kind == kind, session.c.expires >= now())
         )
         row = self._tx.connection.execute(wanted).one_or_none()
         if row is None or (row.until is not None and row.until < now()):
@@ -162,7 +161,7 @@ class Requests:
 
     def begin(self, author: str, key: str, operation: str, digest: str) -> Remembered | None:
         """Note a request; None, or what is known of one that had this key before."""
-        self._tx.connection.execute(delete(request).where(request.c.created < _moment(-timedelta(hours=KEY_HOURS))))
+        self._tx.connection.execute(delete(request).where(request.c.created < now(-timedelta(hours=KEY_HOURS))))
         values = {"author": author, "key": key, "operation": operation, "digest": digest, "created": now()}
         try:
             with self._tx.connection.begin_nested():
@@ -184,11 +183,3 @@ class Requests:
 
 def _named(author: str, key: str) -> ColumnElement[bool]:
     return and_(request.c.author == author, request.c.key == key)
-
-
-def _digest(secret: str) -> str:
-    return hashlib.sha256(secret.encode()).hexdigest()
-
-
-def _moment(later: timedelta) -> str:
-    return (datetime.now(UTC) + later).isoformat(timespec="milliseconds").replace("+00:00", "Z")
