@@ -93,16 +93,52 @@ class Served:
             return np.frombuffer(answer.content, "<f8").reshape(shape)
 
 
-def blender(served: Served, folder: Path, *steps: Any) -> list[Any]:
-    """What each step answered, after the preferences are set."""
-    asked, out = folder / "asked.json", folder / "out.json"
-    steps = (("set_server", served.url, served.token), *steps)
-    asked.write_text(json.dumps({"addon": str(ADDON), "steps": steps, "out": str(out)}))
-    command = ["blender", "-b", "--factory-startup", "--python-exit-code", "3", "-P", str(SCRIPT), "--", str(asked)]
-    scripts = {"BLENDER_USER_SCRIPTS": str(folder / "scripts"), "BLENDER_USER_CONFIG": str(folder / "config")}
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **scripts})
-    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
-    return json.loads(out.read_text())[1:]
+class Blender:
+    """One in the background that runs the steps of test after test, each from factory settings: its start takes longer
+    than most of them."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.process: subprocess.Popen[str] | None = None
+
+    def __call__(self, served: Served, *steps: Any) -> list[Any]:
+        """What each step answered, after the preferences are set."""
+        if self.process is None:
+            self.process = self._start()
+        asked = {"addon": str(ADDON), "steps": [("set_server", served.url, served.token), *steps]}
+        try:
+            self.process.stdin.write(json.dumps(asked) + "\n")  # type: ignore[union-attr]
+            self.process.stdin.flush()  # type: ignore[union-attr]
+            answered: list[Any] = json.loads(self.answers.readline())
+        except BaseException:
+            self.close()  # The next test has another one.
+            print((self.folder / "log").read_text()[-6000:])
+            raise
+        return answered[1:]
+
+    def _start(self) -> subprocess.Popen[str]:
+        # Answers have a pipe of their own: Blender prints what it likes.
+        ours, theirs = os.pipe()
+        self.answers = os.fdopen(ours)
+        command = ["blender", "-b", "--factory-startup", "--python-exit-code", "3", "-P", str(SCRIPT)]
+        folders = {f"BLENDER_USER_{name}": str(self.folder / name.lower()) for name in ("SCRIPTS", "CONFIG")}
+        with open(self.folder / "log", "w") as log:
+            started = subprocess.Popen(
+                [*command, "--", str(theirs)], stdin=subprocess.PIPE, stdout=log, stderr=log, text=True,
+                pass_fds=[theirs], env={**os.environ, **folders},
+            )  # fmt: skip
+        os.close(theirs)
+        return started
+
+    def close(self) -> None:
+        if self.process is not None:
+            try:
+                self.process.communicate(timeout=5)  # seconds; it ends with its input
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+            self.answers.close()
+            self.process = None
 
 
 def in_blender(positions: np.ndarray, up: str, metres: float) -> np.ndarray:

@@ -1,9 +1,11 @@
-"""Run by Blender: uses the add-on as somebody would. Arguments: a JSON file with `addon`, `steps` and `out`.
+"""Run by Blender: uses the add-on as somebody would. Argument: the number of the file that is answered to.
 
-A step is [name, argument, …]; `out` becomes the list of what each answered. What operators refuse is their words.
+A line of the input is JSON with `addon` and `steps`; its answer is a line with the list of what each step answered. A
+step is [name, argument, …]. What operators refuse is their words.
 """
 
 import json
+import os
 import sys
 import urllib.request
 from unittest.mock import MagicMock
@@ -163,11 +165,12 @@ def request(method, address, body, headers):
         return answer.status
 
 
-with open(sys.argv[-1]) as stream:
-    asked = json.load(stream)
-bpy.ops.preferences.addon_install(filepath=asked["addon"])
-bpy.ops.preferences.addon_enable(module="mcml_repository")
-answers = [globals()[name](*arguments) for name, *arguments in asked["steps"]]
-bpy.ops.preferences.addon_disable(module="mcml_repository")
-with open(asked["out"], "w") as stream:
-    json.dump(answers, stream)
+with os.fdopen(int(sys.argv[-1]), "w", buffering=1) as answers:
+    for line in sys.stdin:
+        asked = json.loads(line)
+        bpy.ops.wm.read_factory_settings()
+        bpy.ops.preferences.addon_install(filepath=asked["addon"])
+        bpy.ops.preferences.addon_enable(module="mcml_repository")
+        done = [globals()[name](*arguments) for name, *arguments in asked["steps"]]
+        bpy.ops.preferences.addon_disable(module="mcml_repository")
+        print(json.dumps(done), file=answers)

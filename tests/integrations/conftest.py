@@ -10,7 +10,7 @@ from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
 from tests.api.test_doors import listening
-from tests.integrations.addon import Served
+from tests.integrations.addon import Blender, Served
 
 
 @pytest.fixture
@@ -26,3 +26,10 @@ def repository(sqlite_template: Path, tmp_path: Path) -> Iterator[Served]:
     with listening(create_app(settings, database)) as port:
         yield Served(f"http://127.0.0.1:{port}", token)
     database.close()
+
+
+@pytest.fixture(scope="module")
+def blender(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Blender]:
+    started = Blender(tmp_path_factory.mktemp("blender"))
+    yield started
+    started.close()

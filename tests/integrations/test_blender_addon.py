@@ -8,18 +8,17 @@ import numpy as np
 import pytest
 
 from tests.builders import ASF, HTR, TRC, amc, bvh, c3d_file
-from tests.integrations.addon import Served, away, blender, mixed
+from tests.integrations.addon import Blender, Served, away, mixed
 
 NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")
 
 
-def test_documents_are_listed_and_imported(repository: Served, tmp_path: Path) -> None:
+def test_documents_are_listed_and_imported(repository: Served, blender: Blender) -> None:
     document = repository.upload({"mixed.bvh": mixed()})
     for number in range(54):
         repository.upload({f"clip{number}.bvh": bvh(3, seed=number)})
     listed, following, back, searched, imported, found, rate, figures, again, one = blender(
         repository,
-        tmp_path,
         ("list_documents",),
         ("list_documents", "", "next"),
         ("list_documents", "", "previous"),
@@ -44,11 +43,11 @@ def test_documents_are_listed_and_imported(repository: Served, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("unit", [{}, {"unit": "in", "up": "Z"}, {"unit": "cm", "up": "X"}])
-def test_unit_and_up_axis_are_those_of_the_figure(repository: Served, tmp_path: Path, unit: dict[str, str]) -> None:
+def test_unit_and_up_axis_are_those_of_the_figure(repository: Served, blender: Blender, unit: dict[str, str]) -> None:
     document = repository.upload({"mixed.bvh": mixed()})
     with repository.client() as client:
         client.patch(f"/documents/{document}", json=unit, headers={"if-match": "*"}).raise_for_status()
-    _, _, found = blender(repository, tmp_path, ("list_documents",), ("import_clip", 0), ("positions",))
+    _, _, found = blender(repository, ("list_documents",), ("import_clip", 0), ("positions",))
     assert away(repository, document, found) < 1e-5
 
 
@@ -61,10 +60,10 @@ OTHERS = {
 
 
 @pytest.mark.parametrize("name", OTHERS)
-def test_other_conventions_are_imported_and_not_sent(repository: Served, tmp_path: Path, name: str) -> None:
+def test_other_conventions_are_imported_and_not_sent(repository: Served, blender: Blender, name: str) -> None:
     document = repository.upload(OTHERS[name])
     _, imported, found, refused = blender(
-        repository, tmp_path, ("list_documents",), ("import_clip", 0), ("positions",), ("send",)
+        repository, ("list_documents",), ("import_clip", 0), ("positions",), ("send",)
     )
     assert imported == "FINISHED"
     assert away(repository, document, found) < 1e-5
@@ -76,11 +75,9 @@ REAL = ("bvh/bandai/dataset-1_bow_old_001.bvh", "htr/xbot_walking.HTR", "c3d/bod
 
 
 @pytest.mark.parametrize("name", REAL, ids=lambda name: name.partition("/")[0])
-def test_real_clips_are_imported(repository: Served, shared: Path, tmp_path: Path, name: str) -> None:
+def test_real_clips_are_imported(repository: Served, shared: Path, blender: Blender, name: str) -> None:
     document = repository.upload({Path(name).name: (shared / name).read_bytes()})
-    _, imported, found, _ = blender(
-        repository, tmp_path, ("list_documents",), ("import_clip", 0), ("positions",), ("send",)
-    )
+    _, imported, found, _ = blender(repository, ("list_documents",), ("import_clip", 0), ("positions",), ("send",))
     assert imported == "FINISHED"
     distance = away(repository, document, found)
     print(f"{distance:.2g}")
@@ -88,12 +85,11 @@ def test_real_clips_are_imported(repository: Served, shared: Path, tmp_path: Pat
     assert repository.get(f"/documents/{document}")["revision"] == 1, "nothing was edited"
 
 
-def test_runs_become_actions(repository: Served, tmp_path: Path) -> None:
+def test_runs_become_actions(repository: Served, blender: Blender) -> None:
     first = repository.upload({"a.bvh": bvh(30, names=NAMES)}, label=["walk:3-9", "walk:20-20"])
     repository.upload({"b.bvh": bvh(40, seed=1, names=NAMES)}, label=["walk:1-40"])
     runs, actions, figures, _, found, none, bones, wrong = blender(
         repository,
-        tmp_path,
         ("import_runs", "//frame[motion_name='walk']"),
         ("actions",),
         ("figures",),
@@ -114,14 +110,13 @@ def test_runs_become_actions(repository: Served, tmp_path: Path) -> None:
     assert wrong["listed"].startswith("Error: ")
 
 
-def test_runs_are_those_that_were_listed(repository: Served, tmp_path: Path) -> None:
+def test_runs_are_those_that_were_listed(repository: Served, blender: Blender) -> None:
     document = repository.upload({"a.bvh": bvh(30, names=NAMES)}, label=["walk:12-19"])
     address = f"{repository.url}/api/v1/documents/{document}/frames"
     headers = {**repository.headers(), "if-match": "*", "content-type": "application/json"}
     cut = {"edits": [{"do": "delete", "first": 1, "last": 10}]}
     *_, imported, found, refused = blender(
         repository,
-        tmp_path,
         ("import_runs", "//frame[motion_name='walk']"),
         ("request", "POST", address, cut, headers),
         ("import_listed_runs",),
@@ -134,7 +129,7 @@ def test_runs_are_those_that_were_listed(repository: Served, tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("translation", ["absolute", "relative"])
-def test_edits_go_back_as_one_revision(repository: Served, tmp_path: Path, translation: str) -> None:
+def test_edits_go_back_as_one_revision(repository: Served, blender: Blender, translation: str) -> None:
     document = repository.upload({"mixed.bvh": mixed()}, label=["walk:11-30"], translation=translation)
     said = repository.get(f"/documents/{document}/skeleton")["bones"][0]["translation"]
     assert said == translation
@@ -144,7 +139,6 @@ def test_edits_go_back_as_one_revision(repository: Served, tmp_path: Path, trans
     spine, neck = names[6], names[9]
     _, found, unchanged, *_, sent, revision, again = blender(
         repository,
-        tmp_path,
         ("import_runs", "//frame[motion_name='walk']"),
         ("positions",),
         ("send",),
@@ -173,14 +167,13 @@ def test_edits_go_back_as_one_revision(repository: Served, tmp_path: Path, trans
     assert repository.get(f"/documents/{document}")["revision"] == 2
 
 
-def test_any_names_go_there_and_back(repository: Served, tmp_path: Path) -> None:
+def test_any_names_go_there_and_back(repository: Served, blender: Blender) -> None:
     names = ('a"b]', "back\\slash", "é" * 80, "é" * 80 + "b", "Hips.001")
     document = repository.upload({"odd.bvh": bvh(5, names=names)})
     before = repository.numbers(document)
     columns = repository.get(f"/documents/{document}/skeleton")["columns"]
     *_, sent = blender(
         repository,
-        tmp_path,
         ("list_documents",),
         ("import_clip", 0),
         *(("edit_nth", number, "rotation_euler", 0, [2], 0.125 * number) for number in range(1, 5)),
@@ -193,9 +186,9 @@ def test_any_names_go_there_and_back(repository: Served, tmp_path: Path) -> None
     np.testing.assert_allclose(repository.numbers(document), wanted, atol=2e-5)
 
 
-def test_the_panel_shows_what_there_is(repository: Served, tmp_path: Path) -> None:
+def test_the_panel_shows_what_there_is(repository: Served, blender: Blender) -> None:
     repository.upload({"walk.bvh": bvh(24, names=NAMES)})
-    _, shown = blender(repository, tmp_path, ("list_documents",), ("draw",))
+    _, shown = blender(repository, ("list_documents",), ("draw",))
     assert shown["operators"] == shown["known"]
     assert set(shown["known"]) == {"list", "import_clip", "list_runs", "import_runs", "send"}
     assert shown["lists"] == [1, 0]
@@ -204,14 +197,13 @@ def test_the_panel_shows_what_there_is(repository: Served, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("mode", ["QUATERNION", "XZY"])
-def test_a_bone_may_turn_otherwise(repository: Served, tmp_path: Path, mode: str) -> None:
+def test_a_bone_may_turn_otherwise(repository: Served, blender: Blender, mode: str) -> None:
     document = repository.upload({"mixed.bvh": mixed()})
     before = repository.numbers(document)
     skeleton = repository.get(f"/documents/{document}/skeleton")
     spine = skeleton["bones"][1]["name"]
     *_, sent, _, found = blender(
         repository,
-        tmp_path,
         ("list_documents",),
         ("import_clip", 0),
         ("to_mode", spine, mode),
@@ -228,12 +220,11 @@ def test_a_bone_may_turn_otherwise(repository: Served, tmp_path: Path, mode: str
     assert away(repository, document, found) < 1e-5
 
 
-def test_channels_without_a_curve_stay(repository: Served, tmp_path: Path) -> None:
+def test_channels_without_a_curve_stay(repository: Served, blender: Blender) -> None:
     document = repository.upload({"mixed.bvh": mixed()})
     spine = repository.get(f"/documents/{document}/skeleton")["bones"][1]["name"]
     *_, sent, revision = blender(
         repository,
-        tmp_path,
         ("list_documents",),
         ("import_clip", 0),
         ("delete_curves", spine),
@@ -243,19 +234,19 @@ def test_channels_without_a_curve_stay(repository: Served, tmp_path: Path) -> No
     assert (sent, revision) == ("FINISHED", 1)
 
 
-def test_what_the_document_cannot_hold_is_refused(repository: Served, tmp_path: Path) -> None:
+def test_what_the_document_cannot_hold_is_refused(repository: Served, blender: Blender) -> None:
     document = repository.upload({"mixed.bvh": mixed()})
     bones = repository.get(f"/documents/{document}/skeleton")["bones"]
     leg = next(bone["name"] for bone in bones if bone["channels"] == ["Rx"])
     start = (("list_documents",), ("import_clip", 0))
     for path, word in (("location", "moved"), ("rotation_euler", "turned"), ("scale", "scaled")):
-        *_, said = blender(repository, tmp_path, *start, ("key", leg, path, 1, 4, 0.5), ("send",))
+        *_, said = blender(repository, *start, ("key", leg, path, 1, 4, 0.5), ("send",))
         assert f"{leg} is {word}" in said
         assert "Nothing was sent" in said
     assert repository.get(f"/documents/{document}")["revision"] == 1
 
 
-def test_conflicts_are_told(repository: Served, tmp_path: Path) -> None:
+def test_conflicts_are_told(repository: Served, blender: Blender) -> None:
     document = repository.upload({"walk.bvh": bvh(10, names=NAMES)})
     address = f"{repository.url}/api/v1/documents/{document}"
     headers = {**repository.headers(), "if-match": "*", "content-type": "application/json"}
@@ -263,7 +254,6 @@ def test_conflicts_are_told(repository: Served, tmp_path: Path) -> None:
     values = {"columns": ["Root.Rx"], "values": [[12.5]]}
     *_, first, revision, _, _, refused, _ = blender(
         repository,
-        tmp_path,
         ("list_documents",),
         ("import_clip", 0),
         ("request", "POST", f"{address}/labels", label, headers),
@@ -281,11 +271,10 @@ def test_conflicts_are_told(repository: Served, tmp_path: Path) -> None:
     assert repository.get(f"/documents/{document}")["revision"] == 4
 
 
-def test_wrong_tokens_and_servers_are_told(repository: Served, tmp_path: Path) -> None:
+def test_wrong_tokens_and_servers_are_told(repository: Served, blender: Blender) -> None:
     repository.upload({"walk.bvh": bvh(3, names=NAMES)})
     _, wrong, _, nobody, _, nonsense, _, _, _, _, elsewhere = blender(
         repository,
-        tmp_path,
         ("set_server", repository.url, "mcml_wrong"),
         ("list_documents",),
         ("set_server", "http://127.0.0.1:9", ""),
