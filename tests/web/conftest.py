@@ -81,12 +81,12 @@ class Served:
             return answer.json()
 
 
-def serve(folder: Path, *, closed: bool) -> Iterator[Served]:
-    """A server on an SQLite store in a folder. closed: it asks everybody for a token."""
+def serve(store: Path, folder: Path, *, closed: bool) -> Iterator[Served]:
+    """A server on a copy of an SQLite store in a folder. closed: it asks everybody for a token."""
     assert (STATIC / "index.html").is_file(), "the studio is not built: make web"
     settings = Settings(database=f"sqlite:///{folder}/store.db", host="127.0.0.1", login="always" if closed else "auto")
+    shutil.copy(store, folder / "store.db")
     database = Database(settings.database_url)
-    database.migrate()
     token = None
     if closed:
         with database.write("test") as tx:
@@ -110,9 +110,9 @@ def serve(folder: Path, *, closed: bool) -> Iterator[Served]:
 
 
 @pytest.fixture(params=["open", "session"])
-def studio(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Served]:
+def studio(request: pytest.FixtureRequest, sqlite_template: Path, tmp_path: Path) -> Iterator[Served]:
     """A server with an empty store: open as a personal one, or asking for a session."""
-    yield from serve(tmp_path, closed=request.param == "session")
+    yield from serve(sqlite_template, tmp_path, closed=request.param == "session")
 
 
 one_door = pytest.mark.parametrize("studio", [pytest.param("open", marks=pytest.mark.fuzz), "session"], indirect=True)
@@ -120,8 +120,8 @@ one_door = pytest.mark.parametrize("studio", [pytest.param("open", marks=pytest.
 
 
 @pytest.fixture
-def open_studio(tmp_path: Path) -> Iterator[Served]:
-    yield from serve(tmp_path, closed=False)
+def open_studio(sqlite_template: Path, tmp_path: Path) -> Iterator[Served]:
+    yield from serve(sqlite_template, tmp_path, closed=False)
 
 
 @dataclass

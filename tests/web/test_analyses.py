@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -49,9 +50,9 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_an_analysis_that_is_added_has_a_form_and_results(
-    toy: None, visit_of: Any, tmp_path_factory: pytest.TempPathFactory
+    toy: None, visit_of: Any, sqlite_template: Path, tmp_path: Path
 ) -> None:
-    for served in serve(tmp_path_factory.mktemp("toy"), closed=False):
+    for served in serve(sqlite_template, tmp_path, closed=False):
         served.upload("stride.bvh", walk(30), project="Gait")
         with served.database.write("kim") as tx:
             key, _uuid = tx.results.add(tx.projects.get_or_add("Gait"), "strides", "old strides", "kim", [], {}, {})

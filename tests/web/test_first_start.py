@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,8 +16,7 @@ expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 @pytest.fixture(params=["open", "session"])
 def demo_studio(demo_library: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Served]:
-    shutil.copy(demo_library, tmp_path / "store.db")
-    yield from serve(tmp_path, closed=request.param == "session")
+    yield from serve(demo_library, tmp_path, closed=request.param == "session")
 
 
 def test_the_first_start(demo_studio: Served, visit_of: Any) -> None:

@@ -31,9 +31,9 @@ SIZES = {"wide": (1920, 1080), "narrow": (420, 800)}
 
 
 @pytest.fixture(scope="module")
-def filled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, dict[str, str]]]:
+def filled(sqlite_template: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, dict[str, str]]]:
     """A server with a few clips, and the addresses of all pages."""
-    for served in serve(tmp_path_factory.mktemp("pages"), closed=False):
+    for served in serve(sqlite_template, tmp_path_factory.mktemp("pages"), closed=False):
         one = served.upload(
             "stride.bvh", walk(90), label="left-leg-flexion:10-40", property="age=23 year", project="Gait"
         )
