@@ -12,6 +12,7 @@ from service.motion.bodies.poses import NEEDS, at_rate, motion_distances, pose_d
 from service.motion.skeleton import Array, Convention
 from service.storage.database import Database
 from tests.builders import TRC, bvh, one_kind, store
+from tests.conftest import StoreOf
 from tests.motion.bodies.made import PARTS, person
 from tests.xpath.motion_twin import Document, read_documents
 from tests.xpath.test_motion_functions import files_of
@@ -21,16 +22,32 @@ ALMOST = 1e-5
 LEGS = [name for name in PARTS if name == "Root" or name.endswith(("leg", "foot"))]
 
 
-@pytest.fixture
-def documents(database: Database) -> list[Document]:
+def fill(client: Any) -> list[Document]:
     """People of several formats and rates, some of whom lack joints, and what cannot be compared: among these the one
     of an ASF whose hips no name tells."""
+    database: Database = client.app.state.repository.database
     store(database, {"a.bvh": person(1, 90), "b.bvh": person(2, 40, 1 / 30), "c.bvh": person(3, 70)})
     store(database, files_of(Convention.FIXED, "d", person(4, 50)))
     store(database, files_of(Convention.BASE, "e", person(5, 60, 1 / 30)))
     armless = person(6, 80).replace(b"left_low_arm", b"tail").replace(b"neck1", b"hat")
     store(database, {"f.bvh": armless, "none.bvh": bvh(0), "few.bvh": bvh(9), "t.trc": TRC})
     return read_documents(database)
+
+
+@pytest.fixture
+def library(kind: str, store_of: StoreOf) -> tuple[TestClient, list[Document]]:
+    """For tests that only read."""
+    return store_of(kind, fill)
+
+
+@pytest.fixture
+def client(library: tuple[TestClient, list[Document]]) -> TestClient:
+    return library[0]
+
+
+@pytest.fixture
+def documents(library: tuple[TestClient, list[Document]]) -> list[Document]:
+    return library[1]
 
 
 def alike(client: TestClient, **asked: Any) -> Any:
