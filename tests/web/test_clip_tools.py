@@ -79,7 +79,8 @@ def test_clips_are_compared_in_step_and_left(visit: Visit, studio: Served) -> No
     compared.get_by_role("button", name="by span").click()
     expect_other_picture(page, before)
     compared.get_by_role("button", name="Laid over").click()
-    page.wait_for_url(re.compile(f"cmp={two}&cmpsync=span&cmpas=over"))
+    # The camera is kept there too, when it has come to rest.
+    page.wait_for_url(re.compile(f"cmp={two}&(cam=[^&]*&)?cmpsync=span&cmpas=over"))
     page.reload()
     ready(page)
     expect(compared.get_by_role("listitem")).to_have_count(2)
