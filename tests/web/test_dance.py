@@ -273,9 +273,9 @@ def drift(page: Any, seconds: float) -> None:
 
 
 def test_a_dance_plays_in_step_with_its_clicks(bench: Any) -> None:
-    """Twenty seconds; three minutes in `make fuzz`."""
-    make(bench, Bars="11", Tempo="120")
-    drift(bench, 20)
+    """Ten seconds; three minutes in `make fuzz`."""
+    make(bench, Bars="6", Tempo="120")
+    drift(bench, 10)
 
 
 @pytest.mark.fuzz(seeds=1)
