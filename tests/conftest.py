@@ -56,6 +56,12 @@ def pytest_configure(config: pytest.Config) -> None:
         settings.load_profile("fuzz")
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    # One more than processors: tests wait for browsers, databases and programs that they start.
+    return (os.cpu_count() or 1) + 1
+
+
 def pytest_report_header(config: pytest.Config) -> str:
     return f"the same seeds again: make fuzz SEED={fuzz.SEED}" if fuzz.asked_for(config) else ""
 
