@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from threading import BoundedSemaphore
 
 from pwdlib import PasswordHash
 from pwdlib.exceptions import PwdlibError
@@ -12,6 +13,8 @@ from service.errors import RequestError
 LEAST, MOST = 10, 256
 """Characters of a password. Nothing else is asked of it but that it is not its owner's name (NIST SP 800-63B)."""
 MOST_OF_A_NAME = 64
+_AT_ONCE = BoundedSemaphore(2)
+"""A hash takes 64 MiB while it is made: many logins wait for each other, not for memory."""
 TAKEN = ("local",)
 """Names of revisions that nobody signed."""
 
@@ -45,13 +48,15 @@ def hashed(password: str, name: str) -> str:
             f"A password has {LEAST} to {MOST} characters, and is not the name.",
             remedy="A few words in a row are easy to keep in mind.",
         )
-    return _hasher().hash(password)
+    with _AT_ONCE:
+        return _hasher().hash(password)
 
 
 def opens(password: str, kept: str | None) -> bool:
     """Whether a password is the one whose hash is kept; it takes as long where none is."""
     try:
-        right = _hasher().verify(password[: MOST + 1], kept or _nobodys())
+        with _AT_ONCE:
+            right = _hasher().verify(password[: MOST + 1], kept or _nobodys())
     except PwdlibError:
         return False
     return right and kept is not None

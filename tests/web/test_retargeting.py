@@ -25,11 +25,13 @@ def test_options_and_the_frames_of_the_report(open_studio: Served, visit_of: Any
     page = visit_of(open_studio).open(f"/retarget?from={walked}&to={tall}")
     page.get_by_text("Options").click()
     page.get_by_label("Match the rest poses").check()
-    with page.expect_request(
-        lambda asked: "/retarget?" in asked.url and asked.post_data_json["scale"] is not None
-    ) as request:
+    # The report below is the one of this answer.
+    with page.expect_response(
+        lambda answer: "/retarget?" in answer.url and answer.request.post_data_json["scale"] is not None
+    ) as response:
         page.get_by_label("Scale of the way").check()
-    asked = request.value.post_data_json
+    response.value.finished()
+    asked = response.value.request.post_data_json
     assert asked["match_rest"] is True
     assert asked["scale"] == pytest.approx(200 / 170, rel=0.01)
     page.wait_for_url(re.compile("rest=1.*scale=1"))

@@ -1460,7 +1460,7 @@ export interface components {
             /** @enum {string} */
             role: "reader" | "editor" | "owner";
             created: string;
-            closed: string | null;
+            closed?: string | null;
         };
         AdjustFrames: {
             first: number;
@@ -2753,7 +2753,7 @@ export interface components {
         };
         Me: {
             name: string;
-            role: ("reader" | "editor" | "owner") | null;
+            role?: ("reader" | "editor" | "owner") | null;
             /** @enum {string} */
             scope: "read" | "edit" | "operate";
             rights: string[];
@@ -3638,10 +3638,10 @@ export interface components {
             hint: string;
             /** @enum {string} */
             scope: "read" | "edit" | "operate";
-            account: string | null;
+            account?: string | null;
             created: string;
-            expires: string | null;
-            used: string | null;
+            expires?: string | null;
+            used?: string | null;
         };
         UnsupportedFormat: {
             name: string;
