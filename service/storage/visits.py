@@ -122,6 +122,7 @@ class Sessions:
             select(
                 session.c.author,
                 session.c.token,
+                session.c.account.label("person"),
                 token.c.expires.label("until"),
                 grant.c.scope,
                 account.c.name.label("account"),
@@ -137,7 +138,8 @@ class Sessions:
         row = self._tx.connection.execute(wanted).one_or_none()
         if row is None or (row.until is not None and row.until < now()):
             return None
-        if row.token is not None and row.scope is None:
+        # A token without its rights, or a person who is not there, opens nothing.
+        if (row.token is not None and row.scope is None) or (row.person is not None and row.account is None):
             return None
         return entry_of(row.author, row.scope, row)
 
