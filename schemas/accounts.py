@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import TIME, shown
 
-Role: TypeAlias = Literal["reader", "editor", "owner"]
+Role: TypeAlias = Literal["member", "reader", "editor", "owner"]
+"""In the repository: of all its projects; a member has a role in some of them alone."""
+
+ProjectRole: TypeAlias = Literal["reader", "editor", "owner"]
 Scope: TypeAlias = Literal["read", "edit", "operate"]
 
-_ME = {"name": "kim", "role": "editor", "scope": "edit", "rights": ["edit", "read"]}
+_BELONGS = {"project": "dance", "role": "editor"}
+_MEMBER = {"name": "kim", "role": "editor", "everywhere": False}
+_ME = {"name": "kim", "role": "member", "scope": "edit", "rights": ["edit", "read"], "projects": [_BELONGS]}
 _ACCOUNT = {"name": "kim", "role": "editor", "created": TIME, "closed": None}
-_INVITATION = {"number": 3, "role": "editor", "author": "lee", "created": TIME, "expires": TIME}
+_INVITATION = {"number": 3, "role": "editor", "project": None, "author": "lee", "created": TIME, "expires": TIME}
 _TOKEN = {
     "name": "render-farm",
     "hint": "mcml_Xq2",
     "scope": "read",
+    "projects": ["dance"],
     "account": "kim",
     "created": TIME,
     "expires": TIME,
@@ -25,15 +31,26 @@ _TOKEN = {
 }
 
 
+class Belonging(BaseModel):
+    """A project, and what somebody is there."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_BELONGS))
+
+    project: str
+    role: ProjectRole
+
+
 class Me(BaseModel):
-    """Who asks. name: whose name revisions carry. role: None for who has no account."""
+    """Who asks. name: whose name revisions carry. role: None for who has no account. scope: where they may do most.
+    projects: those in which they have another role than in all; for a token of some projects, those alone."""
 
     model_config = ConfigDict(json_schema_extra=shown(_ME))
 
     name: str
     role: Role | None = None
-    scope: Scope
-    rights: list[str] = Field(description="What one may do: read, edit, own (remove for good), operate")
+    scope: Literal["read", "edit", "own", "operate"]
+    rights: list[str] = Field(description="What one may do: read, edit, own (decide about a project), operate")
+    projects: list[Belonging] = []
 
 
 class AccountView(BaseModel):
@@ -75,6 +92,7 @@ class InvitationRequest(BaseModel):
     model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"role": "editor", "hours": 72}))
 
     role: Role = "editor"
+    project: str | None = Field(None, min_length=1, max_length=256, description="Where alone the role is given")
     hours: int = Field(72, ge=1, le=24 * 30, description="How long it can be accepted")
 
 
@@ -93,6 +111,7 @@ class InvitationView(BaseModel):
 
     number: int
     role: Role
+    project: str | None = None
     author: str
     created: str
     expires: str
@@ -109,6 +128,9 @@ class TokenRequest(BaseModel):
 
     name: str = Field(min_length=1, max_length=256, description="What uses it")
     scope: Scope = Field("read", description="What it may do; no more than who makes it")
+    projects: list[Annotated[str, Field(min_length=1, max_length=256)]] = Field(
+        [], max_length=100, description="Where alone it opens something; all projects, if none is named"
+    )
     days: int = Field(90, ge=0, le=3650, description="Until it expires; 0: never")
 
 
@@ -129,6 +151,7 @@ class TokenView(BaseModel):
     name: str
     hint: str
     scope: Scope
+    projects: list[str] = []
     account: str | None = None
     created: str
     expires: str | None = None
@@ -139,3 +162,25 @@ class TokenList(BaseModel):
     model_config = ConfigDict(json_schema_extra=shown({"items": [_TOKEN]}))
 
     items: list[TokenView]
+
+
+class MemberView(BaseModel):
+    """role: in the project. everywhere: whether it is what they are in the whole repository."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_MEMBER))
+
+    name: str
+    role: ProjectRole
+    everywhere: bool
+
+
+class MemberList(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_MEMBER]}))
+
+    items: list[MemberView]
+
+
+class MemberChange(BaseModel):
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"role": "editor"}))
+
+    role: ProjectRole

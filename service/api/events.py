@@ -19,6 +19,7 @@ from schemas.examples import DOCUMENT, JOB, PROJECT
 from schemas.jobs import Job
 from service.actions.analysing.describe_job import job_answer
 from service.actions.reading.read_news import LABELLING, News
+from service.api.routes import call_of
 from service.errors import QueryError
 from service.storage.database import Database
 from service.storage.identifiers import now
@@ -45,7 +46,7 @@ async def follow_job(
     id: Annotated[str, Path(description="Id of the job", examples=[JOB])], http: Request
 ) -> StreamingResponse:
     """The progress of a job as server-sent events, until it has ended."""
-    database: Database = http.app.state.repository.database
+    database = call_of(http).database
     first = await run_in_threadpool(_read, database, id)
 
     async def events() -> AsyncIterator[str]:
@@ -99,7 +100,7 @@ async def follow_events(
     `document` and `label` have a revision that was made, `job` a job that is further. `ready` comes first, `reset`
     where so much was missed that lists are to be read anew.
     """
-    database: Database = http.app.state.repository.database
+    database = call_of(http).database
     mark = last_event_id or since
     news = await run_in_threadpool(_begin, database, mark)
     wanted = frozenset(kind or ("job", "document", "label"))

@@ -25,7 +25,7 @@ PREFIX = "/api/v1"
 
 BYTES = "application/octet-stream"
 
-LOCAL = Entry("local", "operate")
+LOCAL = Entry("local")
 """Who comes in where no door is closed."""
 
 LASTING = {"cache-control": "private, max-age=31536000, immutable"}
@@ -187,7 +187,7 @@ def call_of(request: Request) -> Call:
     call = Call(
         request.app.state.repository,
         entry.author,
-        entry.scope,
+        entry.view,
         entry.account,
         client=f"{entry.author}@{request.client.host if request.client else ''}",
         media_type=request.headers.get("content-type", "").partition(";")[0].strip(),

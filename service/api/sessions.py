@@ -170,14 +170,17 @@ def _joined(database: Database, request: SessionRequest) -> tuple[str, str]:
     name = checked_name(request.name or "")
     password = hashed(request.password or "", name)
     with database.write("session") as tx:
-        role: str | None = None
+        given: tuple[str, int | None] | None = None
         if request.invitation is not None:
-            role = tx.accounts.accept(request.invitation)
+            given = tx.accounts.accept(request.invitation)
         elif request.link is not None and not tx.accounts.exist() and tx.sessions.follow(request.link) is not None:
-            role = "owner"
-        if role is None:
+            given = "owner", None
+        if given is None:
             raise AccessError("This link was used, or is too old.", remedy="Ask for another one.")
-        person = tx.accounts.add(name, role, password)
+        role, project = given
+        person = tx.accounts.add(name, role if project is None else "member", password)
+        if project is not None:
+            tx.members.put(project, name, role)
         return person.name, tx.sessions.open_for(person)
 
 

@@ -55,6 +55,7 @@ BY_HAND = {
     "account role": "accounts:role",
     "account close": "accounts:close",
     "account reopen": "accounts:reopen",
+    "project add": "accounts:add_member",
     "token add": "store:token_add",
     "token list": "store:token_list",
     "token revoke": "store:token_revoke",
@@ -70,6 +71,7 @@ GROUPS = {
     "analyse": "Run analyses, and use what they found.",
     "db": "Upgrade, back up, restore and check the store.",
     "account": "Accounts of people, their roles, and invitations.",
+    "project": "Who belongs to a project, and as what.",
     "token": "Tokens that open a server to programs and other machines.",
 }
 

@@ -6,24 +6,30 @@ from typing import Annotated, Literal, TypeAlias
 
 import typer
 
-from schemas.accounts import AccountChange, InvitationRequest
+from schemas.accounts import AccountChange, InvitationRequest, MemberChange
 from service.cli.shared import DatabaseOption, ServerOption, chosen_settings, console, open_database, opened
 
-RoleOption: TypeAlias = Annotated[Literal["reader", "editor", "owner"], typer.Option(help="What they may do")]
+Role: TypeAlias = Literal["member", "reader", "editor", "owner"]
+ProjectRole: TypeAlias = Literal["reader", "editor", "owner"]
+RoleOption: TypeAlias = Annotated[
+    Role, typer.Option(help="What they may do in all projects; a member: in some, see `mcml project`")
+]
 Name: TypeAlias = Annotated[str, typer.Argument(help="Name of the account")]
 
 
 def invite(
     role: RoleOption = "editor",
+    project: Annotated[str | None, typer.Option(help="Give the role in this project alone")] = None,
     hours: Annotated[int, typer.Option(min=1, help="How long the invitation can be accepted")] = 72,
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
     """Make a link by which somebody makes an account. It is shown once."""
-    made = opened(database, server).call("invite", request=InvitationRequest(role=role, hours=hours))
+    made = opened(database, server).call("invite", request=InvitationRequest(role=role, project=project, hours=hours))
     home = (server or f"http://127.0.0.1:{chosen_settings(database).port}").rstrip("/")
     print(f"{home}{made.path}")
-    console.print(f"for one {role}, within {made.hours} hours", style="dim")
+    where = "" if project is None else f" of the project {project}"
+    console.print(f"for one {role}{where}, within {made.hours} hours", style="dim")
 
 
 def add(name: Name, role: RoleOption = "editor", database: DatabaseOption = None) -> None:
@@ -52,13 +58,25 @@ def password(name: Name, database: DatabaseOption = None) -> None:
 
 def role(
     name: Name,
-    role: Annotated[Literal["reader", "editor", "owner"], typer.Argument(help="What they may do from now on")],
+    role: Annotated[Role, typer.Argument(help="What they may do from now on, in all projects")],
     database: DatabaseOption = None,
     server: ServerOption = None,
 ) -> None:
     """Give somebody another role."""
     opened(database, server).call("change_account", name=name, change=AccountChange(role=role))
     console.print(f"{name}: {role}")
+
+
+def add_member(
+    project: Annotated[str, typer.Argument(help="Name of the project")],
+    name: Name,
+    role: Annotated[ProjectRole, typer.Option(help="What they may do there")] = "editor",
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Let somebody belong to a project, or give them another role there."""
+    opened(database, server).call("set_member", name=name, change=MemberChange(role=role), project=project)
+    console.print(f"{name} is {'an' if role[0] in 'eo' else 'a'} {role} of {project}")
 
 
 def close(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:

@@ -118,6 +118,7 @@ def token_add(
         Literal["read", "edit", "operate"], typer.Option(help="What it may do; operate: all, accounts too")
     ] = "operate",
     account: Annotated[str | None, typer.Option(help="Whose it is: it may do no more than this account")] = None,
+    project: Annotated[list[str] | None, typer.Option(help="Where alone it opens something; may be repeated")] = None,
     database: DatabaseOption = None,
 ) -> None:
     """Make a token. It is shown once."""
@@ -126,7 +127,8 @@ def token_add(
         expires = now(timedelta(days=days))
     with open_database(chosen_settings(database)).write() as tx:
         owner = None if account is None else tx.accounts.get(account)
-        secret = tx.tokens.add(name, expires, scope=scope, owner=owner)
+        projects = [tx.projects.get(one) for one in project or ()]
+        secret = tx.tokens.add(name, expires, scope=scope, owner=owner, projects=projects)
     print(secret)
     console.print(
         f"curl -H 'Authorization: Bearer {secret}' …\nMCML_TOKEN={secret} mcml ls --server http://…", style="dim"
@@ -140,10 +142,11 @@ def token_list(database: DatabaseOption = None, as_json: JsonOption = False) -> 
     if as_json:
         print_json({"items": [vars(item) for item in found]})
         return
-    rows = table("name", "begins with", "may", "whose", "made", "expires", "used")
+    rows = table("name", "begins with", "may", "in", "whose", "made", "expires", "used")
     for item in found:
         whose, expires, used = item.account or "", item.expires or "never", item.used or "never"
-        rows.add_row(item.name, item.hint + "…", item.scope, whose, item.created, expires, used)
+        where = ", ".join(item.projects) or "all"
+        rows.add_row(item.name, item.hint + "…", item.scope, where, whose, item.created, expires, used)
     console.print(rows)
 
 

@@ -23,9 +23,9 @@ from service.motion.skeleton import Array
 from service.motion.units import Reading, reading_of
 from service.storage.bodies import StoredBody
 from service.storage.columns import Listed
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.steps import pack, unpack
+from service.storage.transaction import Transaction
 
 FRAMES_TOGETHER = 8192
 """Frames of documents whose joints are placed together."""

@@ -10,7 +10,8 @@ from service.clips.read_clip import Skeletons
 from service.errors import DamageError, StoreError
 from service.storage.bodies import StoredBody
 from service.storage.columns import Listed
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
+from service.storage.transaction import Transaction
 
 AUTHOR = "derive"
 LOOKED_AT, TOGETHER = 512, 128

@@ -12,9 +12,9 @@ from service.mcml.vocabulary import MCML
 from service.motion.clip import ClipStream, FrameBlock
 from service.motion.skeleton import Skeleton
 from service.storage.columns import Listed
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.motion_names import names_of_frames
+from service.storage.transaction import Transaction
 
 Skeletons: TypeAlias = dict[tuple[int, str], Skeleton]
 """By the key of the skeleton in the store, and the format whose conventions it has."""

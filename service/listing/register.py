@@ -5,16 +5,19 @@ from __future__ import annotations
 import threading
 from typing import NamedTuple
 
+import numpy as np
+
 from service.listing.columns import Columns, no_columns
 from service.listing.conditions import can_tell, fulfilling
 from service.listing.counts import facets_of
 from service.listing.orders import places_of
+from service.listing.vocabulary import Mask
 from service.storage import facets
-from service.storage.database import Transaction
 from service.storage.facets import Facets
 from service.storage.facts import facts_of, keys_there
 from service.storage.filtering import DocumentFilter
 from service.storage.orders import NEWEST, Order, Place
+from service.storage.transaction import Transaction
 
 MOST_CHARACTERS = 200_000_000
 """Of different texts: a library that has more is listed by the store, slowly."""
@@ -51,7 +54,7 @@ class Register:
         columns = self.columns(tx, wanted, is_needed=not is_plain)
         if columns is None:
             return Found(tx.documents.places(wanted, order, after, limit, offset), tx.documents.count(wanted))
-        among = fulfilling(columns, wanted)
+        among = _seen(tx, columns, fulfilling(columns, wanted))
         return Found(places_of(columns, among, order, after, limit, offset), int(among.sum()))
 
     def facets(self, tx: Transaction, wanted: DocumentFilter, most: int, bins: int) -> Facets:
@@ -59,7 +62,7 @@ class Register:
         columns = self.columns(tx, wanted)
         if columns is None:
             return facets.facets(tx, wanted, most, bins)
-        return facets_of(columns, fulfilling(columns, wanted), tx.heads.joints, most, bins)
+        return facets_of(columns, _seen(tx, columns, fulfilling(columns, wanted)), tx.heads.joints, most, bins)
 
     def columns(self, tx: Transaction, wanted: DocumentFilter, *, is_needed: bool = True) -> Columns | None:
         """As the transaction sees the library; None where the store shall answer.
@@ -100,3 +103,11 @@ class Register:
         self._is_too_large = found.words.characters() > MOST_CHARACTERS
         self._last = None if self._is_too_large else found
         return self._last
+
+
+def _seen(tx: Transaction, columns: Columns, among: Mask) -> Mask:
+    """Those of projects that are seen."""
+    if tx.view.is_whole:
+        return among
+    codes = (columns.words.projects.code(name) for name in tx.projects.names())
+    return among & np.isin(columns["projects"], [code for code in codes if code is not None])

@@ -11,37 +11,47 @@ from schemas.accounts import (
     AccountChange,
     AccountList,
     AccountView,
+    Belonging,
     InvitationList,
     InvitationMade,
     InvitationRequest,
     InvitationView,
     Me,
+    MemberChange,
+    MemberList,
+    MemberView,
     PasswordChange,
     TokenList,
     TokenMade,
     TokenRequest,
     TokenView,
 )
+from schemas.examples import PROJECT
 from service.errors import AccessError, NotFoundError, RequestError
 from service.operations.arguments import MOST
 from service.operations.call import Call
 from service.operations.operation import RIGHTS
-from service.storage.accounts import SCOPES, Account
+from service.storage.accounts import Account
 from service.storage.identifiers import now
+from service.storage.members import PROJECT_ROLES
+from service.storage.views import SCOPES
 
 AccountName = Annotated[str, Field(min_length=1, max_length=256, description="Name of the account", examples=["kim"])]
 TokenName = Annotated[str, Field(min_length=1, max_length=1024, description="Name of the token", examples=["render"])]
+OfProject = Annotated[str, Field(min_length=1, max_length=256, description="Project", examples=[PROJECT])]
 Number = Annotated[int, Field(ge=1, le=MOST, description="Number of the invitation", examples=[3])]
 
 
 def get_account(call: Call) -> Me:
     """Who has no account has a token, or is on the server's own machine."""
     role: Any = None
-    if call.account is not None:
-        with call.database.read() as tx:
+    with call.database.read() as tx:
+        if call.account is not None:
             role = tx.accounts.get(call.account).role
+        named = {tx.projects.name(key): _role_of(scope) for key, scope in call.view.projects}
     scope: Any = call.scope
-    return Me(name=call.author, role=role, scope=scope, rights=sorted(RIGHTS[call.scope]))
+    projects = [Belonging(project=name, role=own) for name, own in sorted(named.items())]
+    return Me(name=call.author, role=role, scope=scope, rights=sorted(RIGHTS[call.scope]), projects=projects)
 
 
 def list_accounts(call: Call) -> AccountList:
@@ -81,14 +91,19 @@ def change_password(call: Call, change: PasswordChange) -> None:
 
 
 def invite(call: Call, request: InvitationRequest) -> InvitationMade:
-    """Its link is for one person, who chooses a name and a password there. It is shown this once."""
+    """Its link is for one person, who chooses a name and a password there. It is shown this once. Owners of a project
+    invite into it: who comes so sees nothing else.
+    """
+    if request.project is not None and request.role == "member":
+        raise RequestError("In a project one is a reader, an editor or an owner.", remedy="Name one of these roles.")
     with call.database.write(call.author) as tx:
-        code = tx.accounts.invite(request.role, call.author, timedelta(hours=request.hours))
+        project = None if request.project is None else tx.projects.get(request.project)
+        code = tx.accounts.invite(request.role, call.author, timedelta(hours=request.hours), project)
     return InvitationMade(code=code, path=f"/login?invitation={code}", hours=request.hours)
 
 
 def list_invitations(call: Call) -> InvitationList:
-    """Those that can be accepted still."""
+    """Those that can be accepted still; of who owns projects alone, those into them."""
     with call.database.read() as tx:
         found: list[Any] = tx.accounts.invitations()
     return InvitationList(items=[InvitationView(**vars(one)) for one in found])
@@ -118,9 +133,12 @@ def add_token(call: Call, request: TokenRequest) -> TokenMade:
         expires = now(timedelta(days=request.days))
     with call.database.write(call.author) as tx:
         owner = None if call.account is None else tx.accounts.get(call.account)
-        return TokenMade(
-            name=request.name, token=tx.tokens.add(request.name, expires, scope=request.scope, owner=owner)
-        )
+        projects = [tx.projects.get(name) for name in dict.fromkeys(request.projects)]
+        if call.view.limited and not projects:
+            # What a token of some projects makes opens no others.
+            projects = sorted(call.view.readable)
+        secret = tx.tokens.add(request.name, expires, scope=request.scope, owner=owner, projects=projects)
+        return TokenMade(name=request.name, token=secret)
 
 
 def revoke_token(call: Call, name: TokenName) -> None:
@@ -129,6 +147,30 @@ def revoke_token(call: Call, name: TokenName) -> None:
         if not any(one.name == name and _sees(call, one.account) for one in tx.tokens.all()):
             raise NotFoundError(f"There is no token {name!r} of yours.", remedy="See `mcml token list`.")
         tx.tokens.remove(name)
+
+
+def list_members(call: Call, project: OfProject) -> MemberList:
+    """Those with a role in the whole repository too."""
+    with call.database.read() as tx:
+        found: list[Any] = tx.members.of_project(tx.projects.get(project))
+    return MemberList(items=[MemberView(**vars(one)) for one in found])
+
+
+def set_member(call: Call, name: AccountName, change: MemberChange, project: OfProject) -> MemberList:
+    """A role in the whole repository that is more stays so. Answers with all members."""
+    with call.database.write(call.author) as tx:
+        tx.members.put(tx.projects.get(project), name, change.role)
+    return list_members(call, project)
+
+
+def remove_member(call: Call, name: AccountName, project: OfProject) -> None:
+    """They see it no more, unless they have a role in the whole repository."""
+    with call.database.write(call.author) as tx:
+        tx.members.remove(tx.projects.get(project), name)
+
+
+def _role_of(scope: str) -> Any:
+    return next((role for role, own in PROJECT_ROLES.items() if own == scope), "owner")
 
 
 def _sees(call: Call, account: str | None) -> bool:

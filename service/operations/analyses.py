@@ -129,7 +129,7 @@ def _using(name: str, used: Use) -> Callable[..., Any]:
     asked, told = _request_model(name, used), _answer_model(name, used)
 
     def use(call: Call, id: str, request: Any, format: str = "json", positions: bool = False) -> Any:
-        done = call.repository.results.use(
+        done = call.results.use(
             id,
             name,
             request.parameters.model_dump(mode="json"),

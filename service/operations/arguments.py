@@ -15,8 +15,8 @@ from schemas.examples import CURSOR, DOCUMENT, PROJECT
 from service.actions.checking.preconditions import check_match
 from service.errors import NotFoundError, QueryError
 from service.operations.call import Call
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 if TYPE_CHECKING:
     from service.actions.reading.preview_motion import Window

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 
 from service.errors import Notice
 from service.settings import Settings
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
+from service.storage.transaction import Transaction
+from service.storage.views import WHOLE, View
 
 if TYPE_CHECKING:
     from service.actions.analysing.use_result import Results
@@ -91,8 +93,8 @@ class SameError(Exception):
 
 @dataclass
 class Call:
-    """repository: what is worked on. author: who asks. scope: of what they may do (`operation.RIGHTS`). account: its
-    name, None for who has none. client: those who share a turn in fair queues.
+    """repository: what is worked on. author: who asks. view: what of it they see, and may do there. account: its name,
+    None for who has none. client: those who share a turn in fair queues.
 
     known: how whoever asks names this version of the answer, None where they do not have it.
 
@@ -104,7 +106,7 @@ class Call:
 
     repository: Repository
     author: str = "local"
-    scope: str = "operate"
+    view: View = WHOLE
     account: str | None = None
     client: str = ""
     known: Callable[[str], str | None] = lambda tag: None
@@ -116,17 +118,27 @@ class Call:
     made: bool = True
     held: ExitStack = field(default_factory=ExitStack)
 
-    @property
+    @cached_property
     def database(self) -> Database:
-        return self.repository.database
+        """The store as whoever asks sees it."""
+        return self.repository.database.seen_by(self.view)
 
     @property
     def settings(self) -> Settings:
         return self.repository.settings
 
-    @property
+    @cached_property
     def queries(self) -> Queries:
-        return self.repository.queries
+        return self.repository.queries.on(self.database)
+
+    @property
+    def results(self) -> Results:
+        return self.repository.results.on(self.database)
+
+    @property
+    def scope(self) -> str:
+        """What they may do where they may do most (`operation.RIGHTS`)."""
+        return self.view.most
 
     @cached_property
     def limits(self) -> Limits:

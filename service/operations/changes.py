@@ -20,8 +20,8 @@ from service.errors import ConflictError, DocumentError, McmlError
 from service.operations.arguments import DocumentId, IfMatch, at_revision, tag
 from service.operations.call import Call
 from service.operations.elements import Edit, made_edits
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 MOST_TRIED = 200
 """Parts of a request that cannot be made which a dry run tries one by one."""

@@ -36,10 +36,11 @@ from service.operations.arguments import (
 )
 from service.operations.call import Call
 from service.operations.operation import Body
-from service.storage.database import Transaction
-from service.storage.documents import StoredDocument, StoredRevision
+from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter, Range, parse_condition, parse_range
 from service.storage.orders import TYPES, Order, Place, parse_order
+from service.storage.revisions import StoredRevision
+from service.storage.transaction import Transaction
 
 PLAIN = ("name", "key")
 """What documents are ordered by whose name and key alone say where they stand."""
@@ -307,9 +308,7 @@ def list_revisions(
     before = page.after(int)
     with call.database.read() as tx:
         stored = tx.documents.get(id)
-        found = tx.documents.revisions(
-            stored.key, before=None if before is None else before[0], limit=page.most(call) + 1
-        )
+        found = tx.revisions.of(stored.key, before=None if before is None else before[0], limit=page.most(call) + 1)
         items, more = page.cut(call, found, lambda item: (item.number,))
         shown = [Revision.model_validate(item, from_attributes=True) for item in items]
         if with_ is not None:

@@ -35,8 +35,8 @@ from service.mcml.fragment import MOST_BYTES, read_fragment
 from service.operations.arguments import MOST, AtRevision, DocumentId, IfMatch, at_revision, checked_for_write, tag
 from service.operations.call import Call, Content
 from service.operations.operation import Body, gives
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 MOST_ELEMENTS = 10_000
 _ADDRESS = re.compile(

@@ -51,8 +51,8 @@ from service.operations.arguments import (
 from service.operations.call import Call, Content
 from service.operations.operation import Body, gives
 from service.storage.columns import Listed
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 MOST_IN_HEADER = 2048
 """Bytes of names of columns that stand in a header."""

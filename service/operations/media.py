@@ -15,9 +15,9 @@ from service.formats.format import SourceFile
 from service.operations.arguments import DocumentId
 from service.operations.call import Call, Content
 from service.operations.operation import Upload, gives
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.media import StoredMedia
+from service.storage.transaction import Transaction
 
 
 def put_media(

@@ -38,7 +38,7 @@ class Effect(StrEnum):
 
 
 class Right(StrEnum):
-    """What one needs to be allowed to do: to see, to change, to remove for good, to keep the store running."""
+    """What one needs to be allowed to do: to see, to change, to decide about a project, to keep the repository."""
 
     READ = "read"
     EDIT = "edit"
@@ -49,9 +49,11 @@ class Right(StrEnum):
 RIGHTS: Mapping[str, frozenset[Right]] = {
     "read": frozenset({Right.READ}),
     "edit": frozenset({Right.READ, Right.EDIT}),
+    "own": frozenset({Right.READ, Right.EDIT, Right.OWN}),
     "operate": frozenset(Right),
 }
-"""What each scope of tokens and roles allows (`storage.accounts`)."""
+"""What each scope allows. It is of a project or of all (`storage.views`): what an operation then touches, the
+transaction looks at."""
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ from service.errors import NotFoundError, SizeError
 from service.operations.arguments import MOST, InProject, Page
 from service.operations.call import Call, Content
 from service.operations.operation import gives
-from service.storage.database import Transaction
 from service.storage.results import StoredPart, StoredResult
+from service.storage.transaction import Transaction
 
 ResultId = Annotated[str, Field(description="Id of the result", examples=[RESULT])]
 PartName = Annotated[str, Field(description="Name of the part", examples=["speed"])]
@@ -60,7 +60,7 @@ def delete_result(call: Call, id: ResultId) -> None:
     """Documents that were stored from it stay."""
     with call.database.write(call.author) as tx:
         tx.results.remove(tx.results.get(id).key)
-    call.repository.results.forget(id)
+    call.results.forget(id)
 
 
 def get_result_part(call: Call, id: ResultId, part: PartName) -> PartSummary:

@@ -20,8 +20,8 @@ from schemas.saved import (
 from service.actions.checking.preconditions import check_match
 from service.operations.arguments import IfMatch, InProject, Page
 from service.operations.call import Call
-from service.storage.database import Transaction
 from service.storage.saved import Kind, StoredThing, filter_of
+from service.storage.transaction import Transaction
 
 Keeper = Annotated[
     str, Field(min_length=1, max_length=256, description="Project that keeps it; made if new", examples=[PROJECT])

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 from sqlalchemy import Column, ForeignKey, String, Table, Text, UniqueConstraint, delete, insert, select, update
 
-from service.errors import ConflictError, NotFoundError
+from service.errors import AccessError, ConflictError, NotFoundError
 from service.storage.identifiers import digest_of, now, stored_form
 from service.storage.schema import KEY, NAME, metadata
+from service.storage.tables import project
+from service.storage.views import SCOPES, WHOLE, View, may
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 account = Table(
     "account",
@@ -40,9 +42,10 @@ invitation = Table(
     Column("author", NAME, nullable=False),
     Column("created", String(32), nullable=False),
     Column("expires", String(32), nullable=False),
+    Column("project", ForeignKey("project.id")),
     UniqueConstraint("sha256"),
 )
-"""`author`: who invites. It is used up by the account that it becomes."""
+"""`author`: who invites. `project`: in which alone the role is given. It is used up by the account that it becomes."""
 
 grant = Table(
     "token_grant",
@@ -55,11 +58,16 @@ grant = Table(
 """What a token may do; one without a row opens nothing. `account`: whose it is; it may do no more than that one, and
 ends with it. `used`: about when it last was."""
 
-ROLES: Final[Mapping[str, str]] = {"reader": "read", "editor": "edit", "owner": "operate"}
-"""What people are, and the scope of what they may do."""
+granted_project = Table(
+    "token_project",
+    metadata,
+    Column("token", ForeignKey("token.id"), primary_key=True),
+    Column("project", ForeignKey("project.id"), primary_key=True),
+)
+"""Where a token opens something; everywhere, where it has no rows."""
 
-SCOPES: Final = ("read", "edit", "operate")
-"""Each includes those before it."""
+ROLES: Final[Mapping[str, str | None]] = {"member": None, "reader": "read", "editor": "edit", "owner": "operate"}
+"""What people are in the repository, and the scope of what they may do in all its projects."""
 
 
 @dataclass(frozen=True)
@@ -76,10 +84,11 @@ class Account:
 
 @dataclass(frozen=True)
 class Invitation:
-    """number: by which it is taken back."""
+    """number: by which it is taken back. project: in which alone the role is given, None for all."""
 
     number: int
     role: str
+    project: str | None
     author: str
     created: str
     expires: str
@@ -87,25 +96,31 @@ class Invitation:
 
 @dataclass(frozen=True)
 class Entry:
-    """Who came in. author: whose name revisions carry. scope: of what they may do. account: its name; None for tokens
-    that are nobody's, and for links."""
+    """Who came in. author: whose name revisions carry. view: what they see, and may do there. account: its name; None
+    for tokens that are nobody's, and for links."""
 
     author: str
-    scope: str
+    view: View = WHOLE
     account: str | None = None
 
 
-def entry_of(author: str, scope: str | None, person: Any) -> Entry | None:
-    """Who comes in by a token or a session, None where their account is closed. scope: of the token, None: without one.
-    person: a row with account, role, closed, all None where it is nobody's."""
-    if person.closed is not None:
+def entry_of(tx: Transaction, author: str, row: Any) -> Entry | None:
+    """Who comes in by a token or a session, None where their account is closed. row: token (key) and its scope, person
+    (key of the account), account (its name), role and closed; None where there is no token, or it is nobody's. What is
+    damaged opens nothing."""
+    if row.closed is not None:
         return None
-    scopes = [SCOPES[-1] if scope is None else scope]
-    if person.account is not None:
-        scopes.append(ROLES.get(person.role, ""))
-    # What is damaged opens nothing.
-    places = [SCOPES.index(one) if one in SCOPES else -1 for one in scopes]
-    return None if min(places) < 0 else Entry(person.account or author, SCOPES[min(places)], person.account)
+    view = WHOLE
+    if row.person is not None:
+        if row.role not in ROLES:
+            return None
+        view = View(ROLES[row.role], tx.members.of_account(row.person))
+    if row.token is not None:
+        if row.scope not in SCOPES:
+            return None
+        projects = select(granted_project.c.project).where(granted_project.c.token == row.token)
+        view = view.within(row.scope, frozenset(tx.connection.execute(projects).scalars()) or None)
+    return Entry(row.account or author, view, row.account)
 
 
 class Accounts:
@@ -151,33 +166,50 @@ class Accounts:
             raise ConflictError("The repository would have no owner.", remedy="Make somebody else an owner first.")
         return self.get(name)
 
-    def invite(self, role: str, author: str, lasts: timedelta) -> str:
-        """The secret of an invitation to an account of a role."""
+    def invite(self, role: str, author: str, lasts: timedelta, project_key: int | None = None) -> str:
+        """The secret of an invitation to an account of a role. project_key: of the project in which alone it is given.
+        AccessError."""
+        self._require(project_key)
         self._tx.connection.execute(delete(invitation).where(invitation.c.expires < now()))
         secret = secrets.token_urlsafe(32)
         row = {"sha256": digest_of(secret), "role": role, "author": author, "created": now(), "expires": now(lasts)}
-        self._tx.connection.execute(insert(invitation).values(**row))
+        self._tx.connection.execute(insert(invitation).values(**row, project=project_key))
         return secret
 
     def invitations(self) -> list[Invitation]:
-        """Those that can be accepted still, the newest first."""
-        wanted = select(
-            invitation.c.id, invitation.c.role, invitation.c.author, invitation.c.created, invitation.c.expires
-        ).where(invitation.c.expires >= now())
-        return [Invitation(*row) for row in self._tx.connection.execute(wanted.order_by(invitation.c.id.desc()))]
+        """Those that can be accepted still and that one may take back, the newest first."""
+        told = (invitation.c.id, invitation.c.role, project.c.name, invitation.c.author, invitation.c.created)
+        wanted = select(*told, invitation.c.expires, invitation.c.project).outerjoin(project)
+        rows = self._tx.connection.execute(
+            wanted.where(invitation.c.expires >= now()).order_by(invitation.c.id.desc())
+        ).all()
+        return [Invitation(*row[:-1]) for row in rows if self._decides(row[-1])]
 
     def take_back(self, number: int) -> None:
         """NotFoundError."""
-        if not self._tx.connection.execute(delete(invitation).where(invitation.c.id == number)).rowcount:
+        if not any(one.number == number for one in self.invitations()):
             raise NotFoundError(f"There is no invitation {number}.", remedy="It was used, or taken back.")
+        self._tx.connection.execute(delete(invitation).where(invitation.c.id == number))
 
-    def accept(self, secret: str) -> str | None:
-        """The role of an invitation, which is used up by this; None where there is none, or it is too old."""
+    def accept(self, secret: str) -> tuple[str, int | None] | None:
+        """Role of an invitation and key of the project where it is given, None for all; it is used up by this. None
+        where there is none, or it is too old."""
         its = invitation.c.sha256 == digest_of(secret)
-        role = self._tx.connection.execute(
-            select(invitation.c.role).where(its, invitation.c.expires >= now())
-        ).scalar_one_or_none()
+        wanted = select(invitation.c.role, invitation.c.project).where(its, invitation.c.expires >= now())
+        found = self._tx.connection.execute(wanted).one_or_none()
         # Of two that come at once one finds nothing to delete.
-        if role is None or not self._tx.connection.execute(delete(invitation).where(its)).rowcount:
+        if found is None or not self._tx.connection.execute(delete(invitation).where(its)).rowcount:
             return None
-        return str(role)
+        return str(found.role), found.project
+
+    def _decides(self, project_key: int | None) -> bool:
+        """Whether one may invite into a project, or the whole repository."""
+        view = self._tx.view
+        return may(view.everywhere, "operate") if project_key is None else may(view.scope(project_key), "own")
+
+    def _require(self, project_key: int | None) -> None:
+        if not self._decides(project_key):
+            raise AccessError(
+                "Only owners of the repository invite into all of it.",
+                remedy="Name a project that you own, or ask an owner of the repository.",
+            )

@@ -10,10 +10,11 @@ from sqlalchemy import delete, select
 
 from service.storage.identifiers import now
 from service.storage.seals import checked
+from service.storage.views import require
 from service.storage.work_tables import joint_alias
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 _HELD = select(joint_alias.c.version, joint_alias.c.author, joint_alias.c.changed, joint_alias.c.pairs)
 
@@ -60,5 +61,7 @@ class Aliases:
         return self.of(project_name)
 
     def remove(self, project_name: str) -> None:
+        """AccessError."""
         key = self._tx.projects.get(project_name)
+        require(self._tx, key)
         self._tx.connection.execute(delete(joint_alias).where(joint_alias.c.project == key))

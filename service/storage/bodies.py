@@ -17,7 +17,7 @@ from service.storage.shown import Shown, moves
 from service.storage.tables import body, document, revision
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 _ROWS = checked(
     select(body.c.document, body.c.revision, body.c.block, body.c.facts, body.c.data)

@@ -35,7 +35,7 @@ from service.storage.tables import (
 )
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 ROWS = 1000
 MOST_OF_A_KIND = 100

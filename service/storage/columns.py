@@ -40,7 +40,7 @@ from service.storage.tables import (
 if TYPE_CHECKING:
     from service.mcml.elements import Element
     from service.motion.clip import Shape
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 TRACKS_AT_A_TIME = 2000
 CHUNKS_AT_A_TIME = 50

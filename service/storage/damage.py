@@ -12,7 +12,7 @@ from service.storage.schema import CHUNK
 from service.storage.seals import SEALS
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 _WHAT = {
     "content": "its frames, skeleton or frame time",

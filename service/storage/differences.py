@@ -13,7 +13,7 @@ from service.storage.tables import CLOSED_TRACK, shape_run, track
 from service.storage.tracks import Piece
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 
 @dataclass(frozen=True)

@@ -21,11 +21,12 @@ from service.storage.orders import Order, Place, ordered, value_in
 from service.storage.schema import CURRENT, metadata
 from service.storage.seals import SEALS, Checked, checked, closing
 from service.storage.selected import all_documents, one_document
-from service.storage.tables import commit, content, document, project, property_, revision
+from service.storage.tables import content, document, property_, revision
 from service.storage.uploads import LEASE_SECONDS
+from service.storage.views import WHOLE, require, seen
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 # Made once: to build a statement takes four times as long as to run it.
 _WHOLE = checked(
@@ -34,13 +35,9 @@ _WHOLE = checked(
 _IMPORTING = update(document).where(document.c.id == bindparam("key"), document.c.state == "importing")
 _RENEW = _IMPORTING.values(lease=bindparam("until"))
 _MADE = ("document", "number", "commit", "parent", "operation", "message")
-_REVISION = (
-    *(revision.c[name] for name in ("number", "commit", "parent", "operation", "message", "name")),
-    *(project.c.name, commit.c.time, commit.c.author),
-)
-"""The columns of a StoredRevision."""
 _BEGUN = select(document.c.uuid, document.c.name, document.c.format).where(document.c.id == bindparam("key"))
 _COUNT = select(func.count()).select_from(document).where(there())
+_PROJECT = select(document.c.project).where(document.c.id == bindparam("key"))
 _NAMED = select(document.c.name, document.c.project).where(document.c.id == bindparam("key"))
 _PUBLISH = _IMPORTING.values(
     state="ready",
@@ -91,19 +88,6 @@ class StoredDocument:
         return None
 
 
-@dataclass(frozen=True)
-class StoredRevision:
-    number: int
-    commit: int
-    parent: int | None
-    operation: str
-    message: str
-    name: str
-    project: str
-    time: str
-    author: str
-
-
 class Documents:
     def __init__(self, tx: Transaction) -> None:
         self._tx = tx
@@ -112,11 +96,14 @@ class Documents:
         """(uuid, first 80 characters of the text) of documents with a property whose text begins so."""
         start = func.substr(property_.c.text, 1, 80)
         query = select(document.c.uuid, start).join(property_, property_.c.document == document.c.id)
-        having = query.where(property_.c.name == name, start.startswith(beginning, autoescape=True))
+        having = query.where(
+            seen(self._tx.view), property_.c.name == name, start.startswith(beginning, autoescape=True)
+        )
         return [(row[0], row[1]) for row in self._tx.connection.execute(having)]
 
     def begin(self, project_key: int, name: str, format_name: str) -> tuple[int, str]:
-        """A document in state "importing", which no read sees. Returns (key, uuid)."""
+        """A document in state "importing", which no read sees. Returns (key, uuid). AccessError."""
+        require(self._tx, project_key)
         uuid = new_uuid()
         row = {
             "uuid": uuid,
@@ -181,12 +168,29 @@ class Documents:
         self._tx.insert_rows(content, [{"document": key, "from_commit": from_commit, "to_commit": CURRENT, **values}])
 
     def add_revision(self, stored: StoredDocument, operation: str, message: str = "") -> int:
-        """Note that this transaction made a revision; returns its number. The caller checked `stored` is newest."""
+        """Note that this transaction made a revision; returns its number. The caller checked `stored` is newest.
+        AccessError for who may not change the document."""
+        self.require(stored.key)
         number = stored.revision + 1
         values = (stored.key, number, self._tx.commit, stored.revision, operation, message)
         (named,) = self._tx.rows(_NAMED, {"key": stored.key})
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [(*values, *named)])
         return number
+
+    def require(self, key: int) -> None:
+        """AccessError unless one may change a document."""
+        if self._tx.view != WHOLE:
+            require(self._tx, self._project(key))
+
+    def _project(self, key: int) -> int:
+        """The project that a document is in now."""
+        return int(self._tx.rows(_PROJECT, {"key": key})[0][0])
+
+    def seen(self) -> frozenset[int] | None:
+        """Keys of the documents that are seen, None for all."""
+        if self._tx.view.is_whole:
+            return None
+        return frozenset(self._tx.connection.execute(select(document.c.id).where(seen(self._tx.view))).scalars())
 
     def lock(self, key: int) -> None:
         """Let no other transaction change this document until this one ends."""
@@ -196,7 +200,11 @@ class Documents:
         """The document as it is at the transaction's commit; `deleted` lets a deleted one be found."""
         statement = one_document(past=self._past, deleted=deleted)
         rows = self._tx.checked(statement, {"uuid": uuid, "at": self._tx.at})
-        return _stored(rows[0]) if rows else None
+        found = _stored(rows[0]) if rows else None
+        if found is None or self._tx.view.is_whole:
+            return found
+        # Of the past too it is the project of now that decides.
+        return found if self._tx.view.sees(self._project(found.key)) else None
 
     def get(self, uuid: str, *, deleted: bool = False) -> StoredDocument:
         """As `find`; NotFoundError where there is none."""
@@ -237,14 +245,16 @@ class Documents:
         return sorted(map(_stored, found), key=lambda stored: place[stored.key])
 
     def count(self, wanted: DocumentFilter) -> int:
-        if wanted == DocumentFilter():
+        if wanted == DocumentFilter() and self._tx.view.is_whole:
             # An index alone answers this one.
             return int(self._tx.rows(_COUNT, {"at": self._tx.at})[0][0])
         return int(self._tx.connection.execute(chosen(func.count(), wanted, self._tx)).scalar_one())
 
     def everything(self) -> list[tuple[int, str, str]]:
         """(key, uuid, name) of all documents whose import was complete, deleted ones too."""
-        query = select(document.c.id, document.c.uuid, document.c.name).where(imported(self._tx.at))
+        query = select(document.c.id, document.c.uuid, document.c.name).where(
+            imported(self._tx.at), seen(self._tx.view)
+        )
         return [(key, uuid, name) for key, uuid, name in self._tx.connection.execute(query.order_by(document.c.id))]
 
     def uuids(self, wanted: DocumentFilter) -> list[str]:
@@ -256,7 +266,7 @@ class Documents:
         """Keys of documents whose import was complete, deleted ones too."""
         if len(uuids) > FEW:
             return [key for key, uuid, _ in self.everything() if uuid in uuids]
-        query = select(document.c.id).where(document.c.uuid.in_(uuids), imported(self._tx.at))
+        query = select(document.c.id).where(document.c.uuid.in_(uuids), imported(self._tx.at), seen(self._tx.view))
         return sorted(self._tx.connection.execute(query).scalars())
 
     def receipt(self, key: int) -> str:
@@ -270,6 +280,8 @@ class Documents:
         self._change(key, name=stored_form(name))
 
     def move(self, key: int, project_key: int) -> None:
+        self.require(key)
+        require(self._tx, project_key)
         self._change(key, project=project_key)
 
     def set_next_slot(self, key: int, slot: int) -> None:
@@ -292,37 +304,6 @@ class Documents:
         self._tx.connection.execute(
             update(document).where(document.c.id == key).values(**values, checksum=SEALS[document].of((*row.values(),)))
         )
-
-    def revisions(self, key: int, *, before: int | None = None, limit: int = 100) -> list[StoredRevision]:
-        """Newest first, those with numbers below `before`."""
-        query = (
-            select(*_REVISION)
-            .join(commit, commit.c.number == revision.c.commit)
-            .join(project, project.c.id == revision.c.project)
-            .where(revision.c.document == key)
-            .order_by(revision.c.number.desc())
-            .limit(limit)
-        )
-        if before is not None:
-            query = query.where(revision.c.number < before)
-        return [StoredRevision(*row) for row in self._tx.checked_once(checked(query, revision, commit))]
-
-    def revisions_since(self, number: int, limit: int) -> list[tuple[int, tuple[str, StoredRevision]]]:
-        """(commit, (uuid of the document, revision)) after a commit, the oldest first; all or none of one commit."""
-        query = (
-            select(revision.c.commit, document.c.uuid, *_REVISION)
-            .join(commit, commit.c.number == revision.c.commit)
-            .join(project, project.c.id == revision.c.project)
-            .join(document, document.c.id == revision.c.document)
-            .where(revision.c.commit > number, document.c.state == "ready")
-            .order_by(revision.c.commit, revision.c.document)
-        )
-        rows = self._tx.checked_once(checked(query.limit(limit), revision, commit))
-        if len(rows) == limit:
-            last = rows[-1][0]
-            whole = query.where(revision.c.commit == last)
-            rows = [row for row in rows if row[0] < last] + [*self._tx.checked_once(checked(whole, revision, commit))]
-        return [(row[0], (row[1], StoredRevision(*row[2:]))) for row in rows]
 
     def commit_of(self, key: int, number: int) -> int:
         """The commit that made a revision; NotFoundError."""

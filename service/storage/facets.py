@@ -15,7 +15,7 @@ from service.storage.filtering import SHORT, DocumentFilter, chosen, seconds
 from service.storage.tables import content, document, project, property_, skeleton, span
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 Numbers = NDArray[np.float64]
 Counts = list[tuple[Any, int]]

@@ -15,7 +15,7 @@ from service.storage.moments import AT, imported, valid
 from service.storage.tables import content, document, header, project, property_, revision, span
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 Row: TypeAlias = tuple[Any, ...]
 

@@ -12,11 +12,12 @@ from service.storage.identifiers import stored_form
 from service.storage.lists import AsWritten, OneOf
 from service.storage.moments import AT, Commit, imported, valid
 from service.storage.tables import content, document, header, project, property_, span
+from service.storage.views import seen
 
 if TYPE_CHECKING:
     from sqlalchemy import ColumnElement
 
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 Range: TypeAlias = tuple[float | None, float | None]
 """Least and greatest, both included; None: no such end."""
@@ -82,7 +83,7 @@ def parse_range(text: str) -> Range:
 def chosen(what: Any, wanted: DocumentFilter, tx: Transaction) -> Select[Any]:
     """A statement that selects something of the documents that are wanted."""
     joined = document.join(project).join(content, and_(content.c.document == document.c.id, tx.valid(content)))
-    return filtered(select(what).select_from(joined), wanted, tx).where(imported(tx.at))
+    return filtered(select(what).select_from(joined), wanted, tx).where(imported(tx.at), seen(tx.view))
 
 
 def filtered(query: Select[Any], wanted: DocumentFilter, tx: Transaction) -> Select[Any]:

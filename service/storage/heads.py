@@ -14,11 +14,12 @@ from service.storage.rows import ELEMENT_COLUMNS, SkeletonRows, to_elements, to_
 from service.storage.schema import CURRENT
 from service.storage.seals import checked, closing
 from service.storage.tables import bone, content, document, header, property_, skeleton, skeleton_element
+from service.storage.views import seen
 
 if TYPE_CHECKING:
     from service.storage.columns import Listed
-    from service.storage.database import Transaction
     from service.storage.documents import StoredDocument
+    from service.storage.transaction import Transaction
 
 # Made once: to make a statement takes longer than to run a short one.
 _HEADER = checked(
@@ -161,6 +162,7 @@ class Heads:
             .join(content, content.c.skeleton == skeleton.c.id)
             .join(document, used)
             .where(document.c.state == "ready", document.c.deleted_commit == CURRENT, skeleton.c.id > after)
+            .where(seen(self._tx.view))
             .where(or_(project_key is None, skeleton.c.project == project_key))  # type: ignore[arg-type]
             .group_by(skeleton.c.id, skeleton.c.hash, skeleton.c.joints, skeleton.c.project)
             .order_by(skeleton.c.id)

@@ -12,10 +12,11 @@ from sqlalchemy import Row, Select, and_, func, or_, select, update
 from service.errors import ConflictError, NotFoundError
 from service.storage.identifiers import new_uuid, now, stored_form
 from service.storage.tables import project
+from service.storage.views import require, seen
 from service.storage.work_tables import job, result
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 LEASE_SECONDS = 12.0
 """How long a runner may be silent before another one takes its jobs."""
@@ -71,7 +72,8 @@ class Jobs:
         parameters: dict[str, Any],
         runner: str | None = None,
     ) -> str:
-        """A new job, and its uuid. runner: who works on it at once; else it waits for one."""
+        """A new job, and its uuid. runner: who works on it at once; else it waits for one. AccessError."""
+        require(self._tx, project_key)
         uuid = new_uuid()
         self._tx.insert_row(
             job,
@@ -96,14 +98,14 @@ class Jobs:
 
     def get(self, uuid: str) -> StoredJob:
         """NotFoundError."""
-        row = self._tx.connection.execute(_LISTED.where(job.c.uuid == uuid)).one_or_none()
+        row = self._tx.connection.execute(self._seen().where(job.c.uuid == uuid)).one_or_none()
         if row is None:
             raise NotFoundError(f"There is no job {uuid}.", remedy="List the jobs to see their ids.")
         return _stored(row)
 
     def page(self, *, project_name: str | None, state: str | None, before: int | None, limit: int) -> list[StoredJob]:
         """The newest first. before: the key of the last job of the page before."""
-        query = _LISTED.order_by(job.c.id.desc()).limit(limit)
+        query = self._seen().order_by(job.c.id.desc()).limit(limit)
         if project_name is not None:
             query = query.where(project.c.name == stored_form(project_name))
         if state is not None:
@@ -115,8 +117,11 @@ class Jobs:
     def active_or_ended_since(self, time: str) -> list[StoredJob]:
         """Jobs that wait or run, and those that ended at a time or later; the oldest first."""
         going = job.c.state.not_in(ENDED)
-        query = _LISTED.where(going | (job.c.ended >= time)).order_by(job.c.id)
+        query = self._seen().where(going | (job.c.ended >= time)).order_by(job.c.id)
         return [_stored(row) for row in self._tx.connection.execute(query)]
+
+    def _seen(self) -> Select[Any]:
+        return _LISTED.where(seen(self._tx.view, job.c.project))
 
     def any_claimable(self) -> bool:
         """Whether `claim` would find a job; a cheap read."""
@@ -180,8 +185,9 @@ class Jobs:
             raise ConflictError(f"Job {uuid} is no longer this runner's.", remedy="Let the other one go on.")
 
     def cancel(self, uuid: str) -> StoredJob:
-        """Ask that a job end: one that waits ends at once, one that runs when its runner hears of it."""
+        """Ask that a job end: one that waits ends at once, one that runs when its runner hears of it. AccessError."""
         found = self.get(uuid)
+        require(self._tx, found.project_key)
         waiting = update(job).where(job.c.uuid == uuid, job.c.state == "waiting")
         self._tx.connection.execute(waiting.values(state="cancelled", ended=now(), cancel=True))
         self._tx.connection.execute(update(job).where(job.c.uuid == uuid, job.c.state == "running").values(cancel=True))

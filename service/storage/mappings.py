@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import Row, delete, select, tuple_, update
+from sqlalchemy import Row, Select, delete, select, tuple_, update
 
 from service.errors import NotFoundError
 from service.storage.identifiers import now, stored_form
 from service.storage.seals import SEALS
 from service.storage.tables import project
+from service.storage.views import require, seen
 from service.storage.work_tables import joint_mapping
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 _LISTED = select(joint_mapping, project.c.name.label("project_name")).join(
     project, project.c.id == joint_mapping.c.project
@@ -41,7 +42,7 @@ class Mappings:
 
     def page(self, project_name: str | None, after: tuple[str, str] | None, limit: int) -> list[StoredMapping]:
         """Mappings by project and name, those behind (project, name) `after`."""
-        query = _LISTED.order_by(project.c.name, joint_mapping.c.name).limit(limit)
+        query = self._seen().order_by(project.c.name, joint_mapping.c.name).limit(limit)
         if project_name is not None:
             query = query.where(joint_mapping.c.project == self._tx.projects.get(project_name))
         if after is not None:
@@ -49,7 +50,9 @@ class Mappings:
         return [_stored(row) for row in self._tx.connection.execute(query)]
 
     def find(self, project_name: str, name: str) -> StoredMapping | None:
-        query = _LISTED.where(project.c.name == stored_form(project_name), joint_mapping.c.name == stored_form(name))
+        query = self._seen().where(
+            project.c.name == stored_form(project_name), joint_mapping.c.name == stored_form(name)
+        )
         row = self._tx.connection.execute(query).one_or_none()
         return None if row is None else _stored(row)
 
@@ -70,14 +73,19 @@ class Mappings:
             key = self._tx.projects.get_or_add(project_name)
             self._tx.insert_row(joint_mapping, project=key, name=stored_form(name), version=1, **values)
         else:
-            key = self._tx.projects.get(project_name)
+            key = self._tx.projects.get_or_add(project_name)
             row = {"project": key, "name": found.name, "version": found.version + 1, **values}
             checksum = SEALS[joint_mapping].of(tuple(row[name] for name in SEALS[joint_mapping].columns))
             chosen = update(joint_mapping).where(joint_mapping.c.id == found.key)
             self._tx.connection.execute(chosen.values(**row, checksum=checksum))
         return self.get(project_name, name)
 
+    def _seen(self) -> Select[Any]:
+        return _LISTED.where(seen(self._tx.view, joint_mapping.c.project))
+
     def remove(self, stored: StoredMapping) -> None:
+        """AccessError."""
+        require(self._tx, self._tx.projects.get(stored.project))
         self._tx.connection.execute(delete(joint_mapping).where(joint_mapping.c.id == stored.key))
 
 

@@ -13,7 +13,7 @@ from service.storage.tables import document_media, upload
 from service.storage.uploads import BLOCK_BYTES
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 
 @dataclass(frozen=True)
@@ -44,17 +44,19 @@ class MediaOfDocuments:
         return StoredMedia(*rows[0]) if rows else None
 
     def put(self, document_key: int, key: int, file_name: str, media_type: str, offset: float) -> None:
-        """Let a document carry an upload, in the place of what it carried."""
+        """Let a document carry an upload, in the place of what it carried. AccessError."""
         self._remove(document_key)
         row = {"document": document_key, "upload": key, "file_name": file_name, "media_type": media_type}
         self._tx.insert_rows(document_media, [row | {"offset": offset}])
         self._tx.uploads.remove_orphans(0)
 
     def remove(self, document_key: int) -> None:
+        """AccessError."""
         self._remove(document_key)
         self._tx.uploads.remove_orphans(0)
 
     def _remove(self, document_key: int) -> None:
+        self._tx.documents.require(document_key)
         self._tx.connection.execute(delete(document_media).where(document_media.c.document == document_key))
 
     def read(self, media: StoredMedia, start: int = 0) -> Iterator[bytes]:

@@ -14,7 +14,7 @@ from service.storage.tables import content, document, project, revision
 if TYPE_CHECKING:
     from sqlalchemy import ColumnElement
 
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 Value: TypeAlias = str | int | float | None
 

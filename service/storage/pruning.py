@@ -14,7 +14,7 @@ from service.storage.seals import SEALS
 from service.storage.tables import commit, content, document, document_upload, revision, store, track, upload_block
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 WHOLE_SINCE = "whole since commit"
 

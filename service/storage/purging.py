@@ -28,7 +28,7 @@ from service.storage.tables import (
 from service.storage.work_tables import job, result, result_part
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 CHUNKS = 32
 """Chunks of 256 frames whose tracks go in one transaction."""

@@ -14,8 +14,8 @@ from service.storage.tables import bone, content, frame_run, header, shape_run, 
 if TYPE_CHECKING:
     from sqlalchemy import ColumnElement, Table
 
-    from service.storage.database import Transaction
     from service.storage.documents import StoredDocument
+    from service.storage.transaction import Transaction
 
 REVISIONED = (content, header, bone, timeline, frame_run, shape_run, span, track)
 

@@ -12,17 +12,18 @@ import numpy as np
 import orjson
 import zstandard
 from numpy.typing import NDArray
-from sqlalchemy import Row, delete, select, update
+from sqlalchemy import Row, Select, delete, select, update
 
 from service.errors import NotFoundError
 from service.storage.damage import damage, describe_damage
 from service.storage.identifiers import new_uuid, now, stored_form
 from service.storage.seals import checked
 from service.storage.tables import document, project
+from service.storage.views import require, seen
 from service.storage.work_tables import job, result, result_block, result_part
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 BLOCK_BYTES = 4 << 20
 """Of an array in one row, before compression."""
@@ -87,7 +88,8 @@ class Results:
         made_with: dict[str, str],
         parent: str | None = None,
     ) -> tuple[int, str]:
-        """A result without parts; its key and uuid."""
+        """A result without parts; its key and uuid. AccessError."""
+        require(self._tx, project_key)
         uuid = new_uuid()
         key = self._tx.insert_row(
             result,
@@ -132,7 +134,7 @@ class Results:
 
     def get(self, uuid: str) -> StoredResult:
         """NotFoundError."""
-        row = self._tx.connection.execute(_LISTED.where(result.c.uuid == uuid)).one_or_none()
+        row = self._tx.connection.execute(self._seen().where(result.c.uuid == uuid)).one_or_none()
         if row is None:
             raise NotFoundError(f"There is no result {uuid}.", remedy="List the results to see their ids.")
         return _stored(row)
@@ -147,7 +149,7 @@ class Results:
         limit: int,
     ) -> list[StoredResult]:
         """The newest first. before: the key of the last result of the page before."""
-        query = _LISTED.order_by(result.c.id.desc()).limit(limit)
+        query = self._seen().order_by(result.c.id.desc()).limit(limit)
         if project_name is not None:
             query = query.where(project.c.name == stored_form(project_name))
         if analysis is not None:
@@ -157,6 +159,9 @@ class Results:
         if before is not None:
             query = query.where(result.c.id < before)
         return [_stored(row) for row in self._tx.connection.execute(query)]
+
+    def _seen(self) -> Select[Any]:
+        return _LISTED.where(seen(self._tx.view, result.c.project))
 
     def parts(self, key: int) -> list[StoredPart]:
         query = (
@@ -229,7 +234,8 @@ class Results:
             yield np.frombuffer(zstandard.ZstdDecompressor().decompress(data), np.uint8)
 
     def remove(self, key: int) -> None:
-        """Drop a result and all that was made from it; documents that came of them stay."""
+        """Drop a result and all that was made from it; documents that came of them stay. AccessError."""
+        require(self._tx, self._tx.connection.execute(select(result.c.project).where(result.c.id == key)).scalar_one())
         for child in list(self._tx.connection.execute(select(result.c.id).where(result.c.parent == key)).scalars()):
             self.remove(child)
         connection = self._tx.connection

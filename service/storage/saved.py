@@ -7,17 +7,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from sqlalchemy import delete, select, tuple_
+from sqlalchemy import Select, delete, select, tuple_
 
 from service.errors import NotFoundError
 from service.storage.filtering import DocumentFilter, parse_condition, parse_range
 from service.storage.identifiers import now, stored_form
 from service.storage.seals import checked
 from service.storage.tables import project
+from service.storage.views import require, seen
 from service.storage.work_tables import saved
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 Kind = Literal["query", "collection", "colours"]
 
@@ -53,7 +54,7 @@ class Saved:
         self, kind: Kind, project_name: str | None, after: tuple[str, str] | None, limit: int
     ) -> list[StoredThing]:
         """By project and name, those behind (project, name) `after`."""
-        query = _HELD.where(saved.c.kind == kind).order_by(project.c.name, saved.c.name).limit(limit)
+        query = self._seen().where(saved.c.kind == kind).order_by(project.c.name, saved.c.name).limit(limit)
         if project_name is not None:
             query = query.where(project.c.name == stored_form(project_name))
         if after is not None:
@@ -61,7 +62,7 @@ class Saved:
         return [_stored(row) for row in self._tx.checked_once(checked(query, saved))]
 
     def find(self, kind: Kind, project_name: str, name: str) -> StoredThing | None:
-        query = _HELD.where(
+        query = self._seen().where(
             saved.c.kind == kind, project.c.name == stored_form(project_name), saved.c.name == stored_form(name)
         )
         rows = self._tx.checked_once(checked(query, saved))
@@ -93,8 +94,14 @@ class Saved:
         self._tx.insert_rows(saved, [row])
         return self.get(kind, project_name, name)
 
+    def _seen(self) -> Select[Any]:
+        return _HELD.where(seen(self._tx.view, saved.c.project))
+
     def remove(self, kind: Kind, thing: StoredThing) -> None:
-        chosen = (saved.c.project == self._tx.projects.get(thing.project), saved.c.kind == kind)
+        """AccessError."""
+        key = self._tx.projects.get(thing.project)
+        require(self._tx, key)
+        chosen = (saved.c.project == key, saved.c.kind == kind)
         self._tx.connection.execute(delete(saved).where(*chosen, saved.c.name == thing.name))
 
     def expand(self, documents: Sequence[str]) -> list[str]:

@@ -9,9 +9,9 @@ import zstandard
 from sqlalchemy import Connection, Table, bindparam, inspect, select, tuple_, update
 
 from service.storage import tables
-from service.storage.database import Transaction
 from service.storage.dialects import find_dialect
 from service.storage.seals import SEALS, Row, sealed
+from service.storage.transaction import Transaction
 
 ROWS = 2000
 

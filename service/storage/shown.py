@@ -10,7 +10,7 @@ from service.storage.lists import OneOf
 from service.storage.tables import revision
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 STILL = ("label", "unlabel", "delete")
 """Operations of revisions that move nothing. Undoing, restoring and editing elements may."""

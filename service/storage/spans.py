@@ -12,9 +12,10 @@ from service.storage.moments import DOCUMENT, of_document, there, valid
 from service.storage.schema import CURRENT
 from service.storage.seals import checked, closing
 from service.storage.tables import document, project, span
+from service.storage.views import seen
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 
 @dataclass(frozen=True, order=True)
@@ -130,7 +131,7 @@ class Spans:
                 func.sum(span.c.last - span.c.first + 1),
             )
             .join(document, document.c.id == span.c.document)
-            .where(valid(span, self._tx.at), there(self._tx.at))
+            .where(valid(span, self._tx.at), there(self._tx.at), seen(self._tx.view))
             .group_by(span.c.name)
             .order_by(span.c.name)
         )

@@ -14,8 +14,8 @@ from service.storage.shown import Shown
 from service.storage.tables import thumbnail
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
     from service.storage.documents import StoredDocument
+    from service.storage.transaction import Transaction
 
 _SHOWN = Shown(thumbnail)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import secrets
+from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import TYPE_CHECKING
@@ -10,13 +11,14 @@ from typing import TYPE_CHECKING
 from sqlalchemy import delete, insert, select, update
 
 from service.errors import ConflictError, NotFoundError
-from service.storage.accounts import SCOPES, Account, Entry, account, entry_of, grant
+from service.storage.accounts import Account, Entry, account, entry_of, grant, granted_project
 from service.storage.identifiers import digest_of, now
-from service.storage.tables import token
+from service.storage.tables import project, token
+from service.storage.views import SCOPES
 from service.storage.visits import session
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 _ANY = select(token.c.name).limit(1)
 _GRANTED = token.join(grant).outerjoin(account, grant.c.account == account.c.id)
@@ -27,7 +29,7 @@ USED_HOURS = 1
 @dataclass(frozen=True)
 class TokenSummary:
     """A token as it is listed. hint: its first characters; the token itself is not kept. account: whose it is. used:
-    about when it last was."""
+    about when it last was. projects: where alone it opens something, () for all."""
 
     name: str
     hint: str
@@ -36,6 +38,7 @@ class TokenSummary:
     scope: str
     account: str | None
     used: str | None
+    projects: tuple[str, ...] = ()
 
 
 class Tokens:
@@ -45,9 +48,16 @@ class Tokens:
         self._tx = tx
 
     def add(
-        self, name: str, expires: str | None = None, *, scope: str = SCOPES[-1], owner: Account | None = None
+        self,
+        name: str,
+        expires: str | None = None,
+        *,
+        scope: str = SCOPES[-1],
+        owner: Account | None = None,
+        projects: Collection[int] = (),
     ) -> str:
-        """A new token, in clear for the only time. ConflictError where the name is taken."""
+        """A new token, in clear for the only time. projects: keys of those where alone it opens something.
+        ConflictError where the name is taken."""
         if any(summary.name == name for summary in self.all()) or self._tx.accounts.find(name) is not None:
             raise ConflictError(f"There is a token {name!r} already.", remedy="Choose another name or revoke that one.")
         secret = f"mcml_{secrets.token_urlsafe(32)}"
@@ -55,13 +65,20 @@ class Tokens:
         key = self._tx.insert_row(token, **row)
         whose = None if owner is None else owner.key
         self._tx.connection.execute(insert(grant).values(token=key, scope=scope, account=whose))
+        for each in projects:
+            self._tx.connection.execute(insert(granted_project).values(token=key, project=each))
         return secret
 
     def all(self) -> list[TokenSummary]:
         """By name."""
         columns = (token.c.name, token.c.hint, token.c.created, token.c.expires, grant.c.scope)
         wanted = select(*columns, account.c.name.label("account"), grant.c.used).select_from(_GRANTED)
-        return [TokenSummary(*row) for row in self._tx.connection.execute(wanted.order_by(token.c.name))]
+        rows = self._tx.connection.execute(wanted.order_by(token.c.name)).all()
+        named = select(token.c.name, project.c.name).select_from(granted_project.join(token).join(project))
+        where: dict[str, tuple[str, ...]] = {}
+        for whose, name in self._tx.connection.execute(named.order_by(project.c.name)):
+            where[whose] = (*where.get(whose, ()), name)
+        return [TokenSummary(*row, where.get(row.name, ())) for row in rows]
 
     def exist(self) -> bool:
         """Whether there is any token, an expired one too."""
@@ -72,18 +89,20 @@ class Tokens:
         # Sessions that it was exchanged for end with it.
         its = select(token.c.id).where(token.c.name == name).scalar_subquery()
         self._tx.connection.execute(delete(session).where(session.c.token == its))
-        self._tx.connection.execute(delete(grant).where(grant.c.token == its))
+        for table in (grant, granted_project):
+            self._tx.connection.execute(delete(table).where(table.c.token == its))
         if not self._tx.connection.execute(delete(token).where(token.c.name == name)).rowcount:
             raise NotFoundError(f"There is no token {name!r}.", remedy="See `mcml token list`.")
 
     def entry(self, secret: str) -> Entry | None:
         """Who comes in by the token with this secret, None where it is unknown or has expired."""
-        whose = account.c.name.label("account"), account.c.role, account.c.closed
-        wanted = select(token.c.name, token.c.expires, grant.c.scope, *whose).select_from(_GRANTED)
+        whose = account.c.id.label("person"), account.c.name.label("account"), account.c.role, account.c.closed
+        about = token.c.id.label("token"), token.c.name, token.c.expires, grant.c.scope
+        wanted = select(*about, *whose).select_from(_GRANTED)
         row = self._tx.connection.execute(wanted.where(token.c.sha256 == digest_of(secret))).one_or_none()
         if row is None or (row.expires is not None and row.expires < now()):
             return None
-        return entry_of(row.name, row.scope, row)
+        return entry_of(self._tx, row.name, row)
 
     def name(self, secret: str) -> str | None:
         """The name of the token with this secret."""

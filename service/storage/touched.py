@@ -14,7 +14,7 @@ from service.storage.schema import CHUNK
 from service.storage.tables import CLOSED_TRACK, span, track
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 MOST_COMPARED = 256
 """Tracks that are compared sample by sample; of a revision that wrote more, all frames of them count as touched."""

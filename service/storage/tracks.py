@@ -36,7 +36,7 @@ from service.storage.seals import Checked, checked, closing, unsound
 from service.storage.tables import frame_run, shape, shape_run, timeline, track
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 BLOCK_FRAMES = 8 * CHUNK
 """Frames read with one query; bounds the memory of a stream."""

@@ -21,8 +21,8 @@ from service.storage.undoing_samples import take_back_shapes, take_back_tracks
 if TYPE_CHECKING:
     from sqlalchemy import ColumnElement, Table
 
-    from service.storage.database import Transaction
     from service.storage.documents import StoredDocument
+    from service.storage.transaction import Transaction
 
 _BY_POSITION = (span, frame_run)
 """What says positions of frames: no longer true if frames before them come or go."""

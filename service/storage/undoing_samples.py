@@ -18,8 +18,8 @@ from service.numerics.runs import find_equal
 from service.storage.tables import shape_run
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
     from service.storage.documents import StoredDocument
+    from service.storage.transaction import Transaction
 
 Track = tuple[list[int], Array]
 """(channels, (k, n) columns): one bone in one chunk."""

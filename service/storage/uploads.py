@@ -15,7 +15,7 @@ from service.storage.seals import checked
 from service.storage.tables import document, document_media, document_upload, upload, upload_block
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 BLOCK_BYTES = 1 << 20
 LEASE_SECONDS = 120.0

@@ -22,6 +22,7 @@ from sqlalchemy import (
     delete,
     func,
     insert,
+    or_,
     select,
     update,
 )
@@ -34,7 +35,7 @@ from service.storage.schema import KEY, NAME, metadata
 from service.storage.tables import token
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 session = Table(
     "session",
@@ -65,6 +66,8 @@ request = Table(
     Column("answer", Text),
 )
 """`digest`: of what was asked. `status`: null as long as it is worked on, or for ever, if the server died then."""
+
+_PERSON = func.coalesce(session.c.account, grant.c.account)
 
 SESSION_HOURS, LINK_MINUTES, KEY_HOURS = 12, 15, 24
 
@@ -107,8 +110,10 @@ class Sessions:
         self._tx.connection.execute(delete(session).where(session.c.sha256 == digest_of(secret)))
 
     def end_all(self, account_key: int) -> None:
-        """End all sessions of an account."""
-        self._tx.connection.execute(delete(session).where(session.c.account == account_key))
+        """End all sessions of an account, those that its tokens were exchanged for too."""
+        its_tokens = select(grant.c.token).where(grant.c.account == account_key)
+        its_own = or_(session.c.account == account_key, session.c.token.in_(its_tokens))
+        self._tx.connection.execute(delete(session).where(its_own))
 
     def _add(self, kind: str, author: str, lasts: timedelta, **whose: int | None) -> str:
         self._tx.connection.execute(delete(session).where(session.c.expires < now()))
@@ -122,7 +127,7 @@ class Sessions:
             select(
                 session.c.author,
                 session.c.token,
-                session.c.account.label("person"),
+                _PERSON.label("person"),
                 token.c.expires.label("until"),
                 grant.c.scope,
                 account.c.name.label("account"),
@@ -132,7 +137,7 @@ class Sessions:
             .select_from(session)
             .outerjoin(token, session.c.token == token.c.id)
             .outerjoin(grant, token.c.id == grant.c.token)
-            .outerjoin(account, func.coalesce(session.c.account, grant.c.account) == account.c.id)
+            .outerjoin(account, account.c.id == _PERSON)
             .where(session.c.sha256 == digest_of(secret), session.c.kind == kind, session.c.expires >= now())
         )
         row = self._tx.connection.execute(wanted).one_or_none()
@@ -141,7 +146,7 @@ class Sessions:
         # A token without its rights, or a person who is not there, opens nothing.
         if (row.token is not None and row.scope is None) or (row.person is not None and row.account is None):
             return None
-        return entry_of(row.author, row.scope, row)
+        return entry_of(self._tx, row.author, row)
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
+from copy import copy
 from dataclasses import replace
 from typing import Literal
 
@@ -11,7 +12,8 @@ from schemas.queries import Explain, QueryAnswer, QueryRequest, ScalarItem, Valu
 from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.columns import Listed
-from service.storage.database import LATEST, Database, Transaction
+from service.storage.database import Database
+from service.storage.transaction import LATEST, Transaction
 from service.xpath.answer.cursors import read_cursor
 from service.xpath.answer.describe import describe_nodes
 from service.xpath.answer.explain import body_steps, steps_of
@@ -66,6 +68,14 @@ class Queries:
         place = path_of(database, settings.cache_dir)
         sidecar = None if place is None else Sidecar(place, settings.cache_disk_mib << 20)
         self.caches = Caches(settings.query_cache_mib << 20, sidecar)
+
+    def on(self, database: Database) -> Queries:
+        """The same, over a store of which somebody sees less."""
+        if database is self.database:
+            return self
+        other = copy(self)
+        other.database = database
+        return other
 
     def close(self) -> None:
         if self.caches.sidecar is not None:

@@ -157,7 +157,7 @@ def changed_at_random(database: Database, seed: int, steps: int) -> None:
     assert violations(io.BytesIO(versions[-1])) == []
     _answers_equal(database, uuid, versions[-1])
     with database.read() as tx:
-        numbers = [revision.number for revision in tx.documents.revisions(tx.documents.get(uuid).key, limit=1000)]
+        numbers = [revision.number for revision in tx.revisions.of(tx.documents.get(uuid).key, limit=1000)]
     for version, number in zip(versions[::-1], sorted(numbers, reverse=True), strict=False):
         with database.read() as tx:
             then = tx.at_commit(tx.documents.commit_of(tx.documents.get(uuid).key, number))

@@ -12,9 +12,10 @@ from service.actions.importing.import_motion import import_files
 from service.actions.reading.import_options import ImportOptions
 from service.errors import ConflictError
 from service.settings import Settings
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.documents import Documents
 from service.storage.filtering import DocumentFilter
+from service.storage.transaction import Transaction
 from tests.actions.test_kill import run
 from tests.builders import ASF, bvh, read_by, source
 

@@ -57,7 +57,7 @@ def test_history_is_forgotten_and_what_is_there_stays(database: Database) -> Non
         content(database, uuid, 2)
     with database.read() as tx:
         stored = tx.documents.get(uuid)
-        assert [revision.number for revision in tx.documents.revisions(stored.key)] == [5]
+        assert [revision.number for revision in tx.revisions.of(stored.key)] == [5]
         assert tx.uploads.of(stored.key) == []
         unread = {found.name.split()[0]: found.unread for found in compare_all(tx, Settings())}
     assert "pruned" in (unread["a"] or "")

@@ -18,15 +18,16 @@ from service.operations import all_operations
 from service.operations.call import Call, Repository
 from service.operations.operation import RIGHTS, Operation, Right
 from service.settings import Settings
-from service.storage.accounts import ROLES, SCOPES
+from service.storage.accounts import ROLES
 from service.storage.database import Database
+from service.storage.views import SCOPES, View
 from tests.builders import SECRET, bvh, one_kind, upload
 
 API = "/api/v1"
 HOME = "http://127.0.0.1:8000"
 WORDS = "four words in a row"
 SHORT = "too short"
-FIRST_ROLE = {"reader": {Right.READ}, "editor": {Right.READ, Right.EDIT}, "owner": set(Right)}
+FIRST_ROLE = {"member": {Right.READ}, "reader": {Right.READ}, "editor": {Right.READ, Right.EDIT}, "owner": set(Right)}
 """What each role may do, said a second time."""
 
 
@@ -105,14 +106,14 @@ def test_no_call_passes_by_the_one_point(database: Database, scope: str) -> None
     repository = Repository(database, Settings())
     for operation in all_operations():
         if operation.right in RIGHTS[scope]:
-            operation.allow(Call(repository, "kim", scope))
+            operation.allow(Call(repository, "kim", View(scope)))
             continue
         with pytest.raises(AccessError, match=operation.name):
-            operation.run(Call(repository, "kim", scope), {})
+            operation.run(Call(repository, "kim", View(scope)), {})
 
 
 def test_rights_are_those_that_the_roles_say() -> None:
-    assert {role: set(RIGHTS[scope]) for role, scope in ROLES.items()} == FIRST_ROLE
+    assert {role: set(RIGHTS[View(scope).most]) for role, scope in ROLES.items()} == FIRST_ROLE
 
 
 # -- how people come to have an account --------------------------------------------------------------------------------
@@ -134,6 +135,7 @@ def test_the_link_of_the_terminal_makes_the_first_owner(database: Database) -> N
         assert form(client, link=link, name="kim", password=WORDS).status_code == 303
         assert client.get(f"{API}/account").json() == {
             "name": "kim", "role": "owner", "scope": "operate", "rights": ["edit", "operate", "own", "read"],
+            "projects": [],
         }  # fmt: skip
         files = {"file": ("walk.bvh", bvh(3))}
         document = client.post(f"{API}/documents", files=files).json()["documents"][0]["id"]
@@ -277,7 +279,7 @@ def test_another_role_holds_at_once(team: dict[str, TestClient]) -> None:
     assert reader.post(f"{API}/documents", files=files).status_code == 201
     assert owner.patch(f"{API}/accounts/nobody", json={"role": "editor"}).status_code == 404
     roles = {one["name"]: one["role"] for one in owner.get(f"{API}/accounts").json()["items"]}
-    assert roles == {"reader": "editor", "editor": "editor", "owner": "owner"}
+    assert roles == {"member": "member", "reader": "editor", "editor": "editor", "owner": "owner"}
 
 
 def test_there_is_always_an_owner(team: dict[str, TestClient], database: Database) -> None:

@@ -102,7 +102,7 @@ def check(client: TestClient, database: Database, more: Callable[[], Callable[[]
     )
     with database.read() as tx:
         stored = tx.documents.get(uuid)
-        history = [item.number for item in tx.documents.revisions(stored.key, before=None, limit=10**6)]
+        history = [item.number for item in tx.revisions.of(stored.key, before=None, limit=10**6)]
         spans = Counter(span.name for span in tx.spans.of(stored.key))
     assert history == list(range(start + total.total(), 0, -1))
     assert spans == Counter({f"writer-{n}": writer.done["label"] for n, writer in enumerate(writers)}) + Counter()

@@ -21,7 +21,8 @@ from service.motion.bodies.positions import UNSEEN, clip_positions, filled, roun
 from service.motion.units import reading_of
 from service.storage import steps
 from service.storage.columns import Listed
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
+from service.storage.transaction import Transaction
 from tests.builders import TRC, bvh, store
 
 NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")

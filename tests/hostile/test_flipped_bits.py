@@ -22,9 +22,10 @@ from service.actions.exporting.export_motion import ExportOptions, export_docume
 from service.errors import McmlError
 from service.settings import Settings
 from service.storage.checks import faults
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
 from service.storage.schema import metadata
+from service.storage.transaction import Transaction
 from service.xpath.queries import Queries
 from tests import postgres
 from tests.builders import ASF, HTR, MCML, amc, bvh, c3d_file, store
@@ -67,7 +68,7 @@ def answers(tx: Transaction, engine: Queries | None = None) -> Iterator[tuple[st
             yield f"document {stored.key}", replace(stored, key=0)
             yield f"receipt {stored.key}", tx.documents.receipt(stored.key)
             yield f"labels {stored.key}", [replace(span, key=0) for span in tx.spans.of(stored.key)]
-            yield f"history {stored.key}", tx.documents.revisions(stored.key)
+            yield f"history {stored.key}", tx.revisions.of(stored.key)
             for name in ("mcml", "csv", stored.format):
                 for original in (True, False):
                     content = export_document(tx, stored, ExportOptions(name, original=original)).content

@@ -14,8 +14,9 @@ from service.errors import StoreError, UnavailableError
 from service.jobs.runner import Runner, keep_outcome
 from service.jobs.worker import Refused
 from service.settings import Settings
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.jobs import StoredJob
+from service.storage.transaction import Transaction
 
 
 @pytest.mark.parametrize("method", ["read", "write"])

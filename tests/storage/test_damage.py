@@ -16,9 +16,10 @@ from service.actions.keeping.keep_store import backup, restore
 from service.errors import DamageError, StoreError
 from service.settings import Settings
 from service.storage import tables
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.layout import LAYOUT
 from service.storage.schema import metadata
+from service.storage.transaction import Transaction
 from service.xpath.queries import Queries
 from tests.builders import ASF, MCML, amc, bvh, store
 from tests.edits import change_element
@@ -146,7 +147,7 @@ def as_before_checksums(database: Database) -> None:
                     tx.connection.execute(text(f'ALTER TABLE "{table.name}" DROP COLUMN {column.name}'))
         for later in (
             *("store", "joint_alias", "session", "request", "thumbnail", "saved", "document_media", "body"),
-            *("token_grant", "invitation", "account"),
+            *("membership", "token_project", "token_grant", "invitation", "account"),
         ):
             tx.connection.execute(text(f"DROP TABLE {later}"))
         for index in ("ix_revision_commit", "ix_document_there"):

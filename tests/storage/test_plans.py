@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.facts import facts_of
 from service.storage.filtering import DocumentFilter
+from service.storage.transaction import Transaction
 from tests.builders import bvh, store
 
 ASKED: dict[str, tuple[Callable[[Transaction], object], str]] = {
@@ -21,12 +22,12 @@ ASKED: dict[str, tuple[Callable[[Transaction], object], str]] = {
         "ix_document_there",
     ),
     "how many documents there are": (lambda tx: tx.documents.count(DocumentFilter()), "ix_document_there"),
-    "revisions since": (lambda tx: tx.documents.revisions_since(1, 100), "ix_revision_commit"),
+    "revisions since": (lambda tx: tx.revisions.since(1, 100), "ix_revision_commit"),
 }
 
 
 FOUND: dict[str, Callable[[Transaction], object]] = {
-    "the feed of changes": lambda tx: tx.documents.revisions_since(0, 1),
+    "the feed of changes": lambda tx: tx.revisions.since(0, 1),
     "what is told of a page": lambda tx: tx.documents.told([1]),
     "pictures of a page": lambda tx: tx.thumbnails.of(tx.documents.told([1])),
     "labels of a page": lambda tx: tx.spans.of_many([1]),

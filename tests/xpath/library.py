@@ -18,9 +18,10 @@ from service.actions.editing.edit_element import Change
 from service.actions.exporting.export_motion import ExportOptions, export_document
 from service.errors import McmlError
 from service.settings import Settings
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
+from service.storage.transaction import Transaction
 from service.xpath.queries import Queries
 from tests.builders import ASF, HTR, MCML, amc, bvh, mcml_of, store
 from tests.edits import change_element, delete_element

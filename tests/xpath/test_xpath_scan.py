@@ -14,9 +14,10 @@ from service.actions.editing.edit_element import Change
 from service.actions.reading.import_options import Label
 from service.errors import McmlError
 from service.settings import Settings
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
+from service.storage.transaction import Transaction
 from service.xpath import queries as run
 from service.xpath.answer import streams
 from service.xpath.answer.sources import described

@@ -12,8 +12,8 @@ from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import Analysis, Part, Parts, Picture
 from service.analysis.pictures import STYLE, picture_of_part
 from service.errors import NotFoundError, UnsupportedError
-from service.storage.database import Transaction
 from service.storage.results import StoredPart, StoredResult
+from service.storage.transaction import Transaction
 
 Form = Literal["svg", "png"]
 

@@ -11,8 +11,9 @@ from service.actions.importing.store_clip import store_clip
 from service.analysis.catalogue import ANALYSES
 from service.analysis.interface import Part, Parts
 from service.settings import Settings
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.jobs import StoredJob
+from service.storage.transaction import Transaction
 
 LABELS = "labels"
 """The part whose rows become motion names of the documents that were read."""

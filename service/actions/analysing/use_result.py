@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -38,6 +39,14 @@ class Results:
         self._settings = settings
         self._lock = threading.Lock()
         self._ready: OrderedDict[str, tuple[StoredResult, Any]] = OrderedDict()
+
+    def on(self, database: Database) -> Results:
+        """The same, over a store of which somebody sees less."""
+        if database is self._database:
+            return self
+        other = copy(self)
+        other._database = database
+        return other
 
     def use(
         self,

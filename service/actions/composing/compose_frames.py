@@ -25,8 +25,9 @@ from service.motion.mirroring import mirrored
 from service.motion.resampling import resampled
 from service.motion.units import reading_of, up_of
 from service.settings import Settings
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 from service.xpath.queries import Queries
 
 MOST_FRAMES = 1_000_000

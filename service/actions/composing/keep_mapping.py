@@ -6,8 +6,8 @@ from schemas.retarget import JointPair, Mapping
 from service.actions.checking.preconditions import check_match
 from service.actions.composing.fit_skeleton import JointMapping
 from service.errors import DocumentError
-from service.storage.database import Transaction
 from service.storage.mappings import StoredMapping
+from service.storage.transaction import Transaction
 
 
 def keep_mapping(

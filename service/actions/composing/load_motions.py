@@ -21,8 +21,8 @@ from service.motion.hub import HubReader
 from service.motion.retarget import retarget
 from service.motion.skeleton import Convention, Skeleton
 from service.motion.units import metres_of, reading_of
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 Input = dict[str, Any]
 """{"document": uuid, "revision": number}: a clip that an analysis reads, and at which revision."""

@@ -9,8 +9,9 @@ from service.actions.importing.store_clip import store_stream
 from service.clips.read_clip import read_clip
 from service.errors import LimitError, NotFoundError
 from service.settings import Settings
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 MOST_PARTS = 1000
 

@@ -17,9 +17,9 @@ from service.actions.editing.edit_elements import ElementEdit, make_edits, told_
 from service.actions.editing.splice_frames import check_range
 from service.mcml import motion_names
 from service.motion.skeleton import Array
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.spans import StoredSpan
+from service.storage.transaction import Transaction
 
 Label = tuple[str, int, int]
 """(name, first, last)."""

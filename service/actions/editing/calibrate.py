@@ -16,8 +16,8 @@ from service.clips.bodies import Body, read_bodies
 from service.errors import RequestError
 from service.mcml.elements import to_head
 from service.motion.bodies.calibration import OVERRIDES
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 LENGTHS = ("floor", "leg")
 

@@ -9,12 +9,12 @@ from service.actions.reading.edit_header import with_facts
 from service.errors import ConflictError, DocumentError, NotFoundError
 from service.mcml import motion_names
 from service.mcml.elements import Element
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.identifiers import stored_form
 from service.storage.restoring import reopen_rows
 from service.storage.rows import skeleton_rows
 from service.storage.spans import StoredSpan
+from service.storage.transaction import Transaction
 from service.storage.undoing import undo_rows
 
 _HELD_BY_SOURCE = {
@@ -159,7 +159,7 @@ def undo_revision(tx: Transaction, stored: StoredDocument, number: int) -> Store
 
     ConflictError where they touched the same, or where there is nothing before.
     """
-    undone = next(iter(tx.documents.revisions(stored.key, before=number + 1, limit=1)), None)
+    undone = next(iter(tx.revisions.of(stored.key, before=number + 1, limit=1)), None)
     if undone is None or undone.number != number:
         raise NotFoundError(f"The document has no revision {number}.", remedy="List its revisions.")
     if undone.parent is None:
@@ -170,7 +170,7 @@ def undo_revision(tx: Transaction, stored: StoredDocument, number: int) -> Store
         raise ConflictError(
             f"A revision of kind {undone.operation!r} is not taken back.", remedy="Restore the revision you want."
         )
-    (before,) = tx.documents.revisions(stored.key, before=number, limit=1)
+    (before,) = tx.revisions.of(stored.key, before=number, limit=1)
     if before.name != undone.name:
         if stored.name != undone.name:
             raise ConflictError("The document was renamed since.", remedy="Rename it yourself.")

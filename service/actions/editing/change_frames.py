@@ -17,11 +17,11 @@ from service.mcml.elements import to_head
 from service.motion.clip import FrameBlock
 from service.motion.frames import reversed_frames
 from service.motion.skeleton import CHANNEL_INDEX, Array
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.motion_names import names_of_frames
 from service.storage.schema import CHUNK
 from service.storage.spans import StoredSpan
+from service.storage.transaction import Transaction
 
 
 def edit_frames(tx: Transaction, stored: StoredDocument, request: FrameEdits) -> StoredDocument:

@@ -21,9 +21,9 @@ from service.mcml.elements import Element, addresses, check_counts, joint_names,
 from service.mcml.lexical import escape, is_decimal, unescape
 from service.mcml.vocabulary import FRAME_BONE, FRAMES, MOTION_NAME
 from service.motion.skeleton import CHANNEL_INDEX
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.rows import skeleton_rows
+from service.storage.transaction import Transaction
 
 MAX_JOINTS = 65_535
 """Numbers of bones have 16 bits."""

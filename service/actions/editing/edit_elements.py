@@ -23,9 +23,9 @@ from service.mcml.addresses import (
     split_attribute,
 )
 from service.mcml.element import Element, addresses
-from service.storage.database import Transaction
 from service.storage.differences import common_frames
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 _KINDS = ("", "motion_name", "frame_bone")
 

@@ -13,12 +13,12 @@ from service.mcml.lexical import ILLEGAL
 from service.mcml.vocabulary import FRAME_BONE
 from service.motion.clip import Shape
 from service.motion.skeleton import CHANNELS
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.runs import without_position
 from service.storage.schema import CHUNK
 from service.storage.tables import shape_run, timeline
 from service.storage.tracks import Piece
+from service.storage.transaction import Transaction
 
 
 def rewrite_frame_bone(

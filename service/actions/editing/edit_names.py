@@ -6,8 +6,8 @@ from service.errors import NotFoundError, Place
 from service.mcml import motion_names
 from service.mcml.addresses import address_child
 from service.mcml.vocabulary import MOTION_NAME
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 
 def rewrite_motion_name(tx: Transaction, stored: StoredDocument, frame: int, number: int, text: str | None) -> None:

@@ -19,8 +19,8 @@ from service.mcml.elements import joint_names
 from service.mcml.faults import all_faults, read_frames
 from service.mcml.lexical import unescape
 from service.motion.clip import FrameBlock
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 Where = Literal["before", "after", "into"]
 

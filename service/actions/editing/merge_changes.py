@@ -21,9 +21,9 @@ from service.mcml.addresses import address_attribute, address_frame, find_frame,
 from service.mcml.elements import to_head
 from service.motion.skeleton import CHANNEL_INDEX, Array
 from service.numerics.runs import find_true
-from service.storage.database import Transaction
 from service.storage.differences import common_frames
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 MOST_VALUES = 1000
 """Of a conflict that are told."""

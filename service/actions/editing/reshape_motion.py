@@ -19,8 +19,8 @@ from service.motion.resampling import resampled
 from service.motion.skeleton import CHANNEL_INDEX, Array
 from service.motion.smoothing import smoothed
 from service.motion.units import Reading, reading_of, up_of
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 Reshaping = MirrorFrames | SmoothFrames | AdjustFrames | ResampleFrames
 

@@ -12,13 +12,13 @@ from service.errors import DocumentError, NotFoundError
 from service.mcml.elements import refresh_counts
 from service.motion.clip import FrameBlock
 from service.motion.extremes import check_numbers
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.encoding import ClipEncoder
 from service.storage.schema import CHUNK
 from service.storage.spans import StoredSpan
 from service.storage.tables import timeline
 from service.storage.tracks import Piece
+from service.storage.transaction import Transaction
 
 COMPRESSORS = 2
 

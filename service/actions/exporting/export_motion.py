@@ -23,8 +23,8 @@ from service.motion.clip import ClipStream
 from service.motion.conventions import convert, scale, turn_up
 from service.motion.skeleton import CHANNELS
 from service.motion.units import metres_per_unit
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ from service.mcml.addresses import MOTION, address_child, address_frame, number_
 from service.mcml.elements import Element
 from service.mcml.vocabulary import FRAME_BONE, FRAMES, FRAMETIME, MOTION_NAME
 from service.mcml.writer import Layout, text_bytes, write_document, write_frames
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.motion_names import names_of_frames
+from service.storage.transaction import Transaction
 
 _FRAME_LINES = {Layout.LINES: 1, Layout.PRETTY: 2}
 """Of a frame, beside those of what is in it."""

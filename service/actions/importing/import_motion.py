@@ -26,9 +26,10 @@ from service.actions.reading.import_options import ImportOptions
 from service.errors import McmlError
 from service.formats.format import SourceFile
 from service.settings import Settings
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.encoding import DATA_PLACE, ClipEncoder, TrackRow
 from service.storage.tracks import Piece
+from service.storage.transaction import Transaction
 
 FLUSH_BYTES = 16 << 20
 """Rows of a clip that wait in memory before they are written in a transaction of their own."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from service.actions.checking.check_names import file_name
 from service.errors import NotFoundError, Place
 from service.formats.format import SourceFile
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.storage.uploads import BLOCK_BYTES, compress_block
 
 EARLY_BYTES = 64 << 20

@@ -19,10 +19,10 @@ from service.formats.format import SourceFile
 from service.motion.clip import ClipStream, FrameBlock
 from service.motion.skeleton import Array
 from service.settings import Settings
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.encoding import joined
 from service.storage.schema import CHUNK
+from service.storage.transaction import Transaction
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ import logging
 
 from service.actions.keeping.check_uploads import compare_all
 from service.settings import Settings
-from service.storage.database import Transaction
 from service.storage.sealing import seal_rows, spoil
 from service.storage.tables import content, track
+from service.storage.transaction import Transaction
 
 log = logging.getLogger("mcml.store")
 

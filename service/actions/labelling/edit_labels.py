@@ -12,10 +12,11 @@ from service.actions.editing.change_document import add_labels
 from service.actions.editing.splice_frames import check_range
 from service.errors import DocumentError, NotFoundError, Place
 from service.mcml import motion_names
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
 from service.storage.spans import StoredSpan
+from service.storage.transaction import Transaction
 from service.xpath.queries import Queries
 
 HEADINGS = ("document", "label", "first", "last")

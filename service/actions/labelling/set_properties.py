@@ -11,9 +11,9 @@ from service.actions.editing.change_document import change_document
 from service.actions.reading.import_options import parse_property
 from service.errors import DocumentError, Place
 from service.mcml.elements import to_head
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.filtering import DocumentFilter
+from service.storage.transaction import Transaction
 
 KEYS = ("document", "name")
 """What the first column may be: ids of documents, or their names."""

@@ -11,8 +11,9 @@ from service.mcml.motion_names import MotionName
 from service.motion.hub import HubReader
 from service.motion.movement_names import suggest_movements
 from service.motion.skeleton import Convention
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 
 def suggest_labels(

@@ -11,8 +11,8 @@ from service.mcml.element import Element, addresses
 from service.mcml.lexical import escape
 from service.mcml.vocabulary import BONE, NAME, ROOT
 from service.motion.skeleton import Joint, Skeleton
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 
 def renames(tx: Transaction, stored: StoredDocument) -> tuple[Skeleton, list[Rename]]:

@@ -10,7 +10,7 @@ from service.actions.checking.preconditions import check_match
 from service.errors import DocumentError
 from service.mcml.joint_names import alias_key, table
 from service.storage.aliases import StoredAliases
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 
 
 def keep_aliases(

@@ -15,9 +15,9 @@ from service.motion.hub import HubReader
 from service.motion.rotations import inverse, multiply
 from service.motion.skeleton import CHANNELS, Array
 from service.motion.units import reading_of
-from service.storage.database import Transaction
 from service.storage.differences import Run, changed_chunks, common_frames, missing, within_chunks
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 MOST_HEAD = 1000
 """Differing elements of the head that are told one by one."""

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from schemas.documents import Card, Passport, Span
 from service.actions.reading.describe_document import summary
 from service.actions.reading.show_thumbnails import Pictures
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 UNIT, UP = "calibration_unit", "global_axis_of_gravity"
 

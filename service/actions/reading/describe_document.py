@@ -7,9 +7,9 @@ import json
 from schemas.documents import Bone, DocumentDetail, DocumentSummary, Label, Property, Receipt, StoredFile
 from schemas.media import MediaInfo
 from service.mcml.elements import to_head
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.media import StoredMedia
+from service.storage.transaction import Transaction
 
 
 def summary(stored: StoredDocument) -> DocumentSummary:

@@ -15,8 +15,8 @@ from service.motion.kinematics import rest_positions
 from service.motion.sides import is_left, partners
 from service.motion.skeleton import CHANNELS, Array, Convention, Skeleton
 from service.motion.units import reading_of
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 
 def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:

@@ -11,8 +11,8 @@ from service.actions.reading.read_element import element_at, frame_at
 from service.mcml.addresses import MOTION, address_frame, number_steps, read_frame_address
 from service.mcml.elements import Element
 from service.mcml.vocabulary import FRAME, FRAME_BONE, FRAMES, FRAMETIME
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 ROOT = "/mcml"
 

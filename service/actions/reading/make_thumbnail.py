@@ -20,8 +20,8 @@ from service.motion.rotations import rotate
 from service.motion.skeleton import Array
 from service.motion.thumbnails import busiest, carried, draw, loop_times, poses_at, scrub_times
 from service.motion.units import reading_of
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 DENSE = 24.0
 """Poses a second that are looked at: twice as many as are drawn."""

@@ -13,9 +13,9 @@ from service.mcml.lexical import escape
 from service.mcml.vocabulary import FRAMES, FRAMETIME
 from service.mcml.writer import write_element
 from service.motion.skeleton import CHANNELS
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.motion_names import names_of_frames
+from service.storage.transaction import Transaction
 
 LEAF = re.compile(r"/mcml/motion/(frames|frametime)(?:/@[A-Za-z]+)?")
 HEAD = re.compile(

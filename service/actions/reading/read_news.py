@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from schemas.events import DocumentEvent
-from service.storage.database import Transaction
 from service.storage.identifiers import now
 from service.storage.jobs import StoredJob
+from service.storage.transaction import Transaction
 
 MOST_BEHIND = 10_000
 """Commits that are told one by one; who has missed more reads anew."""
@@ -38,7 +38,7 @@ class News:
         if self.missed or newest == self.commit:
             self.commit = newest
             return []
-        found = tx.documents.revisions_since(self.commit, AT_A_TIME)
+        found = tx.revisions.since(self.commit, AT_A_TIME)
         self.commit = max((number for number, _ in found), default=newest) if len(found) >= AT_A_TIME else newest
         return [
             DocumentEvent(

@@ -14,8 +14,8 @@ from service.motion.kinematics import Walker, unseen
 from service.motion.skeleton import Array, Convention, Skeleton
 from service.motion.units import reading_of
 from service.storage.columns import Listed
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 
 def origin_of(tx: Transaction, source: StoredClip) -> Array:

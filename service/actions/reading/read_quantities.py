@@ -15,8 +15,8 @@ from service.motion.bodies.limb_angles import turn_named
 from service.motion.bodies.quantities import compute, halo_of, joints_of, quantity_of
 from service.motion.bodies.stretch import known
 from service.motion.skeleton import Array
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from service.actions.reading.read_numbers import chosen_bones
 from service.clips.read_clip import read_clip
 from service.motion.skeleton import CHANNELS, Array
 from service.numerics.runs import find_true
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
 from service.storage.schema import CHUNK
+from service.storage.transaction import Transaction
 
 _FACTS = 7
 """Columns of a zone map before its numbers: document, chunk, bone, commit, channels, whether some miss, count."""

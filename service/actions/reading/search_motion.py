@@ -22,8 +22,8 @@ from service.motion.clip import ClipHead, FrameBlock
 from service.motion.frames import rows_of
 from service.motion.markers import marker_skeleton
 from service.settings import Settings
-from service.storage.database import Transaction
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 from service.xpath.library.caches import Caches
 from service.xpath.library.likeness import Asked
 from service.xpath.library.listing import Scope

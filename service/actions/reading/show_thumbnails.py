@@ -8,9 +8,10 @@ from contextlib import suppress
 
 from service.actions.reading.make_thumbnail import read_thumbnail
 from service.errors import ConflictError, McmlError, StoreError
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.documents import StoredDocument
 from service.storage.thumbnails import StoredThumbnail
+from service.storage.transaction import Transaction
 
 LIST_SECONDS = 0.3
 """That a list may take longer to make thumbnails; those that are still missing come with the next one."""

@@ -11,7 +11,7 @@ import orjson
 
 from schemas.queries import QueryRequest
 from service.errors import QueryError
-from service.storage.database import LATEST
+from service.storage.transaction import LATEST
 
 
 @dataclass(frozen=True, slots=True)

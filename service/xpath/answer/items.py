@@ -10,7 +10,7 @@ import numpy as np
 
 from schemas.queries import NodeItem, QueryAnswer, RunItem, ScalarItem
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.library.caches import Caches
 from service.xpath.nodes.frame_runs import IdRuns
 from service.xpath.nodes.node import Node, Run

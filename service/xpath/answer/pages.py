@@ -10,7 +10,7 @@ import numpy as np
 
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunTotals, ValueItem
 from service.errors import LimitError
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.answer import sources
 from service.xpath.answer.cursors import Cursor, question
 from service.xpath.answer.items import Kind, node_item, plain, run_items

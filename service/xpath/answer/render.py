@@ -13,8 +13,8 @@ from service.motion.clip import FrameBlock
 from service.motion.skeleton import CHANNELS
 from service.numerics.runs import find_consecutive
 from service.storage.columns import Listed
-from service.storage.database import Transaction
 from service.storage.motion_names import names_of_frames
+from service.storage.transaction import Transaction
 from service.xpath.engine import frames, values
 from service.xpath.engine.node_tests import kinds_and_names
 from service.xpath.library.forest import Forest

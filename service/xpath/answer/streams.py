@@ -16,7 +16,8 @@ from typing import TypeVar
 import numpy as np
 
 from service.errors import LimitError
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
+from service.storage.transaction import Transaction
 from service.xpath.answer.render import holds_frames
 from service.xpath.engine.source import Source
 from service.xpath.language.reach import HeadPart

@@ -10,7 +10,7 @@ import numpy as np
 from schemas.queries import QueryRequest, RunItem, RunTotals
 from service.errors import LimitError
 from service.motion.skeleton import CHANNELS
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.engine.scan_plan import plan_scan
 from service.xpath.language.parse import parse
 from service.xpath.language.rules import normal

@@ -19,8 +19,8 @@ from service.mcml.addresses import FRAME_TEMPLATE
 from service.mcml.writer import Layout, text_bytes, write_frames
 from service.motion.clip import FrameBlock
 from service.storage.columns import Listed
-from service.storage.database import Transaction
 from service.storage.tracks import BLOCK_FRAMES
+from service.storage.transaction import Transaction
 from service.xpath.answer.describe import describe_nodes
 from service.xpath.answer.render import frames_with_content, holds_frames, labelled_blocks, node_values, whole_xml
 from service.xpath.answer.sources import described

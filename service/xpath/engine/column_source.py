@@ -9,7 +9,7 @@ import numpy as np
 
 from service.mcml.vocabulary import FRAME, FRAME_BONE, MCML, MOTION, MOTION_NAME
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.engine.any_attribute import any_attribute, attributes
 from service.xpath.engine.axes import SIBLINGS
 from service.xpath.engine.columns import Columns

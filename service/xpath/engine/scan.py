@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 import numpy as np
 
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.engine.group_scan import GroupScan, part_ends
 from service.xpath.engine.scan_plan import ScanPlan
 from service.xpath.language.conditions import Sample

@@ -9,7 +9,7 @@ import numpy as np
 
 from service.mcml.vocabulary import FRAME, MCML, MOTION, MOTION_NAME
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.language.labels import Groups, compared_text, motion_name_groups, ranges_of, without_self
 from service.xpath.language.positions import counts, position_of
 from service.xpath.language.tree import Expression, Literal, Operation, Path, Step
@@ -112,10 +112,7 @@ class Frames:
         self._scope = scope
         self._ranges: dict[int, list[tuple[int, int]]] | None = None
         if start is not None and start.groups:
-            keys = scope.keys
-            if scope.project is not None:
-                keys = [listed.key for listed in scope.documents()]
-            self._ranges = ranges_of(tx, start.groups, keys)
+            self._ranges = ranges_of(tx, start.groups, scope.narrowed())
 
     @cached_property
     def groups(self) -> list[Group]:

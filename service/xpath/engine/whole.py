@@ -16,7 +16,7 @@ from operator import itemgetter
 import numpy as np
 
 from service.errors import LimitError
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.engine import aggregates, sequences
 from service.xpath.engine.column_source import ColumnSource
 from service.xpath.engine.columns import Columns

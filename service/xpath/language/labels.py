@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from service.mcml.lexical import unescape
 from service.mcml.vocabulary import FRAME_BONE, MOTION_NAME, NAME
-from service.storage.database import Transaction
 from service.storage.runs import intersection
+from service.storage.transaction import Transaction
 from service.xpath.language.positions import position_of
 from service.xpath.language.tree import (
     Expression,

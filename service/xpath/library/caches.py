@@ -8,7 +8,7 @@ from typing import Generic, Protocol, TypeVar
 from service.clips.bodies import Body, read_bodies
 from service.storage.blocks import Block
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.library.cache import OVERHEAD, Cache, ColumnCache
 from service.xpath.library.head_parts import Heads
 from service.xpath.library.likeness import Poses

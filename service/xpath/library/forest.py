@@ -13,7 +13,7 @@ import orjson
 from service.mcml.lexical import unescape
 from service.motion.bodies.pose_index import PoseIndex
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.language.reach import HeadPart
 from service.xpath.library import sample_parts
 from service.xpath.library.body_facts import BodyFacts

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.language.reach import HeadPart
 from service.xpath.library.cache import Cache
 from service.xpath.nodes.heads import Subtree, first_part, flatten, motion_part

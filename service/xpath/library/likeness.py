@@ -13,7 +13,7 @@ from service.motion.bodies.pose_index import WIDTH, PoseIndex, Singles
 from service.motion.bodies.poses import JOINTS, NEEDS, at_rate, motion_starts, pose_features
 from service.motion.skeleton import Array
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.library.pose_columns import PoseColumns
 from service.xpath.nodes.numbering import Floats, Ints
 

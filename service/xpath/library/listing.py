@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeAlias
 
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.language.hints import Kind, compared_names, not_found
 from service.xpath.language.tree import Expression
 from service.xpath.library import groups, listing_columns
@@ -21,6 +22,12 @@ STATES = 4
 FEW = 100
 """Commits, after which what changed is read in a few milliseconds."""
 
+VIEWS = 64
+"""Choices of projects of which the groups are kept."""
+
+Projects: TypeAlias = frozenset[int]
+"""By their keys."""
+
 LISTING = b"", "documents"
 """The part beside the store that has them."""
 
@@ -33,17 +40,17 @@ class State:
     """What was read of the store as one commit left it.
 
     commit: that one. whole: all documents, once somebody asked for them; whole_since: since when the history was whole
-    then. documents: single ones by key. groups: of a project (None: of all) by its key. keys: by id. unused: what was
+    then. documents: single ones by key. groups: of projects (None: of all) by their keys. keys: by id. unused: what was
     said of names that were compared, by scope.
     """
 
     commit: int
     whole: list[Listed] | None = None
     whole_since: int = 0
-    groups: dict[int | None, list[Group]] = field(default_factory=dict)
+    groups: dict[Projects | None, list[Group]] = field(default_factory=dict)
     documents: dict[int, Listed] = field(default_factory=dict)
     keys: dict[str, int] = field(default_factory=dict)
-    unused: dict[tuple[Kind, str, tuple[int, ...] | None, int | None], str | None] = field(default_factory=dict)
+    unused: dict[tuple[Kind, str, tuple[int, ...] | None, Projects | None], str | None] = field(default_factory=dict)
 
 
 class Listing:
@@ -103,13 +110,16 @@ class Listing:
             self._written = commit
             self._sidecar.keep(tx, LISTING, lambda: listing_columns.columns(whole, commit), 100 * len(whole))
 
-    def groups(self, tx: Transaction, state: State, project: int | None) -> list[Group]:
-        """The same, of a project or all, in groups."""
-        if project not in state.groups:
+    def groups(self, tx: Transaction, state: State, projects: Projects | None) -> list[Group]:
+        """The same, of some projects or all, in groups."""
+        found = state.groups.get(projects)
+        if found is None:
             whole = self.whole(tx, state)
-            wanted = whole if project is None else [listed for listed in whole if listed.project == project]
-            state.groups[project] = self._groups.cut(wanted)
-        return state.groups[project]
+            wanted = whole if projects is None else [listed for listed in whole if listed.project in projects]
+            if len(state.groups) >= VIEWS:
+                state.groups.clear()
+            found = state.groups[projects] = self._groups.cut(wanted)
+        return found
 
     def cut(self, documents: list[Listed]) -> list[Group]:
         """Some documents in groups."""
@@ -136,16 +146,27 @@ def _in_order(listed: Listed) -> tuple[str, int]:
 
 
 class Scope:
-    """What a query is asked of. keys: of the documents, None for all. project: only documents of this one."""
+    """What a query is asked of. keys: of the documents, None for all. projects: only documents of these, None: of all
+    that there are."""
 
     def __init__(self, tx: Transaction, listing: Listing, documents: Sequence[str] = (), project: str | None = None):
-        """documents: by their ids, or collections of them; all if none is given. NotFoundError for documents or
-        projects that do not exist."""
+        """documents: by their ids, or collections of them; all if none is given. Never others than the transaction's
+        view has. NotFoundError for documents or projects that do not exist."""
         self._tx = tx
         self._listing = listing
         named = tx.saved.expand(documents)
         self.keys = [self._key(uuid) for uuid in dict.fromkeys(named)] if documents else None
-        self.project = tx.projects.get(project) if project else None
+        self.projects: Projects | None = frozenset({tx.projects.get(project)}) if project else None
+        if self.keys is None and not tx.view.is_whole:
+            self._see_less()
+
+    def _see_less(self) -> None:
+        """Leave out what is in projects that are not seen."""
+        if self._tx.at >= self._tx.newest_commit():
+            self.projects = self.projects or self._tx.view.readable
+        else:
+            # Where a document was then is not where it is now, which decides.
+            self.keys = sorted(self._tx.documents.seen() or ())
 
     def narrow(self, documents: Sequence[Listed]) -> None:
         """Ask only these from now on."""
@@ -158,7 +179,7 @@ class Scope:
     def documents(self, keys: Sequence[int] | None = None) -> list[Listed]:
         """The documents by name, then key, the order of answers. keys: of those that are asked, only these."""
         found = self._listed(self.keys if keys is None else keys)
-        return found if self.project is None else [listed for listed in found if listed.project == self.project]
+        return found if self.projects is None else [listed for listed in found if listed.project in self.projects]
 
     def _listed(self, keys: Sequence[int] | None) -> list[Listed]:
         state = self.state
@@ -173,17 +194,17 @@ class Scope:
     def groups(self, documents: list[Listed] | None = None) -> list[Group]:
         """The documents in groups. documents: only these of them, in order; all, if none are given."""
         if self.keys is None and documents is None:
-            return self._listing.groups(self._tx, self.state, self.project)
+            return self._listing.groups(self._tx, self.state, self.projects)
         few = self.documents() if documents is None else documents
         return [self._listing.group(few[at : at + FEW_DOCUMENTS]) for at in range(0, len(few), FEW_DOCUMENTS)]
 
     def used_names(self, kind: Kind) -> list[str]:
         """The different names of bones, or the motion names, that occur."""
-        return self._tx.columns.used_names(kind, self._narrowed())
+        return self._tx.columns.used_names(kind, self.narrowed())
 
     def used_counts(self, kind: Kind) -> dict[str, int]:
         """The same, by code point, with how many documents have each."""
-        return self._tx.columns.used_counts(kind, self._narrowed())
+        return self._tx.columns.used_counts(kind, self.narrowed())
 
     def unused_names(self, tree: Expression) -> list[str]:
         """For each text that names are compared with and that none here equals, the nearest one that occurs."""
@@ -193,20 +214,20 @@ class Scope:
             warnings = self.state.unused
             if len(warnings) > KNOWN_NAMES:
                 warnings.clear()
-            if (kind, said, asked, self.project) not in warnings:
-                used = self._tx.columns.is_used(kind, said, self._narrowed())
-                warnings[kind, said, asked, self.project] = (
+            if (kind, said, asked, self.projects) not in warnings:
+                used = self._tx.columns.is_used(kind, said, self.narrowed())
+                warnings[kind, said, asked, self.projects] = (
                     None if used else not_found(kind, said, self.used_names(kind))
                 )
-            found.append(warnings[kind, said, asked, self.project])
+            found.append(warnings[kind, said, asked, self.projects])
         return [warning for warning in found if warning is not None]
 
-    def _narrowed(self) -> list[int] | None:
+    def narrowed(self) -> list[int] | None:
         """Keys of the documents, None for all."""
-        return self.keys if self.project is None else [listed.key for listed in self.documents()]
+        return self.keys if self.projects is None else [listed.key for listed in self.documents()]
 
     def _key(self, uuid: str) -> int:
         keys = self.state.keys
-        if uuid not in keys:
+        if uuid not in keys or not self._tx.view.is_whole:
             keys[uuid] = self._tx.documents.get(uuid).key
         return keys[uuid]

@@ -9,7 +9,7 @@ import numpy as np
 from service.errors import LimitError, McmlError, QueryError
 from service.motion.bodies.quantities import QUANTITIES, joints_of
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.language.motion_functions import MOTION_FUNCTIONS, PREFIX, TOP
 from service.xpath.language.reach import HeadPart
 from service.xpath.language.tree import Call, Expression, Literal, walk

@@ -11,7 +11,8 @@ import numpy as np
 
 from service.motion.bodies.pose_index import Singles
 from service.storage.columns import Listed
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
+from service.storage.transaction import Transaction
 from service.xpath.language.reach import HeadPart
 from service.xpath.library.bodies import Bodies
 from service.xpath.library.caches import Caches

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Protocol, TypeVar
 from weakref import WeakKeyDictionary
 
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.library.packing import Packed
 from service.xpath.library.part_file import FAULTS, checksum_of, opened, remove
 from service.xpath.library.writer import Waiting, Writer

@@ -11,7 +11,7 @@ from service.storage.encoding import channels_of, decompress
 from service.xpath.library.cache import OVERHEAD, Cache
 
 if TYPE_CHECKING:
-    from service.storage.database import Transaction
+    from service.storage.transaction import Transaction
 
 Key: TypeAlias = tuple[int, int, int, int]
 """(document, chunk, bone, from_commit): under a key a track never changes."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from service.motion.skeleton import CHANNELS
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.library.intervals import Interval
 from service.xpath.library.tracks import Row
 from service.xpath.nodes.numbering import Floats, Ints

@@ -13,8 +13,8 @@ import numpy as np
 
 from service.mcml.lexical import escape
 from service.storage.columns import Listed
-from service.storage.database import Transaction
 from service.storage.encoding import is_plain_integer
+from service.storage.transaction import Transaction
 from service.xpath.nodes.numbering import DOCUMENT_SHIFT, FRAME_SHIFT, NAME_WIDTH, NAMES_FROM, Bools, Ints, slots_of
 from service.xpath.nodes.pairs import expand
 from service.xpath.nodes.stored import Stored

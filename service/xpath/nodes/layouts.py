@@ -13,7 +13,7 @@ import numpy as np
 from service.mcml.lexical import escape, unescape
 from service.motion.clip import Shape
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.nodes.numbering import (
     BONE_WIDTH,
     BONES,

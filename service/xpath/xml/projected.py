@@ -11,7 +11,7 @@ from service.mcml.addresses import find_frame
 from service.mcml.writer import Layout, write_document
 from service.motion.clip import FrameBlock
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.answer.render import bone_names, labelled_blocks
 from service.xpath.language.labels import without_index
 from service.xpath.language.parse import Query

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from service.errors import LimitError, QueryError
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.language.functions import AGGREGATES
 from service.xpath.language.labels import without_index
 from service.xpath.language.parse import Query

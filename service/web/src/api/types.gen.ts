@@ -1092,6 +1092,38 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/members": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get: operations["list_members"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/members/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put: operations["set_member"];
+        post?: never;
+        delete: operations["remove_member"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/tokens": {
         parameters: {
             query?: never;
@@ -1449,7 +1481,7 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         AccountChange: {
-            role?: ("reader" | "editor" | "owner") | null;
+            role?: ("member" | "reader" | "editor" | "owner") | null;
             closed?: boolean | null;
         };
         AccountList: {
@@ -1458,7 +1490,7 @@ export interface components {
         AccountView: {
             name: string;
             /** @enum {string} */
-            role: "reader" | "editor" | "owner";
+            role: "member" | "reader" | "editor" | "owner";
             created: string;
             closed?: string | null;
         };
@@ -1589,6 +1621,11 @@ export interface components {
             name?: string | null;
             project?: string | null;
             skeleton?: string | null;
+        };
+        Belonging: {
+            project: string;
+            /** @enum {string} */
+            role: "reader" | "editor" | "owner";
         };
         BodyPart: {
             part: string;
@@ -2581,14 +2618,16 @@ export interface components {
              * @default editor
              * @enum {string}
              */
-            role: "reader" | "editor" | "owner";
+            role: "member" | "reader" | "editor" | "owner";
+            project?: string | null;
             /** @default 72 */
             hours: number;
         };
         InvitationView: {
             number: number;
             /** @enum {string} */
-            role: "reader" | "editor" | "owner";
+            role: "member" | "reader" | "editor" | "owner";
+            project?: string | null;
             author: string;
             created: string;
             expires: string;
@@ -2753,10 +2792,12 @@ export interface components {
         };
         Me: {
             name: string;
-            role?: ("reader" | "editor" | "owner") | null;
+            role?: ("member" | "reader" | "editor" | "owner") | null;
             /** @enum {string} */
-            scope: "read" | "edit" | "operate";
+            scope: "read" | "edit" | "own" | "operate";
             rights: string[];
+            /** @default [] */
+            projects: components["schemas"]["Belonging"][];
         };
         MediaChange: {
             offset: number;
@@ -2767,6 +2808,19 @@ export interface components {
             bytes: number;
             sha256: string;
             offset: number;
+        };
+        MemberChange: {
+            /** @enum {string} */
+            role: "reader" | "editor" | "owner";
+        };
+        MemberList: {
+            items: components["schemas"]["MemberView"][];
+        };
+        MemberView: {
+            name: string;
+            /** @enum {string} */
+            role: "reader" | "editor" | "owner";
+            everywhere: boolean;
         };
         MirrorFrames: {
             first: number;
@@ -3630,6 +3684,8 @@ export interface components {
              * @enum {string}
              */
             scope: "read" | "edit" | "operate";
+            /** @default [] */
+            projects: string[];
             /** @default 90 */
             days: number;
         };
@@ -3638,6 +3694,8 @@ export interface components {
             hint: string;
             /** @enum {string} */
             scope: "read" | "edit" | "operate";
+            /** @default [] */
+            projects: string[];
             account?: string | null;
             created: string;
             expires?: string | null;
@@ -8505,6 +8563,147 @@ export interface operations {
             header?: never;
             path: {
                 number: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_members: {
+        parameters: {
+            query: {
+                project: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MemberList"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    set_member: {
+        parameters: {
+            query: {
+                project: string;
+            };
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MemberChange"];
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MemberList"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    remove_member: {
+        parameters: {
+            query: {
+                project: string;
+            };
+            header?: never;
+            path: {
+                name: string;
             };
             cookie?: never;
         };

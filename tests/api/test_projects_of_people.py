@@ -1,0 +1,460 @@
+"""Every operation, asked by people with every role in a project about that project and about one that they do not see:
+the declared answers, no word of what they may not see, and nothing changed that they may not change."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+from sqlalchemy import func, select
+
+from schemas.examples import example_of
+from service.app import create_app
+from service.operations import all_operations
+from service.operations.operation import Operation, Right
+from service.settings import Settings
+from service.storage.database import Database
+from service.storage.members import PROJECT_ROLES
+from service.storage.schema import metadata
+from tests.builders import SECRET, one_kind, upload
+from tests.motion.bodies.made import person
+
+API = "/api/v1"
+CANARY = "quokka"
+"""A word of everything in the project that is not seen."""
+
+ROLES: dict[str, frozenset[Right]] = {
+    "stranger": frozenset(),
+    "reader": frozenset({Right.READ}),
+    "editor": frozenset({Right.READ, Right.EDIT}),
+    "owner": frozenset({Right.READ, Right.EDIT, Right.OWN}),
+}
+"""What each may do in the project that they belong to, said a second time."""
+
+Kind = Literal["thing", "named", "all", "own"]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A request. kind: of a thing with an id; of what a project has under a name; of all that is seen, narrowed to the
+    project where it can be; or of nothing of a project."""
+
+    kind: Kind
+    path: dict[str, Any]
+    query: dict[str, Any]
+    content: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Things:
+    """What a project has. stored: documents, the last one deleted."""
+
+    project: str
+    stored: list[str]
+    job: str
+    result: str
+    label: int
+
+    @property
+    def id(self) -> str:
+        return self.stored[0]
+
+
+def labelled(client: TestClient, document: str, word: str) -> int:
+    """The number of a new label."""
+    label = {"name": word, "first": 2, "last": 4}
+    made = client.post(f"{API}/documents/{document}/labels", json=[label], headers={"if-match": "*"})
+    assert made.status_code == 201, made.text
+    return int(made.json()["items"][0]["id"])
+
+
+def filled(client: TestClient, database: Database, project: str, word: str) -> Things:
+    """Something of everything, each with a word in it."""
+    change = {"if-match": "*"}
+    files = {f"{word} {number}.bvh": person(number, 6) for number in range(3)}
+    made: Any = upload(client, files, project=project)
+    stored = [item["id"] for item in made["documents"]]
+    label = labelled(client, stored[0], word)
+    for path, body in (
+        (f"collections/{word}", {"documents": stored[:1]}),
+        (f"queries/{word}", {"q": f"//frame[motion_name='{word}']"}),
+        ("colours", {"items": {word: "sky"}}),
+        (f"mappings/{word}", {"pairs": [{"source": "Root", "target": word}]}),
+        ("aliases", {"items": [{"source": word, "name": "Root"}]}),
+    ):
+        answer = client.put(f"{API}/{path}", params={"project": project}, json=body)
+        assert answer.status_code < 300, answer.text
+    media = {"file": (f"{word}.mp4", b"\0\0\0\x18ftypmp42" + bytes(64))}
+    put = client.put(f"{API}/documents/{stored[0]}/media", files=media, headers=change)
+    assert put.status_code == 200, put.text
+    assert client.delete(f"{API}/documents/{stored[2]}", headers=change).status_code == 204
+    with database.write() as tx:
+        key = tx.projects.get(project)
+        job = tx.jobs.add(key, "beats", word, word, [], {}, runner="nobody")
+        result_key, result = tx.results.add(key, "beats", word, word, [], {}, {})
+        tx.results.add_part(result_key, "speed", "curve", {"title": word, "series": []}, {"speed": np.zeros(3)})
+    return Things(project, stored, job, result, label)
+
+
+@pytest.fixture
+def team(database: Database) -> Iterator[tuple[dict[str, TestClient], Things, Things]]:
+    """A client of each, and what "mine", where they have roles, and "theirs", where they have none, hold."""
+    app = create_app(Settings(import_processes=1), database, lambda: SECRET)
+    keeper = TestClient(app, client=("127.0.0.1", 1), headers={"authorization": f"Bearer {SECRET}"})
+    with keeper:
+        mine, theirs = (filled(keeper, database, *each) for each in (("mine", "wombat"), ("theirs", CANARY)))
+        clients = {"keeper": keeper}
+        with database.write() as tx:
+            for role in ROLES:
+                somebody = tx.accounts.add(role, "member", "x")
+                if role in PROJECT_ROLES:
+                    tx.members.put(tx.projects.get("mine"), role, role)
+                secret = tx.tokens.add(f"of {role}", owner=somebody)
+                clients[role] = TestClient(app, client=("10.0.0.7", 1), headers={"authorization": f"Bearer {secret}"})
+            boss = tx.accounts.add("boss", "owner", "x")
+            secret = tx.tokens.add("limited", owner=boss, projects=[tx.projects.get("mine")])
+            clients["limited"] = TestClient(app, client=("10.0.0.7", 1), headers={"authorization": f"Bearer {secret}"})
+        yield clients, mine, theirs
+
+
+CHANGING = {
+    "change_document": {"description": "another"},
+    "change_calibration": {"floor": 0.0},
+    "change_media": {"offset": 1.5},
+    "edit_frames": {"edits": [{"do": "delete", "first": 6, "last": 6}]},
+    "put_frames": {"columns": ["Root.Rx"], "values": [[45.0]]},
+    "add_labels": [{"name": "turn", "first": 1, "last": 1}],
+    "change_label": {"name": "turned"},
+    "change_element": {"attributes": {"Rx": "5"}},
+    "edit_elements": {"edits": [{"do": "change", "xpath": "//frame[1]/frame_bone[1]", "attributes": {"Rx": "6"}}]},
+    "make_changes": {"frames": [{"first": 2, "columns": ["Root.Rx"], "values": [[7.5]]}]},
+    "split_document": {"at": [3]},
+}
+"""Bodies of operations on one document."""
+
+KEPT = ("/collections/{", "/queries/{", "/mappings/{", "/members/{")
+
+NAMED = {
+    "save_collection": {"documents": []},
+    "save_query": {"q": "//frame"},
+    "save_colours": {"items": {"walk": "sky"}},
+    "save_mapping": {"pairs": [{"source": "Root", "target": "Spine"}]},
+    "save_aliases": {"items": [{"source": "Hip", "name": "Root"}]},
+    "set_member": {"role": "reader"},
+    "invite": {"role": "reader"},
+}
+
+
+def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
+    """How an operation is asked about what a project has; None for those that this cannot be asked of."""
+    name, one, where = operation.name, things.id, {"project": things.project}
+    selected = {"documents": [one]}
+    if operation.path.startswith("/documents/{id}"):
+        query: dict[str, Any] = {}
+        path: dict[str, Any] = {"id": one}
+        if "xpath" in [argument.name for argument in operation.arguments]:
+            query["xpath"] = "//frame[1]/frame_bone[1]"
+        query |= {
+            "compare_revisions": {"before": 1}, "find_text": {"text": "frame"}, "export_document": {"format": "bvh"},
+        }.get(name, {})  # fmt: skip
+        content: dict[str, Any] = {"json": CHANGING[name]} if name in CHANGING else {}
+        if "{label}" in operation.path:
+            path["label"] = things.label
+        if name in ("replace_element", "insert_elements"):
+            text = '<frame_bone name="Root" Rx="1"/>' if name == "replace_element" else "<motion_name>z</motion_name>"
+            content = {"content": text, "headers": {"content-type": "application/xml"}}
+        if name == "insert_elements":
+            query["xpath"] = "//frame[1]"
+        if name == "delete_element":
+            query["xpath"] = "/mcml/motion/frame[6]"
+        if name == "put_media":
+            content = {"files": {"file": ("b.mp4", b"\0\0\0\x18ftypmp42" + bytes(32))}}
+        if name == "restore_document":
+            path["id"] = things.stored[2]
+        if name == "retarget":
+            content = {"json": {"skeleton": things.stored[1], "project": things.project}}
+        return Asked("thing", path, query, content)
+    if "/jobs/{id}" in operation.path:
+        return Asked("thing", {"id": things.job}, {}, {})
+    if "/results/{id}" in operation.path:
+        body = {}
+        if operation.method == "POST":
+            (model,) = (argument.bare for argument in operation.arguments if argument.place == "body")
+            body = {"json": example_of(model)}
+        return Asked("thing", {"id": things.result, "part": "speed", "array": "speed"}, {}, body)
+    if name in NAMED or operation.path in (
+        "/collections/{name}",
+        "/queries/{name}",
+        "/mappings/{name:path}",
+        "/members/{name}",
+    ):
+        body = NAMED.get(name, {})
+        if name == "invite":
+            return Asked("named", {}, {}, {"json": body | where})
+        return Asked(
+            "named", {"name": "reader" if "member" in name else word}, where, {"json": body} if name in NAMED else {}
+        )
+    if name in ("get_colours", "get_aliases", "delete_aliases", "list_members"):
+        return Asked("named", {}, where, {})
+    files = {"files": {"file": ("new.bvh", person(9, 4))}}
+    csv = {"headers": {"content-type": "text/csv"}}
+    asked: dict[str, Asked] = {
+        "upload_documents": Asked("named", {}, {}, files | {"data": where}),
+        "set_properties": Asked("thing", {}, {}, {"content": f"document,age\n{one},30\n", **csv}),
+        "import_labels": Asked("thing", {}, {}, {"content": f"document,label,first,last\n{one},hop,1,1\n", **csv}),
+        "delete_documents": Asked("thing", {}, {}, {"json": {"documents": [things.stored[1]]}}),
+        "restore_documents": Asked("thing", {}, {}, {"json": {"documents": [things.stored[2]]}}),
+        "change_documents": Asked("thing", {}, {}, {"json": {"selection": selected, "change": {"description": "z"}}}),
+        "export_documents": Asked("thing", {}, {}, {"json": {"selection": selected, "format": "bvh"}}),
+        "label_by_query": Asked("thing", {}, {}, {"json": {"name": "all", "xpath": "//frame[1]", "document": [one]}}),
+        "post_query": Asked("thing", {}, {}, {"json": {"q": "//frame[1]", "document": [one]}}),
+        "search_motion": Asked("thing", {}, {}, {"json": {"document": things.stored[1], "first": 1, "last": 3}}),
+        "compose": Asked("thing", {}, {}, {"json": {"segments": [{"document": one, "first": 1, "last": 3}], **where}}),
+        "retarget_many": Asked(
+            "thing", {}, {}, {"json": {"selection": {"documents": [one]}, "skeleton": things.stored[1], **where}}
+        ),
+        "search_file": Asked("all", {}, {}, files),
+        "complete_query": Asked("all", {}, {"q": "//frame[motion_name='"}, {}),
+        "get_query": Asked("all", {}, {"q": "//bone/name | //header/filename | //motion_name"}, {}),
+        "get_facets": Asked("all", {}, {}, {}),
+    }  # fmt: skip
+    if operation.name.startswith("start_"):
+        return Asked("thing", {}, {}, {"json": {"inputs": selected}})
+    if name in asked:
+        return asked[name]
+    if name.startswith(("list_", "export_labels")) and operation.right is Right.READ:
+        return Asked("all", {}, {}, {})
+    return None
+
+
+OWN = {"inspect_files", "get_analysis", "read_music", "get_account", "change_password", "add_token", "revoke_token"}
+"""Operations that ask nothing of any project."""
+
+UNFIT = {"start_", "use_", "get_result_picture", "cancel_job", "apply_names", "undo_revision", "suggest_labels"}
+"""Those whose example cannot be done even by who may: short clips, a result without a model."""
+
+
+def send(client: TestClient, operation: Operation, asked: Asked) -> Any:
+    path = operation.path.replace("{name:path}", "{name}").format(**asked.path)
+    content = dict(asked.content)
+    headers = {"if-match": "*", **content.pop("headers", {})}
+    return client.request(operation.method, API + path, params=asked.query, headers=headers, **content)
+
+
+def state(database: Database) -> dict[str, int]:
+    """How many rows there are of everything but what reading keeps."""
+    kept = ("thumbnail", "request", "session", "body", "token_grant")
+    with database.read() as tx:
+        return {
+            table.name: tx.connection.execute(select(func.count()).select_from(table)).scalar_one()
+            for table in metadata.sorted_tables
+            if table.name not in kept
+        }
+
+
+def addressed() -> list[Operation]:
+    found = [operation for operation in all_operations() if operation.address is not None]
+    # What takes away comes last, and the document last of all.
+    return sorted(
+        found, key=lambda one: (one.method == "DELETE") + 2 * (one.name in ("delete_documents", "delete_document"))
+    )
+
+
+def test_every_operation_is_asked() -> None:
+    things = Things("mine", ["a", "b", "c"], "d", "e", 1)
+    for operation in addressed():
+        known = request_of(operation, things, "w") is not None
+        assert known or operation.name in OWN or operation.right in (Right.OPERATE, Right.OWN), operation.name
+
+
+@one_kind
+def test_what_is_not_seen_is_not_there(team: tuple[dict[str, TestClient], Things, Things], database: Database) -> None:
+    """Whoever has no role in a project learns nothing of it and changes nothing there, whatever they may elsewhere."""
+    clients, _, theirs = team
+    before = state(database)
+    told = 0
+    for operation in addressed():
+        asked = request_of(operation, theirs, CANARY)
+        for role in (*ROLES, "limited"):
+            if asked is None or (role == "limited" and operation.right is Right.OPERATE):
+                continue
+            answer = send(clients[role], operation, asked)
+            said = (operation.name, role, answer.status_code, answer.text[:300])
+            allowed = operation.right in (ROLES[role] if role != "limited" else ROLES["owner"]) | {Right.READ}
+            if not allowed:
+                assert answer.status_code == 403, said
+            elif asked.kind == "all":
+                assert answer.status_code == 200, said
+            elif operation.name in ("get_aliases", "get_colours"):
+                # As of a project that does not exist yet.
+                assert answer.status_code == 200, said
+            elif asked.kind == "named":
+                assert answer.status_code in (403, 404), said
+            elif "content" in asked.content and operation.path in ("/properties", "/labels"):
+                # A line of a table.
+                assert answer.status_code == 422, said
+            else:
+                assert answer.status_code == 404, said
+            echoed = str(asked.path) + str(asked.query) + str(asked.content)
+            if CANARY not in echoed:
+                assert CANARY not in answer.text.lower(), said
+            for number, uuid in enumerate(theirs.stored):
+                assert uuid in echoed or uuid not in answer.text, (number, said)
+            told += 1
+    assert told > 400
+    assert state(database) == before
+
+
+@one_kind
+def test_each_role_may_in_its_project_what_is_declared(
+    team: tuple[dict[str, TestClient], Things, Things], database: Database
+) -> None:
+    """Who may not is told so and changes nothing; the same request of who may is done."""
+    clients, mine, _ = team
+    roles: dict[str, frozenset[Right]] = ROLES | {"limited": ROLES["owner"]}
+    done = 0
+    for operation in addressed():
+        if "{label}" in operation.path:
+            # Edits give labels other numbers.
+            mine = replace(mine, label=labelled(clients["keeper"], mine.id, f"of {operation.name}"))
+        asked = request_of(operation, mine, "wombat")
+        if asked is None:
+            continue
+        before = state(database)
+        for role, rights in roles.items():
+            if role != "stranger" and operation.right not in rights:
+                answer = send(clients[role], operation, asked)
+                assert answer.status_code == 403, (operation.name, role, answer.text[:300])
+        assert state(database) == before, operation.name
+        # What reads is asked by all who may, what writes by the least of them.
+        may = [role for role, rights in roles.items() if operation.right in rights]
+        for role in may if operation.right is Right.READ else may[:1]:
+            answer = send(clients[role], operation, asked)
+            unfit = any(operation.name.startswith(word) for word in UNFIT)
+            assert unfit or answer.status_code < 300, (operation.name, role, answer.status_code, answer.text[:500])
+            assert answer.status_code not in (401, 403, 500), (operation.name, role, answer.text[:300])
+            done += answer.status_code < 300
+    assert done > 120
+
+
+@one_kind
+def test_a_document_is_seen_where_it_is_now(
+    team: tuple[dict[str, TestClient], Things, Things], database: Database
+) -> None:
+    """Also at revisions that it had elsewhere; and who may not write to where it goes moves nothing there."""
+    clients, mine, theirs = team
+    one, headers = mine.id, {"if-match": "*"}
+    moved = clients["editor"].patch(f"{API}/documents/{one}", json={"project": "theirs"}, headers=headers)
+    assert moved.status_code == 403
+    fresh = clients["editor"].patch(f"{API}/documents/{one}", json={"project": "elsewhere"}, headers=headers)
+    assert fresh.status_code == 403
+    assert (
+        clients["keeper"].patch(f"{API}/documents/{one}", json={"project": "theirs"}, headers=headers).status_code
+        == 200
+    )
+    for path in (f"documents/{one}", f"documents/{one}/revisions", f"documents/{one}/frames?revision=1"):
+        assert clients["reader"].get(f"{API}/{path}").status_code == 404, path
+    past = {"q": "count(//frame)", "document": [one], "revision": 1}
+    assert clients["reader"].post(f"{API}/xpath", json=past).status_code == 404
+    back = clients["keeper"].patch(f"{API}/documents/{theirs.id}", json={"project": "mine"}, headers=headers)
+    assert back.status_code == 200
+    assert clients["reader"].get(f"{API}/documents/{theirs.id}/frames?revision=1").status_code == 200
+
+
+@pytest.mark.parametrize("role", ["stranger", "reader", "limited"])
+def test_questions_see_the_same_documents_as_lists(
+    team: tuple[dict[str, TestClient], Things, Things], role: str
+) -> None:
+    """Of XPath on columns, on XML and by Saxon, in pages, and of lists from the store and from columns."""
+    clients, mine, _ = team
+    client = clients[role]
+    wanted = set() if role == "stranger" else set(mine.stored[:2])
+    for _ in range(3):
+        listed: Any = client.get(f"{API}/documents", params={"limit": 1000}).json()
+        assert {item["id"] for item in listed["items"]} == wanted
+        assert listed["total"] == len(wanted)
+        facets = client.get(f"{API}/facets").json()
+        assert facets["total"] == len(wanted)
+    for expression in (
+        "/mcml",
+        "//frame[1]",
+        "//motion_name/..",
+        "for $d in /mcml return $d",
+        "//frame[motion_name]/..",
+    ):
+        answer = client.get(f"{API}/xpath", params={"q": expression, "limit": 1000})
+        assert answer.status_code == 200, answer.text
+        found = {item["document"] for item in answer.json()["items"]}
+        assert found <= wanted, expression
+        assert found == wanted or "motion_name" in expression, expression
+    counted = client.get(f"{API}/xpath", params={"q": "count(//frame)"}).json()
+    everywhere = clients["keeper"].get(f"{API}/xpath", params={"q": "count(//frame)"}).json()
+    assert counted["value"] == 6 * len(wanted)
+    assert everywhere["value"] == 24
+    first = client.get(f"{API}/xpath", params={"q": "/mcml", "limit": 1}).json()
+    if wanted:
+        second = client.get(f"{API}/xpath", params={"q": "/mcml", "limit": 5, "cursor": first["next_cursor"]}).json()
+        assert {item["document"] for item in [*first["items"], *second["items"]]} == wanted
+    with_xpath = client.get(f"{API}/documents", params={"xpath": "//frame"}).json()
+    assert {item["id"] for item in with_xpath["items"]} == wanted
+
+
+@one_kind
+def test_events_are_of_what_is_seen(team: tuple[dict[str, TestClient], Things, Things]) -> None:
+    clients, mine, theirs = team
+    since = {"since": "0@2000-01-01T00:00:00.000Z", "seconds": 0.1}
+    heard = {role: clients[role].get(f"{API}/events", params=since).text for role in ("stranger", "reader", "keeper")}
+    assert mine.id in heard["keeper"]
+    assert theirs.id in heard["keeper"]
+    assert mine.id in heard["reader"]
+    for role in ("stranger", "reader"):
+        assert CANARY not in heard[role]
+        assert theirs.id not in heard[role]
+        assert theirs.job not in heard[role]
+    assert clients["reader"].get(f"{API}/jobs/{theirs.job}/events").status_code == 404
+
+
+@one_kind
+def test_a_token_of_some_projects_makes_none_of_more(team: tuple[dict[str, TestClient], Things, Things]) -> None:
+    clients, _, theirs = team
+    limited = clients["limited"]
+    assert limited.get(f"{API}/account").json()["scope"] == "own"
+    assert limited.post(f"{API}/tokens", json={"name": "more", "scope": "operate"}).status_code == 403
+    assert limited.post(f"{API}/tokens", json={"name": "there", "projects": ["theirs"]}).status_code == 404
+    secret = limited.post(f"{API}/tokens", json={"name": "same", "scope": "edit"}).json()["token"]
+    made = TestClient(limited.app, client=("10.0.0.7", 1), headers={"authorization": f"Bearer {secret}"})
+    assert made.get(f"{API}/projects").json()["items"] == ["mine"]
+    assert made.get(f"{API}/documents/{theirs.id}").status_code == 404
+    assert made.get(f"{API}/account").json()["projects"] == [{"project": "mine", "role": "editor"}]
+
+
+@one_kind
+def test_owners_of_a_project_let_people_in(team: tuple[dict[str, TestClient], Things, Things]) -> None:
+    clients, mine, theirs = team
+    owner, stranger = clients["owner"], clients["stranger"]
+    assert stranger.get(f"{API}/documents/{mine.id}").status_code == 404
+    set_ = owner.put(f"{API}/members/stranger", params={"project": "mine"}, json={"role": "reader"})
+    assert {"name": "stranger", "role": "reader", "everywhere": False} in set_.json()["items"]
+    assert {"name": "boss", "role": "owner", "everywhere": True} in set_.json()["items"]
+    assert stranger.get(f"{API}/documents/{mine.id}").status_code == 200
+    assert owner.put(f"{API}/members/nobody", params={"project": "mine"}, json={"role": "reader"}).status_code == 404
+    assert owner.put(f"{API}/members/owner", params={"project": "theirs"}, json={"role": "owner"}).status_code == 404
+    assert owner.delete(f"{API}/members/stranger", params={"project": "mine"}).status_code == 204
+    assert stranger.get(f"{API}/documents/{mine.id}").status_code == 404
+    assert owner.delete(f"{API}/members/boss", params={"project": "mine"}).status_code == 404
+    assert owner.post(f"{API}/invitations", json={"role": "editor"}).status_code == 403
+    made = owner.post(f"{API}/invitations", json={"role": "editor", "project": "mine"}).json()
+    assert [one["project"] for one in owner.get(f"{API}/invitations").json()["items"]] == ["mine"]
+    joined = {"invitation": made["code"], "name": "newcomer", "password": "four words in a row"}
+    browser = TestClient(owner.app, client=("10.0.0.8", 1), headers={"origin": "http://testserver"})
+    assert browser.post(f"{API}/session", json=joined).status_code == 201
+    me = browser.get(f"{API}/account").json()
+    assert (me["role"], me["projects"]) == ("member", [{"project": "mine", "role": "editor"}])
+    files = {"file": ("new.bvh", io.BytesIO(person(7, 4)))}
+    assert browser.post(f"{API}/documents", files=files, data={"project": "mine"}).status_code == 201
+    assert browser.get(f"{API}/documents/{theirs.id}").status_code == 404
