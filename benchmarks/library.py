@@ -29,8 +29,9 @@ from service.formats.number_text import detect_style, rows_of_text
 from service.formats.numbers import parse_numbers
 from service.local_secret import read_secret
 from service.settings import Settings, data_folder
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.documents import StoredDocument
+from service.storage.transaction import Transaction
 
 DOCUMENTS = 100
 

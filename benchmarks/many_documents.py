@@ -20,10 +20,11 @@ from service.demo import body
 from service.formats import FORMATS
 from service.formats.format import SourceFile
 from service.settings import Settings
-from service.storage.database import Database, Transaction
+from service.storage.database import Database
 from service.storage.identifiers import new_uuid, now
 from service.storage.tables import commit, content, document, document_upload, header, property_, revision, span
 from service.storage.tables import thumbnail as picture
+from service.storage.transaction import Transaction
 
 KINDS = 1000
 """Documents that are imported."""
