@@ -1,4 +1,4 @@
-"""Roles of people in projects, and the projects of tokens and invitations."""
+"""Roles of people in projects, the projects of tokens and invitations, and links to some documents."""
 
 from __future__ import annotations
 
@@ -46,4 +46,47 @@ def upgrade() -> None:
         sa.ForeignKeyConstraint(['project'], ['project.id'], name=op.f('fk_invitation_project')),
         sa.PrimaryKeyConstraint('id', name=op.f('pk_invitation')),
         sa.UniqueConstraint('sha256', name=op.f('uq_invitation_sha256')),
+    )
+    op.create_table(
+        'share',
+        sa.Column('id', KEY, nullable=False),
+        sa.Column('sha256', sa.String(length=64), nullable=False),
+        sa.Column('name', NAME, nullable=False),
+        sa.Column('project', KEY, nullable=False),
+        sa.Column('formats', sa.String(length=256), nullable=False),
+        sa.Column('author', NAME, nullable=False),
+        sa.Column('created', sa.String(length=32), nullable=False),
+        sa.Column('expires', sa.String(length=32), nullable=False),
+        sa.ForeignKeyConstraint(['project'], ['project.id'], name=op.f('fk_share_project')),
+        sa.PrimaryKeyConstraint('id', name=op.f('pk_share')),
+        sa.UniqueConstraint('sha256', name=op.f('uq_share_sha256')),
+    )
+    op.create_table(
+        'shared_document',
+        sa.Column('share', KEY, nullable=False),
+        sa.Column('document', KEY, nullable=False),
+        sa.Column('revision', sa.Integer(), nullable=False),
+        sa.Column('latest', sa.Boolean(), nullable=False),
+        sa.ForeignKeyConstraint(['document'], ['document.id'], name=op.f('fk_shared_document_document')),
+        sa.ForeignKeyConstraint(['share'], ['share.id'], name=op.f('fk_shared_document_share')),
+        sa.PrimaryKeyConstraint('share', 'document', name=op.f('pk_shared_document')),
+    )
+    # Sessions end within hours by themselves.
+    op.drop_table('session')
+    op.create_table(
+        'session',
+        sa.Column('id', KEY, nullable=False),
+        sa.Column('sha256', sa.String(length=64), nullable=False),
+        sa.Column('kind', sa.String(length=16), nullable=False),
+        sa.Column('author', NAME, nullable=False),
+        sa.Column('token', KEY, nullable=True),
+        sa.Column('account', KEY, nullable=True),
+        sa.Column('share', KEY, nullable=True),
+        sa.Column('created', sa.String(length=32), nullable=False),
+        sa.Column('expires', sa.String(length=32), nullable=False),
+        sa.ForeignKeyConstraint(['account'], ['account.id'], name=op.f('fk_session_account')),
+        sa.ForeignKeyConstraint(['share'], ['share.id'], name=op.f('fk_session_share')),
+        sa.ForeignKeyConstraint(['token'], ['token.id'], name=op.f('fk_session_token')),
+        sa.PrimaryKeyConstraint('id', name=op.f('pk_session')),
+        sa.UniqueConstraint('sha256', name=op.f('uq_session_sha256')),
     )

@@ -27,12 +27,17 @@ class Attempts:
 
     def require(self, address: str, name: str) -> None:
         """AttemptsError where there were too many. Counts one more."""
-        for limit, kind in self._limits:
-            if not self._limiter.hit(limit, kind, address if kind == "address" else name):
-                reset = self._limiter.get_window_stats(limit, kind, address if kind == "address" else name).reset_time
+        for limit, kind, what in self._of(address, name):
+            if not self._limiter.hit(limit, kind, what):
+                reset = self._limiter.get_window_stats(limit, kind, what).reset_time
                 raise AttemptsError(max(1, math.ceil(reset - time.time())))
 
     def forget(self, address: str, name: str) -> None:
         """Somebody got in."""
-        for limit, kind in self._limits:
-            self._limiter.clear(limit, kind, address if kind == "address" else name)
+        for limit, kind, what in self._of(address, name):
+            self._limiter.clear(limit, kind, what)
+
+    def _of(self, address: str, name: str) -> list[tuple[RateLimitItem, str, str]]:
+        """The limits that an attempt counts for: tokens and links have no name, and lock nobody else out."""
+        kinds = {"address": address, "name": name}
+        return [(limit, kind, kinds[kind]) for limit, kind in self._limits if kinds[kind] or kind == "address"]

@@ -39,6 +39,12 @@ FORWARDING = frozenset(
 COOKIE = "mcml_session"
 """That carries a browser's session."""
 
+SHARE_COOKIE = "mcml_share"
+"""That carries the session of who has a link to some documents; sent below SHARED alone."""
+
+SHARED = "/api/v1/shared"
+"""Below it stand the addresses of the API for who has a link to some documents, and for nobody else."""
+
 LOGIN = (
     "Send `Authorization: Bearer mcml_…`; `mcml token add NAME` on the server's machine makes one. Browsers: /login."
 )
@@ -82,7 +88,7 @@ class Doors:
         """
         direct = _is_direct(scope, headers)
         kind, _, given = headers.get("authorization", "").partition(" ")
-        visit = _cookie(headers) if not kind else None
+        visit = _cookie(headers, COOKIE) if not kind else None
         given = given.strip() if kind.lower() == "bearer" else ""
         if direct and given.startswith(PREFIX):
             secret = self._secret()
@@ -103,6 +109,16 @@ class Doors:
         scope["mcml.entry"] = entry
         return None
 
+    def shared_refusal(self, scope: MutableMapping[str, Any], headers: Headers) -> Any:
+        """As `refusal`, of what stands below SHARED."""
+        visit = _cookie(headers, SHARE_COOKIE)
+        with self._database.read() as tx:
+            entry = None if visit is None else tx.sessions.share_entry(visit)
+        if entry is None:
+            return plain(401, "This link has ended, or was taken back.", "Open it again, or ask for another one.")
+        scope["mcml.entry"] = entry
+        return None
+
     def _note_use(self, secret: str) -> None:
         # That it cannot be noted keeps nobody out.
         with suppress(McmlError), self._database.write("doors") as tx:
@@ -116,13 +132,13 @@ def _is_direct(scope: Mapping[str, Any], headers: Headers) -> bool:
     return client is not None and is_loopback(client[0]) and not passed_on
 
 
-def _cookie(headers: Headers) -> str | None:
-    """The secret of a browser's session."""
+def _cookie(headers: Headers, name: str) -> str | None:
+    """What a browser keeps under a name."""
     try:
         found: SimpleCookie = SimpleCookie(headers.get("cookie", ""))
     except CookieError:
         return None
-    return found[COOKIE].value if COOKIE in found else None
+    return found[name].value if name in found else None
 
 
 def _is_foreign(scope: Mapping[str, Any], headers: Headers) -> bool:

@@ -13,7 +13,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 
-from service.api.doors import Doors, foreign_name
+from service.api.doors import SHARED, Doors, foreign_name
 from service.api.forwarded import as_the_client_sent_it
 from service.api.logs import begin_request, requests
 from service.api.policy import DEFAULTS
@@ -31,7 +31,9 @@ LOGIN_WORDS = "This repository opens with an account or a token."
 SAFE_METHODS = {"GET", "HEAD", "OPTIONS"}
 COUNTED_METHODS = SAFE_METHODS | {"POST", "PUT", "PATCH", "DELETE"}
 OPEN_PATHS = {"/healthz", "/readyz"}
-ENTRIES = {LOGIN_PATH, "/api/v1/session"}
+OPEN_FILES = ("/assets/", "/favicon.svg", "/shared")
+"""The program of the studio, which is no secret; and the page for who has a link to some documents."""
+ENTRIES = {LOGIN_PATH, "/api/v1/session", SHARED}
 """Where one who has no session yet may ask for one."""
 
 
@@ -62,12 +64,17 @@ class Guard:
             # Ranges are of the bytes as they are.
             plain_only = [(name, value) for name, value in scope["headers"] if name != b"accept-encoding"]
             scope = {**scope, "headers": plain_only}
-        if refusal is None and scope["path"] not in OPEN_PATHS and scope["path"] not in ENTRIES:
+        path = scope["path"]
+        if refusal is None and path.startswith(f"{SHARED}/"):
+            refusal = await run_in_threadpool(self._entry, scope, headers, self.doors.shared_refusal)
+            path = path.replace("/shared", "", 1)
+            scope = {**scope, "path": path, "raw_path": path.encode()}
+        elif refusal is None and path not in OPEN_PATHS | ENTRIES and not path.startswith(OPEN_FILES):
             if self.doors.stand_open(scope, headers):
                 refusal = foreign_name(headers)
             else:
                 # Off the event loop: a store whose connections are all in use must not stop the streams that hold them.
-                refusal = await run_in_threadpool(self._entry, scope, headers)
+                refusal = await run_in_threadpool(self._entry, scope, headers, self.doors.refusal)
         method = scope["method"]
         if method == "HEAD":
             scope = {**scope, "method": "GET"}
@@ -120,9 +127,9 @@ class Guard:
             said = (method, scope["path"], status, milliseconds)
             requests.info("%s %s %d in %.1f ms", *said, extra={"facts": facts})
 
-    def _entry(self, scope: Scope, headers: Headers) -> Any:
+    def _entry(self, scope: Scope, headers: Headers, refuse: Callable[[Scope, Headers], Any]) -> Any:
         try:
-            refusal = self.doors.refusal(scope, headers)
+            refusal = refuse(scope, headers)
             if refusal is not None and refusal.status_code == 401 and _is_page(scope, headers):
                 return login_page(LOGIN_WORDS, status=401, then=scope["path"])
             return refusal

@@ -189,6 +189,7 @@ def call_of(request: Request) -> Call:
         entry.author,
         entry.view,
         entry.account,
+        entry.share,
         client=f"{entry.author}@{request.client.host if request.client else ''}",
         media_type=request.headers.get("content-type", "").partition(";")[0].strip(),
     )

@@ -10,8 +10,9 @@ from fastapi import APIRouter, Form, Header, Query, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
 
 from schemas.sessions import SessionOpened, SessionRequest
+from schemas.shares import Shared, SharedMotion, SharedRequest
 from service.api.attempts import Attempts
-from service.api.doors import COOKIE
+from service.api.doors import COOKIE, SHARE_COOKIE, SHARED
 from service.api.page import page
 from service.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
 from service.passwords import checked_name, hashed, opens
@@ -81,6 +82,31 @@ def close_session(http: Request) -> Response:
     response = Response(status_code=204)
     response.delete_cookie(COOKIE, httponly=True, samesite="strict")
     return response
+
+
+@router.post("/shared", status_code=201, operation_id="open_shared")
+def open_shared(http: Request, response: Response, request: SharedRequest) -> Shared:
+    """Exchange the secret of a link to some documents for a cookie, and learn what it shows.
+
+    The cookie opens the API's addresses of these documents below `/api/v1/shared`: their skeletons, frames, labels,
+    thumbnails, and exports in the formats that are named; `/api/v1/shared/documents/ID/frames` for example.
+    """
+    database: Database = http.app.state.repository.database
+    attempts: Attempts = http.app.state.attempts
+    address = http.client.host if http.client else ""
+    attempts.require(address, "")
+    with database.write("session") as tx:
+        shown = tx.shares.find(request.secret)
+        if shown is None:
+            raise AccessError("This link has ended, or was taken back.", remedy="Ask for another one.")
+        secret = tx.sessions.open_share(shown)
+        view = tx.shares.view(shown)
+    attempts.forget(address, "")
+    with database.seen_by(view).read() as tx:
+        # What was deleted meanwhile, or is in another project now, is not there.
+        motions = [SharedMotion(**vars(one)) for one in tx.shares.motions(shown)]
+    _set(http, response, secret, SHARE_COOKIE, SHARED)
+    return Shared(name=shown.name, expires=shown.expires, formats=sorted(shown.formats), documents=motions)
 
 
 @pages.get(LOGIN_PATH)
@@ -210,8 +236,8 @@ def _exchanged(database: Database, token: str | None) -> tuple[str, str]:
         return entry.author, tx.sessions.open(entry.author, tx.tokens.name(token or ""))
 
 
-def _set(http: Request, response: Response, secret: str) -> None:
+def _set(http: Request, response: Response, secret: str, name: str = COOKIE, path: str = "/") -> None:
     secure: Any = http.url.scheme == "https"
     response.set_cookie(
-        COOKIE, secret, max_age=SESSION_HOURS * 3600, path="/", secure=secure, httponly=True, samesite="strict"
+        name, secret, max_age=SESSION_HOURS * 3600, path=path, secure=secure, httponly=True, samesite="strict"
     )

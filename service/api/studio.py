@@ -52,6 +52,14 @@ for address in PAGES:
     router.get(address)(studio_page)
 
 
+@router.get("/shared")
+def shared_page(accept_encoding: Annotated[str, Header()] = "") -> Response:
+    """What a link to some documents opens; what stands behind # in it stays in the browser."""
+    return _file(
+        "shared.html", accept_encoding, {**POLICY, "cache-control": "no-cache", "referrer-policy": "no-referrer"}
+    )
+
+
 @router.get("/assets/{name}")
 def built_file(name: str, accept_encoding: Annotated[str, Header()] = "") -> Response:
     """A script, style or worker of the studio."""

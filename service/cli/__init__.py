@@ -56,6 +56,7 @@ BY_HAND = {
     "account close": "accounts:close",
     "account reopen": "accounts:reopen",
     "project add": "accounts:add_member",
+    "share add": "accounts:share",
     "token add": "store:token_add",
     "token list": "store:token_list",
     "token revoke": "store:token_revoke",
@@ -72,6 +73,7 @@ GROUPS = {
     "db": "Upgrade, back up, restore and check the store.",
     "account": "Accounts of people, their roles, and invitations.",
     "project": "Who belongs to a project, and as what.",
+    "share": "Links by which people without an account see some documents.",
     "token": "Tokens that open a server to programs and other machines.",
 }
 

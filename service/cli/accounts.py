@@ -7,6 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 import typer
 
 from schemas.accounts import AccountChange, InvitationRequest, MemberChange
+from schemas.shares import ShareRequest
 from service.cli.shared import DatabaseOption, ServerOption, chosen_settings, console, open_database, opened
 
 Role: TypeAlias = Literal["member", "reader", "editor", "owner"]
@@ -77,6 +78,23 @@ def add_member(
     """Let somebody belong to a project, or give them another role there."""
     opened(database, server).call("set_member", name=name, change=MemberChange(role=role), project=project)
     console.print(f"{name} is {'an' if role[0] in 'eo' else 'a'} {role} of {project}")
+
+
+def share(
+    documents: Annotated[list[str], typer.Argument(help="Ids of documents of one project")],
+    name: Annotated[str, typer.Option(help="Whom it is for")] = "guest",
+    days: Annotated[int, typer.Option(min=1, max=365, help="How long it opens them")] = 14,
+    format: Annotated[list[str] | None, typer.Option(help="What they may be exported as; may be repeated")] = None,
+    fixed: Annotated[bool, typer.Option("--fixed", help="As they are now, without later edits")] = False,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Make a link by which somebody without an account sees some documents. It is shown once."""
+    asked = {"name": name, "documents": documents, "days": days, "formats": format or [], "latest": not fixed}
+    made = opened(database, server).call("add_share", request=ShareRequest.model_validate(asked))
+    home = (server or f"http://127.0.0.1:{chosen_settings(database).port}").rstrip("/")
+    print(f"{home}{made.path}")
+    console.print(f"link {made.number}, until {made.expires[:10]}", style="dim")
 
 
 def close(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:

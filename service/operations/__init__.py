@@ -60,15 +60,16 @@ _ROWS = [
               "The next place of a text in a document: its line, and the address of the element there.", "exports",
               "find ID TEXT"),
     Operation("export_document", "GET /documents/{id}/export", STREAMS, READ,
-              "The document in a motion-capture format.", "exports"),
+              "The document in a motion-capture format.", "exports", shared=True),
     Operation("export_documents", "POST /exports", STREAMS, READ,
               "The documents of a selection as one zip of files.", "exports", heavy=True),
 
     # what is drawn
     Operation("get_skeleton", "GET /documents/{id}/skeleton", READS, READ,
-              "The skeleton of a document, with all that one needs to draw or move it.", "viewing", "skeleton ID"),
+              "The skeleton of a document, with all that one needs to draw or move it.", "viewing", "skeleton ID",
+              shared=True),
     Operation("get_thumbnail", "GET /documents/{id}/thumbnail", STREAMS, READ,
-              "A small moving picture of a document's skeleton.", "viewing"),
+              "A small moving picture of a document's skeleton.", "viewing", shared=True),
 
     Operation("get_calibration", "GET /documents/{id}/calibration", READS, READ,
               "What questions about motion rest on: unit, up axis, floor, leg, and where each is from.", "viewing",
@@ -89,7 +90,7 @@ _ROWS = [
 
     # frames
     Operation("get_frames", "GET /documents/{id}/frames", STREAMS, READ,
-              "Frames of a document as numbers in the source's units.", "frames"),
+              "Frames of a document as numbers in the source's units.", "frames", shared=True),
     Operation("edit_frames", "POST /documents/{id}/frames", WRITES, EDIT,
               "Delete, keep, move, insert, reverse, mirror, smooth, adjust or resample ranges of frames.", "frames"),
     Operation("put_frames", "PUT /documents/{id}/frames", WRITES, EDIT,
@@ -97,7 +98,8 @@ _ROWS = [
 
     # labels
     Operation("list_labels", "GET /documents/{id}/labels", READS, READ,
-              "The motion names of a document and the frames that carry them, in order.", "labels", "labels list ID"),
+              "The motion names of a document and the frames that carry them, in order.", "labels", "labels list ID",
+              shared=True),
     Operation("suggest_labels", "GET /documents/{id}/labels/suggested", READS, READ,
               "Anatomical movements found in the motion, as names for its frames.", "labels", heavy=True),
     Operation("add_labels", "POST /documents/{id}/labels", WRITES, EDIT,
@@ -249,7 +251,7 @@ _ROWS = [
     Operation("list_skeletons", "GET /skeletons", READS, READ,
               "Skeletons in use.", "catalogues", "skeletons"),
     Operation("get_rest_pose", "GET /documents/{id}/rest", READS, READ,
-              "The skeleton of a document in its rest pose.", "catalogues", "rest ID"),
+              "The skeleton of a document in its rest pose.", "catalogues", "rest ID", shared=True),
     Operation("list_projects", "GET /projects", READS, READ,
               "Projects by name.", "catalogues", "projects"),
 
@@ -275,6 +277,12 @@ _ROWS = [
               "Let somebody belong to a project, or give them another role there.", "accounts"),
     Operation("remove_member", "DELETE /members/{name}", WRITES, OWN,
               "Let somebody belong to a project no more.", "accounts", "project remove PROJECT NAME", status=204),
+    Operation("list_shares", "GET /shares", READS, EDIT,
+              "Links by which people without an account see some documents.", "sharing", "share list [PROJECT]"),
+    Operation("add_share", "POST /shares", WRITES, EDIT,
+              "Make a link by which somebody without an account sees some documents.", "sharing", status=201),
+    Operation("revoke_share", "DELETE /shares/{number}", WRITES, EDIT,
+              "Take a link to documents back.", "sharing", "share revoke NUMBER", status=204),
     Operation("list_tokens", "GET /tokens", READS, READ,
               "Tokens of programs: names, scopes, dates.", "accounts"),
     Operation("add_token", "POST /tokens", WRITES, READ,

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from service.actions.importing.encode_clip import Progress
     from service.actions.importing.import_pool import ImportPool
     from service.listing.register import Register
+    from service.storage.shares import Share
     from service.xpath.limits import Limits
     from service.xpath.queries import Queries
 
@@ -94,7 +95,7 @@ class SameError(Exception):
 @dataclass
 class Call:
     """repository: what is worked on. author: who asks. view: what of it they see, and may do there. account: its name,
-    None for who has none. client: those who share a turn in fair queues.
+    None for who has none. share: the link that they came by. client: those who share a turn in fair queues.
 
     known: how whoever asks names this version of the answer, None where they do not have it.
 
@@ -108,6 +109,7 @@ class Call:
     author: str = "local"
     view: View = WHOLE
     account: str | None = None
+    share: Share | None = None
     client: str = ""
     known: Callable[[str], str | None] = lambda tag: None
     media_type: str = ""

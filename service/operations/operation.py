@@ -19,8 +19,9 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, Field, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
-from service.errors import AccessError, RequestError
+from service.errors import AccessError, NotFoundError, RequestError
 from service.operations.call import Call, Content
+from service.storage.shares import Share
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Mark = TypeVar("Mark")
@@ -149,6 +150,7 @@ class Operation:
     status: of a success. unmade: what an answer 200 is, of operations that need not make anything.
     terse: answers leave out what is null. waits: the operation ends when its client leaves.
     heavy: it takes long, so that a server works on few at a time; or the argument that makes it so.
+    shared: who has a link to a document may do it, with what the link shows.
     summary: a title, where the words are too long for one. made: the function, where no module has it.
     """
 
@@ -164,6 +166,7 @@ class Operation:
     unmade: str = ""
     waits: bool = False
     heavy: bool | str = False
+    shared: bool = False
     summary: str = ""
     made: Callable[..., Any] | None = None
 
@@ -226,6 +229,10 @@ class Operation:
 
     def allow(self, call: Call) -> None:
         """AccessError where whoever asks may not do this. Every call passes here."""
+        if call.share is not None and not self.shared:
+            raise AccessError(
+                f"A link to some documents does not open {self.name}.", remedy="Ask whoever sent it for an account."
+            )
         if self.right not in RIGHTS[call.scope]:
             raise AccessError(
                 f"{self.name} needs the right to {self.right}, and {call.author} has only that to {call.scope}.",
@@ -235,6 +242,8 @@ class Operation:
     def run(self, call: Call, given: Mapping[str, Any]) -> Any:
         """The answer. given: checked values by the names of the arguments. AccessError for who may not."""
         self.allow(call)
+        if call.share is not None:
+            given = _as_shared(call.share, given)
         values: dict[str, Any] = {}
         parts: dict[str, dict[str, Any]] = {name: {} for name in self.groups}
         for argument in self.arguments:
@@ -254,6 +263,22 @@ class Operation:
             if argument.required and name not in given:
                 raise RequestError(f"{name} is missing.", remedy=f"{self.name} needs it.")
         return {name: known[name].checked(value) for name, value in given.items()}
+
+
+def _as_shared(share: Share, given: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Arguments of a call by who has a link, with the revision that it shows. NotFoundError for another document or
+    revision, AccessError for a format that is not given away."""
+    found = share.documents.get(given["id"])
+    if found is None:
+        raise NotFoundError("This link shows no such document.", remedy="Take one that it shows.")
+    if "format" in given and "original" in given:
+        if given["format"] not in share.formats:
+            raise AccessError(
+                f"This link does not give {given['format']} away.",
+                remedy=f"It gives {', '.join(sorted(share.formats)) or 'none'}.",
+            )
+        given = {**given, "original": False}
+    return {**given, "revision": found.shown(given.get("revision"))}
 
 
 def gives(words: str, types: Mapping[str, Any]) -> Callable[[Function], Function]:

@@ -17,6 +17,7 @@ from service.storage.tables import project
 from service.storage.views import SCOPES, WHOLE, View, may
 
 if TYPE_CHECKING:
+    from service.storage.shares import Share
     from service.storage.transaction import Transaction
 
 account = Table(
@@ -97,11 +98,12 @@ class Invitation:
 @dataclass(frozen=True)
 class Entry:
     """Who came in. author: whose name revisions carry. view: what they see, and may do there. account: its name; None
-    for tokens that are nobody's, and for links."""
+    for tokens that are nobody's, and for links. share: by which they see some documents, None for everybody else."""
 
     author: str
     view: View = WHOLE
     account: str | None = None
+    share: Share | None = None
 
 
 def entry_of(tx: Transaction, author: str, row: Any) -> Entry | None:

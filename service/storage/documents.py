@@ -204,7 +204,7 @@ class Documents:
         if found is None or self._tx.view.is_whole:
             return found
         # Of the past too it is the project of now that decides.
-        return found if self._tx.view.sees(self._project(found.key)) else None
+        return found if self._tx.view.shows(uuid, self._project(found.key)) else None
 
     def get(self, uuid: str, *, deleted: bool = False) -> StoredDocument:
         """As `find`; NotFoundError where there is none."""

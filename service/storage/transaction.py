@@ -41,6 +41,7 @@ from service.storage.revisions import Revisions
 from service.storage.saved import Saved
 from service.storage.schema import CURRENT
 from service.storage.seals import Checked, sealed
+from service.storage.shares import Shares
 from service.storage.spans import Spans
 from service.storage.thumbnails import Thumbnails
 from service.storage.tokens import Tokens
@@ -267,6 +268,10 @@ class Transaction:
     @cached_property
     def tokens(self) -> Tokens:
         return Tokens(self)
+
+    @cached_property
+    def shares(self) -> Shares:
+        return Shares(self)
 
     @cached_property
     def sessions(self) -> Sessions:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
-from sqlalchemy import ColumnElement, true
+from sqlalchemy import ColumnElement, false, true
 
 from service.errors import AccessError
 from service.storage.tables import document
@@ -39,11 +39,13 @@ def greatest(*scopes: str | None) -> str | None:
 @dataclass(frozen=True)
 class View:
     """everywhere: the scope in every project, None for none. projects: (key, scope) of those in which it is another.
-    limited: to these, whatever else is given to whoever it is (a token of some projects)."""
+    limited: to these, whatever else is given to whoever it is (a token of some projects). documents: ids of those that
+    alone are seen there, None for all."""
 
     everywhere: str | None = SCOPES[-1]
     projects: frozenset[tuple[int, str]] = frozenset()
     limited: bool = False
+    documents: frozenset[str] | None = None
 
     @property
     def is_whole(self) -> bool:
@@ -67,6 +69,10 @@ class View:
     def sees(self, project: int) -> bool:
         return self.is_whole or project in self.readable
 
+    def shows(self, document: str, project: int) -> bool:
+        """Whether a document is seen that is in a project."""
+        return self.sees(project) and (self.documents is None or document in self.documents)
+
     def within(self, scope: str | None, projects: frozenset[int] | None) -> View:
         """The same with no more than a scope. projects: in these alone, None for all that there are."""
         if projects is None:
@@ -82,8 +88,13 @@ WHOLE: Final = View()
 
 
 def seen(view: View, project: ColumnElement[int] | Any = document.c.project) -> ColumnElement[bool]:
-    """The condition that a row belongs to a project that is seen."""
-    return true() if view.is_whole else project.in_(sorted(view.readable))
+    """The condition that a row belongs to a project that is seen, and a document is seen there."""
+    if view.is_whole:
+        return true()
+    its_own = project.in_(sorted(view.readable))
+    if view.documents is None:
+        return its_own
+    return its_own & document.c.uuid.in_(sorted(view.documents)) if project is document.c.project else false()
 
 
 def require(tx: Transaction, project: int, scope: str = "edit") -> None:

@@ -35,6 +35,7 @@ from service.storage.schema import KEY, NAME, metadata
 from service.storage.tables import token
 
 if TYPE_CHECKING:
+    from service.storage.shares import Share
     from service.storage.transaction import Transaction
 
 session = Table(
@@ -46,12 +47,13 @@ session = Table(
     Column("author", NAME, nullable=False),
     Column("token", ForeignKey("token.id")),
     Column("account", ForeignKey("account.id")),
+    Column("share", ForeignKey("share.id")),
     Column("created", String(32), nullable=False),
     Column("expires", String(32), nullable=False),
     UniqueConstraint("sha256"),
 )
-"""`kind`: session, or link (which becomes a session, once). `token`: that it was exchanged for; it ends with it.
-`account`: whose it is."""
+"""`kind`: session; link, which becomes a session, once; or share. `token`, `share`: that it was exchanged for; it ends
+with it. `account`: whose it is."""
 
 request = Table(
     "request",
@@ -104,6 +106,19 @@ class Sessions:
     def entry(self, secret: str) -> Entry | None:
         """Whose session this is, None where there is none, or it has ended."""
         return self._find("session", secret)
+
+    def open_share(self, shown: Share) -> str:
+        """A new session of somebody who has a link to some documents; its secret."""
+        return self._add("share", f"link {shown.name}", timedelta(hours=SESSION_HOURS), share=shown.number)
+
+    def share_entry(self, secret: str) -> Entry | None:
+        """Who comes by a link, None where it has ended."""
+        its = (session.c.sha256 == digest_of(secret), session.c.kind == "share", session.c.expires >= now())
+        row = self._tx.connection.execute(select(session.c.share, session.c.author).where(*its)).one_or_none()
+        shown = None if row is None or row.share is None else self._tx.shares.numbered(row.share)
+        if row is None or shown is None:
+            return None
+        return Entry(row.author, self._tx.shares.view(shown), share=shown)
 
     def close(self, secret: str) -> None:
         """End a session."""

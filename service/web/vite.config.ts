@@ -24,6 +24,7 @@ export default defineConfig({
   base: "/",
   build: {
     outDir: "static",
+    rollupOptions: { input: ["index.html", "shared.html"] },
     emptyOutDir: true,
     target: "es2022",
     assetsInlineLimit: 0,

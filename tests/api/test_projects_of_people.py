@@ -56,7 +56,16 @@ def team(database: Database) -> Iterator[tuple[dict[str, TestClient], Things, Th
         yield clients, mine, theirs
 
 
-OWN = {"inspect_files", "get_analysis", "read_music", "get_account", "change_password", "add_token", "revoke_token"}
+OWN = {
+    "list_shares",
+    "inspect_files",
+    "get_analysis",
+    "read_music",
+    "get_account",
+    "change_password",
+    "add_token",
+    "revoke_token",
+}
 """Operations that ask nothing of any project."""
 
 UNFIT = {"start_", "use_", "get_result_picture", "cancel_job", "apply_names", "undo_revision", "suggest_labels"}

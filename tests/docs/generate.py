@@ -14,7 +14,10 @@ from service.operations import all_operations
 from tests.builders import description
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-BY_HAND = {"follow_job": "read", **dict.fromkeys(("healthz", "readyz", "open_session", "close_session"), "none")}
+BY_HAND = {
+    "follow_job": "read",
+    **dict.fromkeys(("healthz", "readyz", "open_session", "close_session", "open_shared"), "none"),
+}
 BY_HAND |= dict.fromkeys(("metrics", "follow_events"), "read")
 """Rights of endpoints that are no operation."""
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from tests.builders import bvh
 from tests.web.conftest import Served, Visit
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
@@ -56,3 +57,61 @@ def test_an_owner_invites_somebody_who_may_do_less(visit: Visit, studio: Served)
         second.get_by_role("button", name="Sign out").click()
         second.wait_for_url(re.compile("/login"))
         assert second.request.get(f"{studio.url}/api/v1/account").status == 401
+
+
+def test_a_project_gets_a_member_and_a_clip_a_link(visit: Visit, studio: Served) -> None:
+    """An owner lets somebody into one project, who sees nothing else; and gives away a link that plays one clip."""
+    with studio.database.write() as tx:
+        link = tx.sessions.link("local")
+    page = visit.open(f"/login?link={link}")
+    join(page, "kim")
+    with studio.database.write() as tx:
+        tx.accounts.add("lee", "member", "x")
+    files = {"name": "walk.bvh", "mimeType": "text/plain", "buffer": bvh(60)}
+    sent = {"origin": studio.url}
+    made = page.request.post(
+        f"{studio.url}/api/v1/documents", multipart={"file": files, "project": "gait"}, headers=sent
+    )
+    document = made.json()["documents"][0]["id"]
+    page.goto(f"{studio.url}/settings")
+    page.get_by_label("Project", exact=True).last.select_option("gait")
+    page.get_by_label("Name of the account").fill("lee")
+    page.get_by_role("button", name="Add", exact=True).click()
+    role = page.locator("section", has=page.get_by_role("heading", name="Members")).get_by_label("Role of lee")
+    expect(role).to_have_value("editor")
+    role.select_option("reader")
+    expect(page.get_by_text("lee was changed").last).to_be_visible()
+    expect(page.get_by_text("in all projects")).to_be_visible()
+
+    page.goto(f"{studio.url}/clips/{document}")
+    page.get_by_role("button", name="Share").click()
+    page.get_by_role("menuitem", name="Link for others").click()
+    page.get_by_label("For whom").fill("the client")
+    page.get_by_label("BVH").check()
+    page.get_by_role("button", name="Make the link").click()
+    address = page.locator(".share-link").inner_text()
+
+    with page.context.browser.new_context() as other:
+        guest = other.new_page()
+        asked: list[str] = []
+        guest.on("request", lambda request: asked.append(request.url))
+        guest.goto(address)
+        expect(guest.get_by_role("heading", name="walk")).to_be_visible()
+        expect(guest.get_by_role("img", name="walk")).to_be_visible()
+        guest.wait_for_function("() => document.querySelector('.transport [role=slider]')?.ariaValueNow > 1")
+        secret = address.partition("#")[2]
+        assert asked
+        assert not any(secret in url for url in asked)
+        guest.get_by_role("button", name="Save as").click()
+        with guest.expect_download() as saved:
+            guest.get_by_role("menuitem", name="BVH").click()
+        assert saved.value.suggested_filename == "walk.bvh"
+        assert guest.request.get(f"{studio.url}/api/v1/documents").status == 401
+
+        page.goto(f"{studio.url}/settings")
+        links = page.locator("section", has=page.get_by_role("heading", name="Links for others"))
+        expect(links.get_by_text("the client")).to_be_visible()
+        links.get_by_role("button", name="Revoke").click()
+        expect(links).to_have_count(0)
+        guest.reload()
+        expect(guest.get_by_text("This link has ended, or was taken back.")).to_be_visible()

@@ -46,6 +46,12 @@ export class ApiError extends Error {
 /** No answer came at all. */
 export class Offline extends Error {}
 
+const HOME = "/api/v1";
+let home = HOME;
+
+/** Ask below another address: as who has a link to some documents. */
+export const below = (path: string): void => void (home = path);
+
 export function address(path: string, variables: object = {}, query: object = {}): string {
   const filled = path.replace(/\{(\w+)(?::\w+)?\}/g, (_, name: string) =>
     encodeURIComponent(String((variables as Record<string, unknown>)[name])),
@@ -57,7 +63,7 @@ export function address(path: string, variables: object = {}, query: object = {}
     }
   }
   const text = search.toString();
-  return `/api/v1${filled}${text ? `?${text}` : ""}`;
+  return `${home}${filled}${text ? `?${text}` : ""}`;
 }
 
 export async function ask<P extends Path, M extends Method>(
@@ -91,7 +97,7 @@ export async function fetched(url: string, init: RequestInit = {}): Promise<Resp
     throw new Offline("The server does not answer.");
   }
   if (answer.ok) return answer;
-  if (answer.status === 401) location.assign(`/login?then=${encodeURIComponent(location.pathname + location.search)}`);
+  if (answer.status === 401 && home === HOME) location.assign(`/login?then=${encodeURIComponent(location.pathname + location.search)}`);
   throw new ApiError(answer.status, await problemOf(answer));
 }
 

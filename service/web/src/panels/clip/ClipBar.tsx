@@ -1,10 +1,12 @@
 /** The clip's own bar: the draft and its saving, comparison, export. */
+import { useState } from "preact/hooks";
 import { ApiError, ask } from "../../api/client";
 import { copyText } from "../../shell/App";
 import type { Clip } from "../../state/clip";
 import { go, setParams } from "../../state/route";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
+import { ShareDialog } from "../../ui/ShareDialog";
 import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
 import { clipActions } from "./actions";
@@ -16,6 +18,7 @@ import { note, refuse } from "../../state/notes";
 
 export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
   const { detail } = clip;
+  const [sharing, setSharing] = useState(false);
   const changed = clip.changed.value;
   const conflict = clip.trouble.value instanceof ApiError && [409, 412].includes(clip.trouble.value.status);
   const restore = async () => {
@@ -45,13 +48,17 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
         <button type="button" class="button quiet icon" aria-label={w("undo")} title={`${w("undo")} (Ctrl+Z)`} disabled={!clip.canUndo && (detail.revision <= 1 || clip.pinned !== null)} onClick={() => { if (!clip.undo()) void clipActions.undoStored(clip, reload); }}><Icon name="undo" /></button>
         <button type="button" class="button quiet icon" aria-label={w("redo")} title={`${w("redo")} (Ctrl+Shift+Z)`} disabled={!clip.canRedo} onClick={() => clip.redo()}><Icon name="redo" /></button>
         <CompareButton clip={clip} />
-        <button type="button" class="button" onClick={() => void copyText(location.href, w("addressCopied"))}>{w("share")}</button>
+        <Menu label={w("share")} side="right" items={[
+          { text: w("copyAddress"), run: () => void copyText(location.href, w("addressCopied")) },
+          { text: w("shareLink"), run: () => setSharing(true) },
+        ]}>{w("share")}<Icon name="down" /></Menu>
         <Menu label={w("exportWord")} side="right" items={() => [
           ...exportItems(clip.id, { markers: clip.skeleton.view.markers, original: detail.original, format: detail.format, revision: detail.revision }),
           { text: w("composeThese"), icon: "compose", run: () => go(`/compose?s=${clip.id}`) },
           { text: w("retarget"), icon: "retarget", run: () => go(`/retarget?from=${clip.id}`) },
         ]}>{w("exportWord")}<Icon name="down" /></Menu>
       </div>
+      {sharing && <ShareDialog ids={[clip.id]} name={detail.name} onClose={() => setSharing(false)} />}
       {conflict ? (
         <ConflictBanner clip={clip} reload={reload} />
       ) : (

@@ -12,6 +12,7 @@ import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { askWritable, unwritable } from "../../ui/exports";
 import { Menu } from "../../ui/Menu";
+import { ShareDialog } from "../../ui/ShareDialog";
 import { w } from "../../words";
 
 const FORMATS = ["mcml", "bvh", "asf-amc", "htr", "c3d", "trc", "glb", "usd", "mot"];
@@ -19,6 +20,7 @@ const FORMATS = ["mcml", "bvh", "asf-amc", "htr", "c3d", "trc", "glb", "usd", "m
 export function PickedBar() {
   const [naming, setNaming] = useState(false);
   const [collecting, setCollecting] = useState(false);
+  const [sharing, setSharing] = useState(false);
   const ids = [...library.picked.value];
   if (!ids.length) return null;
   const exportAll = async (format: string) => {
@@ -36,9 +38,11 @@ export function PickedBar() {
       <button type="button" class="button dense" onClick={() => go(`/compose?s=${ids.join(",")}`)}><Icon name="compose" />{w("composeThese")}</button>
       <Menu label={w("exportWord")} className="button dense" items={() => { askWritable(); return FORMATS.filter((format) => !unwritable.value.has(format)).map((format) => ({ text: w("exportAs", { format }), run: () => void exportAll(format) })); }}><Icon name="export" />{w("exportWord")}<Icon name="down" /></Menu>
       <button type="button" class="button dense" onClick={() => setCollecting(true)}><Icon name="list" />{w("collect")}</button>
+      <button type="button" class="button dense" onClick={() => setSharing(true)}><Icon name="eye" />{w("shareLink")}</button>
       <button type="button" class="button dense" onClick={() => void library.removeDocuments(ids)}><Icon name="trash" />{w("delete")}</button>
       <span class="grow" />
       <button type="button" class="button quiet dense" onClick={() => (library.picked.value = new Set())}>{w("pickNone")}</button>
+      {sharing && <ShareDialog ids={ids} name="" onClose={() => setSharing(false)} />}
       {collecting && <Collect ids={ids} onClose={() => setCollecting(false)} />}
       {naming && <NameAll ids={ids} onClose={() => setNaming(false)} />}
     </div>

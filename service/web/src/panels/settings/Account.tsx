@@ -1,33 +1,34 @@
 /** Who one is here, one's tokens; and for owners, the people of the repository. */
-import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
 import { copyText } from "../../shell/App";
 import { note, refuse } from "../../state/notes";
-import { language } from "../../state/settings";
 import { AskName } from "../../ui/AskName";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when, type Word } from "../../words";
+import { Links, Projects } from "./Projects";
+import { day, ROLE_WORDS, Table } from "./tables";
 
-const day = (iso: string): string => new Intl.DateTimeFormat(language.value, { dateStyle: "medium" }).format(new Date(iso));
-const ROLES = ["reader", "editor", "owner"] as const;
+const ROLES = ["member", "reader", "editor", "owner"] as const;
 const SCOPES = ["read", "edit", "operate"] as const;
-const ROLE_WORDS: Record<string, Word> = { reader: "roleReader", editor: "roleEditor", owner: "roleOwner" };
 const SCOPE_WORDS: Record<string, Word> = { read: "scopeRead", edit: "scopeEdit", operate: "scopeOperate" };
 
 export function Account() {
   const me = useAsync((signal) => get("/account", { signal }), []);
   if (!me.value) return <Trouble error={me.error} retry={me.again} />;
-  const { name, role, rights } = me.value;
+  const { name, role, rights, projects } = me.value;
   const leave = () => void ask("delete", "/session").then(() => location.assign("/login"), refuse);
   return (
     <>
       <h2>{w("account")}</h2>
       <p class="row wrap"><span>{role ? w("signedIn", { name, role: w(ROLE_WORDS[role]) }) : w("noAccount", { name })}</span>{role && <button type="button" class="button" onClick={leave}>{w("signOut")}</button>}</p>
       {role && <Password />}
+      {projects.length > 0 && <p class="dim">{projects.map((one) => `${one.project}: ${w(ROLE_WORDS[one.role])}`).join(" · ")}</p>}
       <Tokens scopes={SCOPES.filter((scope) => rights.includes(scope))} />
       {rights.includes("operate") && <People me={name} />}
+      <Projects decides={rights.includes("own")} />
+      {rights.includes("edit") && <Links />}
     </>
   );
 }
@@ -57,11 +58,13 @@ function Password() {
 
 function Tokens({ scopes }: { scopes: (typeof SCOPES)[number][] }) {
   const tokens = useAsync((signal) => get("/tokens", { signal }), []);
+  const all = useAsync((signal) => get("/projects", { signal }), []);
   const [asked, setAsked] = useState(false);
+  const [project, setProject] = useState("");
   const [scope, setScope] = useState<(typeof SCOPES)[number]>("read");
   const [made, setMade] = useState<Schemas["TokenMade"] | null>(null);
   const add = async (name: string) => {
-    setMade(await ask("post", "/tokens", { body: { name, scope, days: 90 } }));
+    setMade(await ask("post", "/tokens", { body: { name, scope, projects: project ? [project] : [], days: 90 } }));
     tokens.again();
   };
   const end = (name: string) => void ask("delete", "/tokens/{name}", { path: { name } }).then(tokens.again, refuse);
@@ -71,11 +74,12 @@ function Tokens({ scopes }: { scopes: (typeof SCOPES)[number][] }) {
       <p class="dim">{w("tokensHelp")}</p>
       {made && <Secret text={made.token} label={w("tokenMade", { name: made.name })} />}
       <Table head={[w("name"), w("mayDo"), w("expires"), w("lastUsed"), ""]} rows={(tokens.value?.items ?? []).map((one) => [
-        <span key="n">{one.name} <span class="dim">{one.hint}…{one.account && ` · ${one.account}`}</span></span>, w(SCOPE_WORDS[one.scope]), one.expires ? day(one.expires) : w("never"), one.used ? when(one.used) : w("never"),
+        <span key="n">{one.name} <span class="dim">{one.hint}…{one.account && ` · ${one.account}`}</span></span>, <span key="s">{w(SCOPE_WORDS[one.scope])}{one.projects?.length ? <span class="dim"> · {one.projects.join(", ")}</span> : null}</span>, one.expires ? day(one.expires) : w("never"), one.used ? when(one.used) : w("never"),
         <button key="b" type="button" class="button dense" onClick={() => end(one.name)}>{w("revoke")}</button>,
       ])} />
       <p class="row wrap">
         <select class="field" aria-label={w("mayDo")} value={scope} onChange={(event) => setScope(event.currentTarget.value as typeof scope)}>{scopes.map((one) => <option key={one} value={one}>{w(SCOPE_WORDS[one])}</option>)}</select>
+        <select class="field" aria-label={w("project")} value={project} onChange={(event) => setProject(event.currentTarget.value)}><option value="">{w("allProjects")}</option>{(all.value?.items ?? []).map((one) => <option key={one}>{one}</option>)}</select>
         <button type="button" class="button" onClick={() => setAsked(true)}>{w("makeToken")}</button>
       </p>
       {asked && <AskName title={w("makeToken")} onName={add} onClose={() => setAsked(false)} />}
@@ -121,7 +125,7 @@ function People({ me }: { me: string }) {
       <p class="row wrap">{roles(w("role"), role, setRole)}<button type="button" class="button" onClick={() => void invite()}>{w("invite")}</button><span class="dim">{w("inviteHelp")}</span></p>
       {link && <Secret text={link} label={w("invitationMade")} />}
       {(open.value?.items ?? []).length > 0 && <Table head={[w("invitations"), w("role"), w("expires"), ""]} rows={(open.value?.items ?? []).map((one) => [
-        w("invitedBy", { name: one.author }), w(ROLE_WORDS[one.role]), day(one.expires), <button key="b" type="button" class="button dense" onClick={() => takeBack(one.number)}>{w("revoke")}</button>,
+        w("invitedBy", { name: one.author }), one.project ? `${one.project}: ${w(ROLE_WORDS[one.role])}` : w(ROLE_WORDS[one.role]), day(one.expires), <button key="b" type="button" class="button dense" onClick={() => takeBack(one.number)}>{w("revoke")}</button>,
       ])} />}
     </section>
   );
@@ -130,12 +134,4 @@ function People({ me }: { me: string }) {
 /** What is shown this once. */
 function Secret({ text, label }: { text: string; label: string }) {
   return <p class="row wrap account-secret"><span>{label}</span><code>{text}</code><button type="button" class="button dense" onClick={() => void copyText(text, w("copied"))}>{w("copy")}</button></p>;
-}
-
-function Table({ head, rows }: { head: string[]; rows: ComponentChildren[][] }) {
-  if (!rows.length) return null;
-  return (
-    <table class="account-table"><thead><tr>{head.map((one, at) => <th key={at}>{one}</th>)}</tr></thead>
-      <tbody>{rows.map((cells, row) => <tr key={row}>{cells.map((cell, at) => <td key={at}>{cell}</td>)}</tr>)}</tbody></table>
-  );
 }

@@ -1,0 +1,15 @@
+/** Tables of people, tokens and links, and words for what they may do. */
+import type { ComponentChildren } from "preact";
+import { language } from "../../state/settings";
+import type { Word } from "../../words";
+
+export const day = (iso: string): string => new Intl.DateTimeFormat(language.value, { dateStyle: "medium" }).format(new Date(iso));
+export const ROLE_WORDS: Record<string, Word> = { member: "roleMember", reader: "roleReader", editor: "roleEditor", owner: "roleOwner" };
+
+export function Table({ head, rows }: { head: string[]; rows: ComponentChildren[][] }) {
+  if (!rows.length) return null;
+  return (
+    <table class="account-table"><thead><tr>{head.map((one, at) => <th key={at}>{one}</th>)}</tr></thead>
+      <tbody>{rows.map((cells, row) => <tr key={row}>{cells.map((cell, at) => <td key={at}>{cell}</td>)}</tr>)}</tbody></table>
+  );
+}
