@@ -104,11 +104,15 @@ def _read_xpath2(text: str, error: QueryError, variables: Mapping[str, str | flo
     if isinstance(error, ArityError) or text.lstrip().startswith("+"):
         raise error
     try:
-        return read_xpath2(text, variables)
+        tree = read_xpath2(text, variables)
     except QueryError as other:
         # The parser that came further is the one that the writer had in mind.
         chosen = max(error, other, key=_column)
         raise QueryError(chosen.what, at=chosen.at, remedy=chosen.remedy or _hint(text, chosen.what)) from None
+    for part in walk(tree):
+        if isinstance(part, Call):
+            _check_motion(part)
+    return tree
 
 
 def _column(error: QueryError) -> int:
