@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from service.errors import QueryError, RequestError
+from service.errors import QueryError, RequestError, VocabularyError
 from service.mcml.vocabulary import NAME
 from service.motion.bodies.local_fit import rate
 from service.motion.bodies.quantities import QUANTITIES
@@ -177,7 +177,7 @@ class Motions:
             return self.bodies.of_documents(name)[documents_of(nodes)]
         try:
             column = self.bodies.quantity(name, texts)
-        except RequestError as error:
+        except (RequestError, VocabularyError) as error:
             raise QueryError(error.what, remedy=error.remedy) from None
         rows = self.bodies.rows(nodes)
         return np.where(rows >= 0, column[rows], np.nan) if len(column) else np.full(len(nodes), np.nan)

@@ -7,15 +7,17 @@ tables are variables of the request, so nothing is added to the document that an
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from itertools import product
 from typing import Any, TypeAlias
+from urllib.parse import quote, unquote
+from uuid import uuid4
 
 import numpy as np
 from numpy.typing import NDArray
 
-from service.errors import LimitError, McmlError, QueryError
-from service.motion.bodies.quantities import AXES, QUANTITIES
+from service.errors import LimitError, QueryError
 from service.storage.columns import Listed
 from service.storage.database import Transaction
 from service.xpath.engine.columns import Columns
@@ -23,24 +25,29 @@ from service.xpath.engine.context import Context
 from service.xpath.engine.functions import NotOnColumnsError
 from service.xpath.engine.motions import most_between
 from service.xpath.language.calls import WrittenCall, written_calls
-from service.xpath.language.motion_functions import ANGLE, JOINTS, MOTION_FUNCTIONS, RATE, RUNS, WINDOW
+from service.xpath.language.motion_functions import ANGLE, JOINTS, MOTION_FUNCTIONS, PREFIX, RATE, RUNS, WINDOW
 from service.xpath.language.reach import HeadPart
 from service.xpath.language.tree import Call, Literal, Written, walk
 from service.xpath.language.types import is_of_variables, type_of
 from service.xpath.language.unparse import unparse
+from service.xpath.library.bodies import Bodies
 from service.xpath.library.caches import Caches
 from service.xpath.library.forest import Forest
 from service.xpath.library.groups import Group
 from service.xpath.limits import Limits
-from service.xpath.nodes.numbering import first_of_documents
 from service.xpath.nodes.pairs import TooWideError
+from service.xpath.xml.saxon import Items
 
 Values: TypeAlias = Mapping[str, str | float | bool]
 Numbers: TypeAlias = NDArray[Any]
+Met: TypeAlias = dict[Call, dict[tuple[str, ...], None]]
+"""What the arguments of a call that are not the same everywhere named."""
 _PREFIX = "$mo-"
 """Of variables that are ours."""
-_BETWEEN = "\n"
-_TEXT = re.compile(r"""'([^']*)'|"([^"]*)\"""")
+_MISSED = uuid4().hex
+"""Begins the error that a table lacks a name. No text of others holds it."""
+ONE_BY_ONE = 4
+"""So many names are learned one after the other, before all that there can be are given."""
 _MAPS, _ARRAYS = (f"Q{{http://www.w3.org/2005/xpath-functions/{kind}}}" for kind in ("map", "array"))
 # A column ends with the number of what is in no frame. In 1.0-compatibility mode, sums are no integers.
 _FUNCTIONS = f"""let $mo-frames := array {{ /mcml/motion/frame }},
@@ -55,13 +62,13 @@ $mo-name := function($named) {{
 $mo-joint := function($named, $joints) {{
   let $name := $mo-name($named) return if ($joints($name)) then $name else '' }},
 $mo-column := function($numbers) {{ array {{ tokenize($numbers, ' ') ! number(.) }} }},
-$mo-value := function($columns, $key, $node) {{
-  let $column := $columns($key)
+$mo-value := function($table, $columns, $names, $node) {{
+  let $key := string-join($names ! encode-for-uri(.), ','), $column := $columns($key)
   return if (exists($column)) then $column($mo-place($node))
-  else error((), concat('an angle, or an axis, is named in the question itself, and not made there: ', $key)) }},
+  else error((), concat('{_MISSED} ', $table, ':', $key, ';')) }},
 $mo-window := function($columns, $node) {{
-  let $first := $mo-value($columns, 'first', $node), $last := $mo-value($columns, 'last', $node)
-  return (xs:integer($first) to xs:integer($last)) ! $mo-frames(.) }},
+  let $place := $mo-place($node)
+  return (xs:integer($columns('first')($place)) to xs:integer($columns('last')($place))) ! $mo-frames(.) }},
 $mo-runs := function($nodes, $least, $between, $seconds) {{
   let $places := sort(distinct-values($nodes ! (
         if (. instance of element(frame)) then $mo-place(.) else error((), 'Runs are of frames')))),
@@ -77,54 +84,91 @@ class BodyValues:
     """Of the documents of some groups. limits: of the question; its elements are the most numbers of a document."""
 
     def __init__(self, tx: Transaction, caches: Caches, groups: Sequence[Group], limits: Limits) -> None:
-        self._columns = [
-            Columns(Forest(tx, group, caches, head_part=HeadPart.ALL), limits.check, is_later=True) for group in groups
-        ]
-        self._places = {
-            listed.key: (number, place) for number, group in enumerate(groups) for place, listed in enumerate(group)
-        }
-        self._most = limits.max_elements
+        self._tx = tx
+        self._caches = caches
+        self._groups = groups
+        self._limits = limits
+        self._met: Met = {}
+        self._noted: set[Forest] = set()
 
-    def given(self, text: str, variables: Values, stored: Listed) -> tuple[str, Values]:
-        """What Saxon is asked of a document in place of an expression, and with which variables.
+    @cached_property
+    def _forests(self) -> dict[int, Forest]:
+        """Of the group of each document, by its key."""
+        found = {}
+        for group in self._groups:
+            forest = Forest(self._tx, group, self._caches, head_part=HeadPart.ALL)
+            found.update(dict.fromkeys(group.keys, forest))
+        return found
 
-        Raises QueryError for what only columns can answer, LimitError for too many numbers.
+    def _columns(self, stored: Listed) -> Columns:
+        """Of a document alone: others may never be looked at."""
+        forest = self._forests[stored.key]
+        if forest not in self._noted:
+            # What is known of the bodies of a group is what an answer has warnings from.
+            Bodies(forest, self._limits.check).facts()
+            self._noted.add(forest)
+        return Columns(forest.part([stored]), self._limits.check, is_later=True)
+
+    def answer(self, ask: Callable[[str, Values], Items], text: str, variables: Values, stored: Listed) -> Items:
+        """What Saxon answers to an expression about a document. ask: asks it, with variables.
+
+        Which joint an argument names, `mo:height(.)`, is known while it is evaluated: then it is asked again with the
+        numbers that it lacked. Raises QueryError for what only columns can answer, LimitError for too many numbers.
         """
-        number, place = self._places[stored.key]
-        asked = _Asked(self._columns[number], place, text, variables, self._most)
-        body = asked.rewritten(text)
-        return (text, variables) if body == text else (asked.around(body), {**variables, **asked.numbers})
+        if PREFIX not in text:
+            return ask(text, variables)
+        columns = self._columns(stored)
+        while True:
+            asked = _Asked(columns, text, variables, self._limits.max_elements, self._met)
+            try:
+                return ask(asked.text, asked.variables)
+            except QueryError as error:
+                if not asked.learns(error.what):
+                    raise
 
 
 class _Asked:
-    """An expression, asked of one document. numbers: the columns that it needs, as texts."""
+    """An expression for Saxon, about one document. text, variables: what it is asked."""
 
-    def __init__(self, columns: Columns, place: int, text: str, variables: Values, most: int) -> None:
+    def __init__(self, columns: Columns, text: str, variables: Values, most: int, met: Met) -> None:
         self._motions = columns.motions
-        document = np.array([place], np.int64)
-        frames = columns.forest.all_frames(document)[1]
-        self._context = Context(np.concatenate([frames, first_of_documents(document)]))
-        self._place = place
-        self._variables = variables
-        self._texts = [one or other for one, other in _TEXT.findall(text)] + list(map(str, variables.values()))
+        frames = columns.forest.all_frames(np.zeros(1, np.int64))[1]
+        self._context = Context(np.concatenate([frames, columns.documents().nodes]))
         self._left = most
+        self._met = met
+        self._given = variables
         self._prefix = _PREFIX
         while self._prefix in text:
             self._prefix += "-"
-        self._tables: dict[str, str] = {}
+        self._calls: list[Call] = []
         self._columns: dict[Call, str] = {}
-        self.numbers: dict[str, str] = {}
+        self._tables: dict[str, str] = {}
+        self._numbers: dict[str, str] = {}
+        body = self._rewritten(text)
+        self.text = body if body == text else self._whole(body)
+        self.variables = {**variables, **self._numbers}
 
-    def rewritten(self, text: str) -> str:
-        """The expression with a look into a table for each call."""
+    def learns(self, refused: str) -> bool:
+        """Whether what Saxon refused the expression for is mended when it is asked again."""
+        missed = re.search(rf"{_MISSED} (\d+):([^;]*);", refused)
+        if missed is None:
+            return False
+        met = self._met.setdefault(self._calls[int(missed[1])], {})
+        names = tuple(map(unquote, missed[2].split(",")))
+        is_new = names not in met
+        met[names] = None
+        return is_new
+
+    def _rewritten(self, text: str) -> str:
+        """With a look into a table for each call."""
         pieces, end = [], 0
-        for found in written_calls(text, self._variables):
+        for found in written_calls(text, self._given):
             pieces += [text[end : found.span[0]], self._look(found)]
             end = found.span[1]
         return "".join([*pieces, text[end:]])
 
-    def around(self, body: str) -> str:
-        """A rewritten expression with all that it needs."""
+    def _whole(self, body: str) -> str:
+        """With all that the looks need."""
         tables = [f"{name} := {table}" for table, name in self._tables.items()]
         return ",\n".join([_FUNCTIONS.replace(_PREFIX, self._prefix), *tables]) + f"\nreturn ({body})"
 
@@ -132,50 +176,56 @@ class _Asked:
         call = found.call
         if call.function == RUNS:
             least, gap = self._motions.lengths(call.arguments[1:])
-            seconds = self._motions.bodies.seconds[[self._place]]
+            seconds = self._motions.bodies.seconds
             bounds = [f"number('{_written(each)}')" for each in ([least], most_between(gap, seconds), seconds)]
-            return f"{self._prefix}runs(({self.rewritten(found.arguments[0])}), {', '.join(bounds)})"
+            return f"{self._prefix}runs(({self._rewritten(found.arguments[0])}), {', '.join(bounds)})"
         if call.function == WINDOW:
             first, last = self._motions.reach(call, self._context.nodes)
             ends = {"first": self._column(call, first), "last": self._column(Call("last", (call,)), last)}
             return f"{self._prefix}window({self._table(ends)}, .)"
+        if call.function == RATE and any(isinstance(part, Written) for part in walk(call)):
+            raise _of_rates()
         return self._number(found)
 
     def _number(self, found: WrittenCall) -> str:
-        """Of a function that has a value in each frame. What an argument names may be another joint wherever it stands:
-        then there is a column for each that it can be."""
+        """Of a function that has a value in each frame."""
         call = found.call
-        if call.function == RATE:
-            if any(isinstance(part, Written) for part in walk(call)):
-                raise _of_rates()
-            chosen: list[list[str | None]] = [[None]]
-        else:
-            chosen = [self._choices(call, place) for place in range(len(call.arguments))]
+        # What a rate is of is asked of frames: it is the same wherever it stands.
+        places = [n for n, one in enumerate(call.arguments) if call.function != RATE and not is_of_variables(one)]
         columns = {}
-        for texts in product(*chosen):
-            given = [old if new is None else Literal(new) for old, new in zip(call.arguments, texts, strict=True)]
-            key = _BETWEEN.join(text for text in texts if text is not None)
-            columns[key] = self._column(Call(call.function, tuple(given)))
-        keys = [self._key(found, place, choices) for place, choices in enumerate(chosen) if choices != [None]]
-        key = f"string-join(({', '.join(keys)}), '{_BETWEEN}')" if keys else "''"
-        look = f"{self._prefix}value({self._table(columns)}, {key}, .)"
+        for names in self._keys(call, places):
+            arguments = list(call.arguments)
+            for place, name in zip(places, names, strict=True):
+                arguments[place] = Literal(name)
+            columns[",".join(quote(name, safe="") for name in names)] = self._column(
+                Call(call.function, tuple(arguments))
+            )
+        self._calls.append(call)
+        look = f"{self._prefix}value({len(self._calls) - 1}, {self._table(columns)}, "
+        look += f"({', '.join(self._name(found, place) for place in places)}), .)"
         return f"({look} = 1)" if type_of(call) == "boolean" else look
 
-    def _choices(self, call: Call, place: int) -> list[str | None]:
-        """What an argument can name; [None] if it is the same wherever it stands."""
-        if is_of_variables(call.arguments[place]):
-            return [None]
-        if _is_joint(call, place):
-            facts = self._motions.bodies.facts()
-            # No name is that of no joint, which any other text is too.
-            return ["", *facts.names[facts.kind[self._place]]]
-        return [*AXES] if call.function != ANGLE else [text for text in dict.fromkeys(self._texts) if is_angle(text)]
+    def _keys(self, call: Call, places: Sequence[int]) -> Iterable[tuple[str, ...]]:
+        """What the arguments at some places name: what they are known to name, or all that they can."""
+        met = self._met.get(call, {})
+        chosen = [
+            self._joints if _is_joint(call, place) else list(dict.fromkeys(names[number] for names in met))
+            for number, place in enumerate(places)
+        ]
+        if not places:
+            return [()]
+        return met if len(met) <= ONE_BY_ONE else product(*chosen)
 
-    def _key(self, found: WrittenCall, place: int, choices: list[str | None]) -> str:
-        said = f"({self.rewritten(found.arguments[place])})"
+    @property
+    def _joints(self) -> list[str]:
+        """Those of the document, and no name, which stands for all others."""
+        return ["", *self._motions.bodies.facts().names[0]]
+
+    def _name(self, found: WrittenCall, place: int) -> str:
+        said = f"({self._rewritten(found.arguments[place])})"
         if not _is_joint(found.call, place):
             return f"{self._prefix}name({said})"
-        names = ", ".join(unparse(Literal(name)) for name in choices if name)
+        names = ", ".join(unparse(Literal(name)) for name in self._joints if name)
         return f"{self._prefix}joint({said}, {self._named(f'{_MAPS}merge(({names}) ! {_MAPS}entry(., true()))')})"
 
     def _table(self, columns: dict[str, str]) -> str:
@@ -194,14 +244,14 @@ class _Asked:
             self._left -= len(self._context)
             if self._left < 0:
                 raise LimitError(
-                    "The question can ask for more numbers of a document than XPath 2.0 may be given.",
-                    remedy="Name the joints as texts, ask smaller documents, or raise MCML_QUERY_ELEMENTS.",
+                    "The question asks for more numbers of a document than Saxon may be given.",
+                    remedy="Name fewer joints, ask smaller documents, or raise MCML_QUERY_ELEMENTS.",
                     code="query-too-large",
                 )
             if numbers is None:
                 numbers = self._values(call)
             name = f"{self._prefix}n{len(self._columns)}"
-            self.numbers[name.removeprefix("$")] = _written(np.asarray(numbers, np.float64).tolist())
+            self._numbers[name.removeprefix("$")] = _written(np.asarray(numbers, np.float64).tolist())
             self._columns[call] = name
         return self._columns[call]
 
@@ -215,15 +265,6 @@ class _Asked:
 def _is_joint(call: Call, place: int) -> bool:
     parameter = MOTION_FUNCTIONS[call.function].parameters[place].rstrip("?")
     return parameter in JOINTS and not (call.function == ANGLE and len(call.arguments) == 1)
-
-
-def is_angle(text: str) -> bool:
-    """Whether it is the name of an angle."""
-    try:
-        QUANTITIES["angle"].joints([text])
-    except McmlError:
-        return False
-    return True
 
 
 def _written(numbers: Iterable[float]) -> str:

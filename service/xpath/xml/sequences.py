@@ -21,7 +21,7 @@ from service.xpath.library.caches import Caches
 from service.xpath.library.groups import Group
 from service.xpath.limits import Limits
 from service.xpath.nodes.node import Node, Run
-from service.xpath.xml.body_values import BodyValues
+from service.xpath.xml.body_values import BodyValues, Values
 from service.xpath.xml.evaluate import Node as Found
 from service.xpath.xml.projected import Xml, runs_of_nodes
 from service.xpath.xml.saxon import Items, Saxon
@@ -144,15 +144,12 @@ class Sequences:
 
     def _evaluate(self, stored: Listed, text: str, offset: int, limit: int) -> Items:
         self.limits.check()
-        text, variables = self.bodies.given(text, self.variables, stored)
-        return self.saxon.items(
-            text,
-            self.xml.of(stored),
-            variables=variables,
-            offset=offset,
-            limit=limit,
-            limits=self.limits,
-        )
+
+        def ask(text: str, variables: Values) -> Items:
+            document, limits = self.xml.of(stored), self.limits
+            return self.saxon.items(text, document, variables=variables, offset=offset, limit=limit, limits=limits)
+
+        return self.bodies.answer(ask, text, self.variables, stored)
 
 
 def require_time(documents: int, limits: Limits) -> None:
