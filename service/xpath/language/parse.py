@@ -64,10 +64,10 @@ class Query:
 
     @property
     def only_saxon(self) -> bool:
-        """Whether Saxon alone can answer it: in XPath 2.0 what stands in an element follows its attributes and
-        namespaces, which libxml2, and with it our columns, has otherwise."""
-        if not self.needs_xpath2:
-            return False
+        """Whether Saxon alone can answer it: what has no tree of ours; and in XPath 2.0 what stands in an element
+        follows its attributes and namespaces, which libxml2, and with it our columns, has otherwise."""
+        if isinstance(self.tree, Written) or not self.needs_xpath2:
+            return isinstance(self.tree, Written)
         axes = {step.axis for part in walk(self.tree) if isinstance(part, Path) for step in part.steps}
         return "following" in axes and not axes.isdisjoint({"attribute", "namespace"})
 

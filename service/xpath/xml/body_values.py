@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import product
+from math import prod
 from typing import Any, TypeAlias
 from urllib.parse import quote, unquote
 from uuid import uuid4
@@ -46,8 +47,10 @@ _PREFIX = "$mo-"
 """Of variables that are ours."""
 _MISSED = uuid4().hex
 """Begins the error that a table lacks a name. No text of others holds it."""
+FEW = 100
+"""As many names, of joints or of pairs of them, are given at once, whether they are asked for or not."""
 ONE_BY_ONE = 4
-"""So many names are learned one after the other, before all that there can be are given."""
+"""Of more, so many are learned one after the other, before all are given."""
 _MAPS, _ARRAYS = (f"Q{{http://www.w3.org/2005/xpath-functions/{kind}}}" for kind in ("map", "array"))
 # A column ends with the number of what is in no frame. In 1.0-compatibility mode, sums are no integers.
 _FUNCTIONS = f"""let $mo-frames := array {{ /mcml/motion/frame }},
@@ -214,7 +217,8 @@ class _Asked:
         ]
         if not places:
             return [()]
-        return met if len(met) <= ONE_BY_ONE else product(*chosen)
+        few = prod(map(len, chosen)) <= FEW
+        return product(*chosen) if few or len(met) > ONE_BY_ONE else met
 
     @property
     def _joints(self) -> list[str]:
