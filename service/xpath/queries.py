@@ -355,7 +355,7 @@ class _Asking:
         source = self._sequences()
         if page.request.as_ == "runs":
             return page.of_runs(self.tx, source.runs())
-        if page.request.as_ == "json" and source.documents and page.request.per is None:
+        if page.request.as_ == "json" and page.request.per is None:
             require_time(len(source.documents) if source.is_aggregate else 0, self.limits)
             whole = source.aggregate()
             if whole is not None:

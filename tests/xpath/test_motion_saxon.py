@@ -262,7 +262,7 @@ def test_variables_of_the_request(engine: Queries) -> None:
         ("//frame[. is .][mo:angle('left-knee-flexoin') > 1]", "is not the name of an angle"),
         ("//frame[. is .][mo:angle(string(@id)) > 1]", "is not the name of an angle"),
         ("//frame[. is .][mo:pose-distance('nobody', 1) > 1]", "no document 'nobody'"),
-        ("//frame[. is .][mo:heigth('Head') > 1]", "unknown function|not declared"),
+        ("//frame[. is .][mo:tall('Head') > 1]", "unknown function|not declared"),
         ("//frame[. is .][mo-height('Head') > 1]", "unknown function|not offered"),
     ],
 )

@@ -109,9 +109,11 @@ def test_no_nodes_are_nodes_all_the_same(queries: Queries, text: str) -> None:
         ("//frame[. is .]", "nodes", None),
         ("//xs:double(@id)", "values", None),
         ("count(//frame[. is .])", "number", 0.0),
+        ("string-join(//frame[. is .]/@id, ', ')", "string", ""),
+        ("avg(//frame[. is .]/@id)", "number", None),
     ],
 )
-def test_of_no_documents(queries: Queries, text: str, kind: str, value: float | None) -> None:
+def test_of_no_documents(queries: Queries, text: str, kind: str, value: float | str | None) -> None:
     with queries.database.write() as tx:
         tx.projects.get_or_add("empty")
     answer = queries.answer(QueryRequest(q=text, project="empty"))

@@ -85,7 +85,8 @@ class Sequences:
             return function, _extreme(function, values)
         if function == "distinct-values":
             return function, list(dict.fromkeys(v for stored in self.documents for v in self._all(stored, self.text)))
-        between = str(self._one(self.documents[0], f"string({arguments[1]})")) if len(arguments) > 1 else ""
+        first = self.documents[:1] if len(arguments) > 1 else []
+        between = "".join(str(self._one(stored, f"string({arguments[1]})")) for stored in first)
         texts = [self._all(stored, f"for $i in ({arguments[0]}) return string($i)") for stored in self.documents]
         return function, between.join(str(text) for some in texts for text in some)
 
