@@ -39,7 +39,7 @@ from service.xpath.language.tree import Call, Expression
 from service.xpath.language.types import distinct_of, item_type, type_of
 from service.xpath.library.caches import Caches
 from service.xpath.library.listing import Scope
-from service.xpath.library.motion_notes import looked_at, motion_calls, notes, refused, without_guesses
+from service.xpath.library.motion_notes import looked_at, motion_calls, notes, require_saxon, without_guesses
 from service.xpath.library.part_file import path_of
 from service.xpath.library.sidecar import Sidecar
 from service.xpath.limits import Limits
@@ -150,7 +150,8 @@ class Queries:
         for documents in parts:
             with self.database.read(commit) as tx:
                 tx.pruning.require_whole_since(since)
-                answer = Sequences(self.saxon, tx, query, documents, limits).page(0, limit)
+                groups = [self.caches.listing.group(documents)]
+                answer = Sequences(self.saxon, tx, self.caches, query, groups, limits).page(0, limit)
             found = [item for item in answer.items if isinstance(item, Node)]
             if len(found) < len(answer.items):
                 raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
@@ -357,13 +358,14 @@ class _Asking:
         return Projected(self.engine.evaluator, self.tx, self.query, self.scope.documents(), self.limits)
 
     def _sequences(self) -> Sequences:
-        return Sequences(self.engine.saxon, self.tx, self.query, self.scope.documents(), self.limits)
+        saxon, caches, groups = self.engine.saxon, self.engine.caches, self.scope.groups()
+        return Sequences(saxon, self.tx, caches, self.query, groups, self.limits)
 
     def _by_saxon(self, page: Page) -> QueryAnswer:
         source = self._sequences()
         if page.request.as_ == "runs":
             return page.of_runs(self.tx, source.runs())
-        if page.request.as_ == "json" and source.documents and page.request.per is None:
+        if page.request.as_ == "json" and page.request.per is None:
             require_time(len(source.documents) if source.is_aggregate else 0, self.limits)
             whole = source.aggregate()
             if whole is not None:
@@ -378,9 +380,8 @@ class _Asking:
         return answer if items else answer.model_copy(update={"type": "nodes" if found.nodes else "values"})
 
     def require_documents_alone(self) -> None:
-        """Refuses what must be evaluated on all documents together, which XML is not, and questions about bodies."""
-        if self.motion:
-            raise refused(self.motion)
+        """Refuses what must be evaluated on all documents together, which XML is not."""
+        require_saxon(self.motion, is_later=self.is_later)
         if self.per != "document":
             require_alone(self.query.tree, len(self.scope.documents()))
 

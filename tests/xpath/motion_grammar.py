@@ -242,7 +242,7 @@ class Chance:
             kind, number = self.bone()
             low = round(self.random.uniform(*SCALES[kind]), 3)
             return Question(
-                f"//frame[{held.text}]/frame_bone[{number.text} > {low}]", lambda ds: _bones(ds, held, number, low)
+                f"//frame[{held.text}]/frame_bone[{number.text} > {low}]", lambda ds: bones(ds, held, number, low)
             )
         if choice < 0.92:
             return Question(f"count(//frame[{held.text}])", lambda ds: float(sum(len(_where(d, held)) for d in ds)))
@@ -274,7 +274,7 @@ def _frames(documents: Sequence[Document], of: Callable[[Document], list[int]]) 
     return [document.address(frame) for document in documents for frame in of(document)]
 
 
-def _bones(documents: Sequence[Document], held: Asked, number: Asked, low: float) -> list[Node]:
+def bones(documents: Sequence[Document], held: Asked, number: Asked, low: float) -> list[Node]:
     return [
         document.address(frame, bone)
         for document in documents

@@ -130,7 +130,7 @@ def _same(value: float, wanted: float, within: float) -> bool:
     return both or abs(value - wanted) <= within * max(1.0, abs(wanted))
 
 
-def run(database: Database, seed: int, rounds: int, asked: int) -> None:
+def run(database: Database, seed: int, rounds: int, asked: int, chance: type[Chance] = Chance) -> None:
     made = Store(database, seed)
     random = Random(seed)
     engine = Queries(database, Settings(query_seconds=600, cache_dir="none"))
@@ -143,7 +143,7 @@ def run(database: Database, seed: int, rounds: int, asked: int) -> None:
             if random.random() < 0.5:
                 derive_missing(database, lambda done, of: None)
             for _ in range(asked):
-                question = Chance(random, made.documents).question()
+                question = chance(random, made.documents).question()
                 filled += bool(question.of(made.documents))
                 differences.append(differs(engine, question, made.documents, random))
                 if "mo:" in question.text and random.random() < 0.3:
@@ -152,7 +152,7 @@ def run(database: Database, seed: int, rounds: int, asked: int) -> None:
             one = random.choice([one for one in made.documents if one.revision > 1])
             past = read_documents(database, {one.uuid: random.randint(1, one.revision)})
             for _ in range(asked // 4):
-                question = Chance(random, past).question()
+                question = chance(random, past).question()
                 at = {"document": [one.uuid], "revision": past[0].revision}
                 differences.append(differs(engine, question, past, random, **at))
             for _ in range(random.choice((1, 3))):

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
-from service.errors import LimitError, QueryError
+from service.errors import QueryError
 from service.settings import Settings
 from service.storage.database import Database
 from service.xpath.answer.writing import STREAMS
@@ -95,12 +95,6 @@ def test_what_has_no_meaning_is_refused(engine: Queries, text: str, column: int,
 def test_what_is_not_there_is_told(engine: Queries, text: str, what: str) -> None:
     with pytest.raises(QueryError, match=what):
         engine.answer(QueryRequest(q=text))
-
-
-def test_what_columns_have_no_answer_to_is_refused(engine: Queries) -> None:
-    """Bodies are not in the XML, which is evaluated otherwise."""
-    with pytest.raises(LimitError, match="question about bodies"):
-        engine.answer(QueryRequest(q="//frame[some $x in (1, 2) satisfies mo:rate($x * mo:time()) > 3]"))
 
 
 @pytest.mark.parametrize(

@@ -103,6 +103,23 @@ def test_no_nodes_are_nodes_all_the_same(queries: Queries, text: str) -> None:
     assert (answer.type, answer.items) == ("nodes", [])
 
 
+@pytest.mark.parametrize(
+    ("text", "kind", "value"),
+    [
+        ("//frame[. is .]", "nodes", None),
+        ("//xs:double(@id)", "values", None),
+        ("count(//frame[. is .])", "number", 0.0),
+        ("string-join(//frame[. is .]/@id, ', ')", "string", ""),
+        ("avg(//frame[. is .]/@id)", "number", None),
+    ],
+)
+def test_of_no_documents(queries: Queries, text: str, kind: str, value: float | str | None) -> None:
+    with queries.database.write() as tx:
+        tx.projects.get_or_add("empty")
+    answer = queries.answer(QueryRequest(q=text, project="empty"))
+    assert (answer.type, answer.value) == (kind, value)
+
+
 def test_functions_may_have_their_prefix(queries: Queries) -> None:
     text = "fn:count(//frame) = 3 and fn:matches('a', 'a')"
     assert queries.answer(QueryRequest(q=text)).value is False

@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from service.errors import QueryError, RequestError
+from service.errors import QueryError, RequestError, VocabularyError
 from service.mcml.vocabulary import NAME
 from service.motion.bodies.local_fit import rate
 from service.motion.bodies.quantities import QUANTITIES
@@ -121,14 +121,17 @@ class Motions:
         """The frames of runs in node sets. bounds: how long a run is at least, and a gap at most."""
         sets, _ = sets.flat()
         sets = ordered(sets.groups, sets.nodes, sets.count)  # Nodes of a sequence have an order of their own.
-        least = self._constant(bounds[0])
-        gap = self._constant(bounds[1]) if len(bounds) > 1 else 0.0
+        least, gap = self.lengths(bounds)
         groups, first, last = closed_runs(sets, self.bodies.seconds, gap)
         seconds = self.bodies.seconds[documents_of(first)]
         long = (frames_of(last) - frames_of(first) + 1 + NEARLY) * seconds >= least
         groups, first, last = groups[long], first[long], last[long]
         source, within = expand(frames_of(last) - frames_of(first) + 1)
         return NodeSets(groups[source], first[source] + (within << FRAME_SHIFT), sets.count)
+
+    def lengths(self, bounds: tuple[Expression, ...]) -> tuple[float, float]:
+        """Seconds that a run is long at least, and a gap at most."""
+        return self._constant(bounds[0]), self._constant(bounds[1]) if len(bounds) > 1 else 0.0
 
     def _rate(self, expression: Expression, context: Context) -> Floats:
         if free_variables(expression):
@@ -174,7 +177,7 @@ class Motions:
             return self.bodies.of_documents(name)[documents_of(nodes)]
         try:
             column = self.bodies.quantity(name, texts)
-        except RequestError as error:
+        except (RequestError, VocabularyError) as error:
             raise QueryError(error.what, remedy=error.remedy) from None
         rows = self.bodies.rows(nodes)
         return np.where(rows >= 0, column[rows], np.nan) if len(column) else np.full(len(nodes), np.nan)
@@ -217,11 +220,16 @@ def closed_runs(sets: NodeSets, seconds: Floats, gap: float) -> tuple[Ints, Ints
         raise QueryError("Runs are of frames.", remedy="Select frames, such as //frame[motion_name='walk'].")
     documents = documents_of(nodes)
     between = np.diff(frames) - 1
-    far = np.nan_to_num(gap / seconds[documents[:-1]] + NEARLY, nan=0.0, posinf=0.0)
-    apart = (np.diff(groups) != 0) | (np.diff(documents) != 0) | (between > np.maximum(far, 0.0))
+    far = between > most_between(gap, seconds[documents[:-1]])
+    apart = (np.diff(groups) != 0) | (np.diff(documents) != 0) | far
     starts = np.concatenate([[0], np.flatnonzero(apart) + 1])
     ends = np.concatenate([starts[1:] - 1, [len(nodes) - 1]])
     return groups[starts], nodes[starts], nodes[ends]
+
+
+def most_between(gap: float, seconds: Floats) -> Floats:
+    """How many frames may lie between two runs that become one. gap: in seconds. seconds: a frame."""
+    return np.maximum(np.nan_to_num(gap / seconds + NEARLY, nan=0.0, posinf=0.0), 0.0)
 
 
 def _known(seconds: float) -> float | None:

@@ -18,6 +18,7 @@ from service.xpath.language.tree import (
     Operation,
     Path,
     Step,
+    Written,
     children,
 )
 from service.xpath.language.tree import Literal as Text
@@ -103,6 +104,8 @@ def _with_contexts(expression: Expression, context: Types) -> Iterator[tuple[Exp
         for predicate in expression.predicates:
             yield from _with_contexts(predicate, types_of(expression.operand, context))
     else:
+        # What stands around the parts of a written one is not known.
+        context = frozenset() if isinstance(expression, Written) else context
         for inner in children(expression):
             yield from _with_contexts(inner, context)
 

@@ -64,10 +64,10 @@ class Query:
 
     @property
     def only_saxon(self) -> bool:
-        """Whether Saxon alone can answer it: in XPath 2.0 what stands in an element follows its attributes and
-        namespaces, which libxml2, and with it our columns, has otherwise."""
-        if not self.needs_xpath2:
-            return False
+        """Whether Saxon alone can answer it: what has no tree of ours; and in XPath 2.0 what stands in an element
+        follows its attributes and namespaces, which libxml2, and with it our columns, has otherwise."""
+        if isinstance(self.tree, Written) or not self.needs_xpath2:
+            return isinstance(self.tree, Written)
         axes = {step.axis for part in walk(self.tree) if isinstance(part, Path) for step in part.steps}
         return "following" in axes and not axes.isdisjoint({"attribute", "namespace"})
 
@@ -104,11 +104,15 @@ def _read_xpath2(text: str, error: QueryError, variables: Mapping[str, str | flo
     if isinstance(error, ArityError) or text.lstrip().startswith("+"):
         raise error
     try:
-        return read_xpath2(text, variables)
+        tree = read_xpath2(text, variables)
     except QueryError as other:
         # The parser that came further is the one that the writer had in mind.
         chosen = max(error, other, key=_column)
         raise QueryError(chosen.what, at=chosen.at, remedy=chosen.remedy or _hint(text, chosen.what)) from None
+    for part in walk(tree):
+        if isinstance(part, Call):
+            _check_motion(part)
+    return tree
 
 
 def _column(error: QueryError) -> int:

@@ -123,6 +123,8 @@ def spans_documents(expression: Expression, *, is_whole: bool = True) -> bool:
         return expression.start is not None and spans_documents(expression.start, is_whole=False)
     if isinstance(expression, Filter):
         return type_of(expression.operand) != "nodes" and asks_scope(expression.operand)
+    if isinstance(expression, Call) and expression.function == RUNS:
+        return spans_documents(expression.arguments[0], is_whole=False)
     if isinstance(expression, Call) and SAFE_FUNCTIONS[expression.function].takes_items:
         inner = expression.arguments[SAFE_FUNCTIONS[expression.function].place]
         if not asks_scope(inner):

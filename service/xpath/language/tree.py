@@ -184,7 +184,8 @@ class Written:
 
     variables: the values of those that it does not bind itself. function, arguments: of a call that makes one value of
     all documents. nodes: whether its operator gives nodes. spans: whether a function of sequences, or a quantifier,
-    stands inside of it, which asks for the items of all documents together.
+    stands inside of it, which asks for the items of all documents together. motion: the calls of functions of bodies in
+    motion in it.
     """
 
     text: str
@@ -193,6 +194,7 @@ class Written:
     arguments: tuple[str, ...] = ()
     nodes: bool = False
     spans: bool = False
+    motion: tuple[Call, ...] = ()
     span: Span = field(default=(0, 0), compare=False)
 
 
@@ -222,6 +224,8 @@ def children(expression: Expression) -> Iterator[Expression]:
         yield from expression.operands
     elif isinstance(expression, Sequence):
         yield from expression.items
+    elif isinstance(expression, Written):
+        yield from expression.motion
     else:
         for name in _PARTS.get(type(expression), ()):
             yield getattr(expression, name)

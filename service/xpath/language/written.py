@@ -14,8 +14,10 @@ from elementpath.exceptions import ElementPathError
 from elementpath.tdop import Parser
 
 from service.errors import Place, QueryError
+from service.xpath.language.calls import MOTION_CALL, argument_spans, written_calls
 from service.xpath.language.functions import AGGREGATES, SAFE_FUNCTIONS
 from service.xpath.language.grammar import check_arity
+from service.xpath.language.motion_functions import MOTION_FUNCTIONS, PREFIX, RUNS, WINDOW
 from service.xpath.language.tree import Written
 
 TYPES = frozenset({"string", "double", "decimal", "integer", "boolean", "float"})
@@ -27,9 +29,20 @@ _KIND_TEST_BEFORE_SIGN = re.compile(
     r"""'[^']*'|"[^"]*"|\b((?:node|text|comment|processing-instruction)\(\s*\))(?=\s*[+*?])"""
 )
 _ATTRIBUTE_KIND_TEST = re.compile(r"""'[^']*'|"[^"]*"|(@)(?=\s*(?:node|text|comment|processing-instruction)\s*\()""")
-_NEXT_BINDING = re.compile(r",\s*\$[^\s,]+\s+in\s")
-"""A comma of `for $a in …, $b in …`, which no argument can begin with."""
 _COMMENT = re.compile(r"""'[^']*'|"[^"]*"|(\(:)""")
+_UNPREFIXED = "mo-"
+"""What stands for the prefix of functions of bodies in motion: elementpath has none in the names of functions."""
+_OF_FRAMES = frozenset(name.replace(PREFIX, _UNPREFIXED) for name in (WINDOW, RUNS))
+
+
+class _XPath2(XPath2Parser):
+    """XPath 2.0 with functions of bodies in motion."""
+
+
+for _function in MOTION_FUNCTIONS:
+    # How many arguments they take is checked here.
+    _XPath2.function(_function.replace(PREFIX, _UNPREFIXED), nargs=(0, None))
+_XPath2.build()
 
 
 def read_xpath2(text: str, variables: Mapping[str, str | float | bool]) -> Written:
@@ -40,14 +53,14 @@ def read_xpath2(text: str, variables: Mapping[str, str | float | bool]) -> Writt
     """
     text = spell_for_elementpath(text)
     try:
-        root = Parser.parse(XPath2Parser(), text)
+        root = Parser.parse(_XPath2(), MOTION_CALL.sub(_unprefixed, text))
     except ElementPathError as error:
         raise _query_error(text, str(error)) from None
     for comment in _COMMENT.finditer(text):
         if comment.group(1):
             raise QueryError("an expression cannot hold comments", at=Place(column=comment.start() + 1))
     for token in root.iter():
-        _check(token)
+        _check(token, _name(token, text))
     needed = _variables(root)
     for name, column in needed.items():
         if name not in variables:
@@ -60,7 +73,8 @@ def read_xpath2(text: str, variables: Mapping[str, str | float | bool]) -> Writt
     inner = split_arguments(text) if root.label == "function" and root.symbol in AGGREGATES else []
     function = root.symbol if inner else ""
     spans = any(_is_of_sequences(token) for token in root.iter() if token is not root or not function)
-    return Written(text, bound, function, tuple(inner), _gives_nodes(root), spans)
+    motion = tuple(found.call for found in written_calls(text, dict(bound)))
+    return Written(text, bound, function, tuple(inner), _gives_nodes(root), spans, motion)
 
 
 def spell_for_elementpath(text: str) -> str:
@@ -69,6 +83,10 @@ def spell_for_elementpath(text: str) -> str:
     text = _KIND_TEST_BEFORE_SIGN.sub(lambda match: match.group() + "[true()]" * bool(match.group(1)), text)
     # It knows `attribute::node()`, but not its abbreviation.
     return _ATTRIBUTE_KIND_TEST.sub(lambda match: "attribute::" if match.group(1) else match.group(), text)
+
+
+def _unprefixed(found: re.Match[str]) -> str:
+    return found[0].replace(PREFIX, _UNPREFIXED) if found[1] else found[0]
 
 
 def _query_error(text: str, message: str) -> QueryError:
@@ -82,7 +100,14 @@ def _query_error(text: str, message: str) -> QueryError:
     return QueryError(what.rstrip("."), at=Place(column=column))
 
 
-def _check(token: Any) -> None:
+def _name(token: Any, text: str) -> str:
+    """What the writer calls a function."""
+    name = str(token.symbol)
+    is_motion = token.label == "function" and text.startswith(PREFIX, token.span[0])
+    return name.replace(_UNPREFIXED, PREFIX, 1) if is_motion else name
+
+
+def _check(token: Any, name: str) -> None:
     column = token.span[0] + 1
     if token.symbol == ":":
         prefix, local = (getattr(part, "value", None) or part.symbol for part in (token[0], token[1]))
@@ -92,14 +117,14 @@ def _check(token: Any) -> None:
         raise QueryError(
             f"{prefix}: cannot be used here", at=Place(column=column), remedy="MCML has no namespaces: leave it out."
         )
-    if token.label == "function" and token.symbol not in SAFE_FUNCTIONS:
+    if token.label == "function" and name not in SAFE_FUNCTIONS:
         raise QueryError(
-            f"the function {token.symbol}() is not offered",
+            f"the function {name}() is not offered",
             at=Place(column=column),
             remedy="Use the functions that docs/xpath.md lists.",
         )
     if token.label == "function":
-        check_arity(token.symbol, len(token), column)
+        check_arity(name, len(token), column)
     if token.label == "constructor function" and token.symbol not in TYPES | set(SAFE_FUNCTIONS):
         raise QueryError(f"the type {token.symbol} is not offered", at=Place(column=column))
 
@@ -118,6 +143,8 @@ def _gives_nodes(token: Any) -> bool:
         return not operands or _gives_nodes(operands[-1])
     if symbol == "[":
         return _gives_nodes(operands[0])
+    if symbol in _OF_FRAMES:
+        return True
     if symbol == "if":
         return all(map(_gives_nodes, operands[1:]))
     if symbol == "for":
@@ -140,22 +167,5 @@ def _variables(root: Any) -> dict[str, int]:
 
 def split_arguments(text: str) -> list[str]:
     """The arguments of the call that a text is; none if it is more than one call."""
-    inner = text[text.index("(") + 1 :].rstrip()
-    result = [""]
-    depth, quote = 1, ""
-    for place, letter in enumerate(inner):
-        if quote:
-            quote = "" if letter == quote else quote
-        elif letter in "'\"":
-            quote = letter
-        elif letter in "([":
-            depth += 1
-        elif letter in ")]":
-            depth -= 1
-            if depth == 0:
-                return [part.strip() for part in result] if place == len(inner) - 1 else []
-        elif letter == "," and depth == 1 and not _NEXT_BINDING.match(inner, place):
-            result.append("")
-            continue
-        result[-1] += letter
-    return []
+    spans, end = argument_spans(text, text.index("(") + 1)
+    return [text[start:stop] for start, stop in spans] if not text[end:].strip() else []

@@ -39,18 +39,21 @@ def notes(tx: Transaction, caches: Caches, scope: Scope, calls: Sequence[Call]) 
     return list(_notes(looked_at(tx, caches, scope), calls)) if calls else []
 
 
-def refused(calls: Sequence[Call]) -> McmlError:
-    """Why a question with such calls has no answer, where columns have none: bodies are not in the XML."""
+def require_saxon(calls: Sequence[Call], *, is_later: bool) -> None:
+    """Refuses calls in a question to which columns have no answer, and Saxon has none either. is_later: whether it is
+    asked at all, in XPath 2.0; libxml2 knows no bodies."""
     if any(call.function == TOP for call in calls):
-        return QueryError(
-            "mo:top is of the whole scope: it stands in no predicate or union, and not with per=document.",
+        raise QueryError(
+            "mo:top is of the whole scope: it stands in no predicate or union, not with per=document, and not with what"
+            " only Saxon evaluates, document by document.",
             remedy="Write it around the whole, or before a path: mo:top(3, //frame[…])/frame_bone.",
         )
-    return LimitError(
-        "This question about bodies reaches too much at once, or asks for what columns have no answer to.",
-        remedy="Ask fewer documents, or put what is asked of a frame into a predicate of //frame.",
-        code="query-too-large",
-    )
+    if calls and not is_later:
+        raise LimitError(
+            "This question about bodies reaches too much at once.",
+            remedy="Ask fewer documents, or put what is asked of a frame into a predicate of //frame.",
+            code="query-too-large",
+        )
 
 
 def looked_at(tx: Transaction, caches: Caches, scope: Scope) -> list[BodyFacts]:

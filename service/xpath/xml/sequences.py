@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from service.errors import LimitError, QueryError
 from service.storage.columns import Listed
@@ -16,8 +17,11 @@ from service.xpath.language.scopes import spans_documents
 from service.xpath.language.tree import Call, Expression, Literal, Written
 from service.xpath.language.types import type_of
 from service.xpath.language.unparse import unparse
+from service.xpath.library.caches import Caches
+from service.xpath.library.groups import Group
 from service.xpath.limits import Limits
 from service.xpath.nodes.node import Node, Run
+from service.xpath.xml.body_values import BodyValues, Values
 from service.xpath.xml.evaluate import Node as Found
 from service.xpath.xml.projected import Xml, runs_of_nodes
 from service.xpath.xml.saxon import Items, Saxon
@@ -41,17 +45,18 @@ class Sequences:
     """The answer of an expression over a scope."""
 
     def __init__(
-        self, saxon: Saxon, tx: Transaction, query: Query, documents: Sequence[Listed], limits: Limits
+        self, saxon: Saxon, tx: Transaction, caches: Caches, query: Query, groups: Sequence[Group], limits: Limits
     ) -> None:
         self.saxon = saxon
         self.limits = limits
-        self.documents = documents
+        self.documents = list(chain.from_iterable(groups))
         inner, self.nth = without_index(query.tree)
         query = replace(query, tree=inner)
         self.tree = query.tree
         self.xml = Xml(tx, limits, query.tree)
         self.text = query.text
         self.variables = dict(self.tree.variables) if isinstance(self.tree, Written) else {}
+        self.bodies = BodyValues(tx, caches, groups, limits)
 
     @property
     def is_aggregate(self) -> bool:
@@ -80,7 +85,8 @@ class Sequences:
             return function, _extreme(function, values)
         if function == "distinct-values":
             return function, list(dict.fromkeys(v for stored in self.documents for v in self._all(stored, self.text)))
-        between = str(self._one(self.documents[0], f"string({arguments[1]})")) if len(arguments) > 1 else ""
+        first = self.documents[:1] if len(arguments) > 1 else []
+        between = "".join(str(self._one(stored, f"string({arguments[1]})")) for stored in first)
         texts = [self._all(stored, f"for $i in ({arguments[0]}) return string($i)") for stored in self.documents]
         return function, between.join(str(text) for some in texts for text in some)
 
@@ -139,14 +145,12 @@ class Sequences:
 
     def _evaluate(self, stored: Listed, text: str, offset: int, limit: int) -> Items:
         self.limits.check()
-        return self.saxon.items(
-            text,
-            self.xml.of(stored),
-            variables=self.variables,
-            offset=offset,
-            limit=limit,
-            limits=self.limits,
-        )
+
+        def ask(text: str, variables: Values) -> Items:
+            document, limits = self.xml.of(stored), self.limits
+            return self.saxon.items(text, document, variables=variables, offset=offset, limit=limit, limits=limits)
+
+        return self.bodies.answer(ask, text, self.variables, stored)
 
 
 def require_time(documents: int, limits: Limits) -> None:
