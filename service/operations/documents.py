@@ -110,7 +110,10 @@ class Wanted:
         """Keys of the documents of the collection in which the expression finds something; None for all."""
         if self.xpath is None and self.collection is None:
             return None
-        hits = None if self.xpath is None else call.queries.documents_with(self.xpath, self.project, call.limits)
+        # Imported here: lists without a question need no engine.
+        from service.xpath.finding import documents_with
+
+        hits = None if self.xpath is None else documents_with(call.queries, self.xpath, self.project, call.limits)
         with call.database.read() as tx:
             if self.collection is not None:
                 members = set(tx.saved.members(tx.saved.collection(self.collection)))

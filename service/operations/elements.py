@@ -212,9 +212,12 @@ def _addresses(call: Call, uuid: str, xpath: str, many: bool, revision: int | No
     """The canonical addresses of what an expression selects: one node, or several."""
     if _ADDRESS.fullmatch(xpath):
         return [xpath]
+    # Imported here: an address alone needs no engine.
+    from service.xpath.finding import addresses
+
     limit = MOST_ELEMENTS + 1 if many else 2
     request = QueryRequest(q=xpath, document=[uuid], revision=revision, limit=limit)
-    found = [address.removesuffix("/text()") for address in call.queries.addresses(request)]
+    found = [address.removesuffix("/text()") for address in addresses(call.queries, request)]
     if len(found) > MOST_ELEMENTS:
         raise LimitError(f"The expression selects more than {MOST_ELEMENTS} nodes.", remedy="Edit them in parts.")
     if not found:

@@ -8,14 +8,13 @@ from copy import copy
 from dataclasses import replace
 from typing import Literal
 
-from schemas.queries import Explain, QueryAnswer, QueryRequest, ScalarItem, ValueItem
+from schemas.queries import Explain, QueryAnswer, QueryRequest, ValueItem
 from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.columns import Listed
 from service.storage.database import Database
 from service.storage.transaction import LATEST, Transaction
 from service.xpath.answer.cursors import read_cursor
-from service.xpath.answer.describe import describe_nodes
 from service.xpath.answer.explain import body_steps, steps_of
 from service.xpath.answer.items import Kind, kind_of_value, node_item, plain, scalars
 from service.xpath.answer.pages import Page
@@ -44,7 +43,6 @@ from service.xpath.library.part_file import path_of
 from service.xpath.library.sidecar import Sidecar
 from service.xpath.limits import Limits
 from service.xpath.nodes.node import Node
-from service.xpath.nodes.numbering import MAX_DOCUMENTS
 from service.xpath.nodes.pairs import TooWideError
 from service.xpath.xml.evaluate import Evaluator
 from service.xpath.xml.projected import Projected
@@ -159,30 +157,6 @@ class Queries:
             limit -= len(found)
             if limit <= 0:
                 return
-
-    def documents_with(self, expression: str, project: str | None, limits: Limits) -> set[str] | None:
-        """The ids of documents in which an expression is true or finds something; None for all there are."""
-        hits: set[str] = set()
-        request = QueryRequest(q=f"boolean({expression})", project=project, limit=MAX_DOCUMENTS, per="document")
-        while True:
-            answer = self.answer(request, limits)
-            if answer.value is not None:
-                return None if answer.value else set()
-            hits |= {item.document for item in answer.items or () if isinstance(item, ScalarItem) and item.value}
-            if answer.next_cursor is None:
-                return hits
-            request = request.model_copy(update={"cursor": answer.next_cursor})
-
-    def addresses(self, request: QueryRequest) -> list[str]:
-        """The canonical addresses of all nodes of an answer (or the first `limit`). Raises as `answer` does, and
-        QueryError for an expression that gives values."""
-        if type_of(parse(request.q, request.variables).tree) not in ("nodes", "sequence"):
-            raise QueryError("The expression gives a value, not an element.", remedy="Write a path to one element.")
-        found = self.stream(request)
-        if isinstance(found, Shown):
-            return [node.address for nodes in found.nodes() for node in nodes]
-        shown = found.shown(lambda forest, nodes: list(describe_nodes(forest, nodes)))
-        return [address for some in shown for _, address in some]
 
     def _commit(self, request: QueryRequest) -> int:
         """The state of the store that is asked: the newest, or that which a revision of the document left."""

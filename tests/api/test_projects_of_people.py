@@ -57,6 +57,7 @@ def team(database: Database) -> Iterator[tuple[dict[str, TestClient], Things, Th
 
 
 OWN = {
+    "revoke_share",
     "list_shares",
     "inspect_files",
     "get_analysis",

@@ -17,6 +17,7 @@ from schemas.queries import QueryRequest
 from service.api.routes import while_connected
 from service.errors import LimitError
 from service.xpath.answer.writing import STREAMS
+from service.xpath.finding import addresses
 from service.xpath.limits import Limits
 from service.xpath.queries import Queries
 from tests.builders import HTR, MCML, bvh, upload
@@ -93,7 +94,7 @@ def test_streams_hold_what_pages_hold(library: TestClient, text: str) -> None:
         (item["document"], item["address"], canonical(item)) for item in wanted
     ]
     queries: Queries = library.app.state.repository.queries  # type: ignore[attr-defined]
-    assert queries.addresses(QueryRequest(q=text)) == [item["address"] for item in wanted]
+    assert addresses(queries, QueryRequest(q=text)) == [item["address"] for item in wanted]
 
 
 def test_frames_without_samples_are_shown(client: TestClient) -> None:

@@ -13,6 +13,7 @@ from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueIt
 from service.errors import LimitError, QueryError
 from service.settings import Settings
 from service.storage.database import Database
+from service.xpath.finding import addresses
 from service.xpath.limits import Limits
 from service.xpath.queries import Queries
 from service.xpath.xml import saxon
@@ -250,12 +251,12 @@ def test_without_saxon_the_error_says_what_to_install(queries: Queries, monkeypa
 
 def test_nodes_of_several_documents_stream(queries: Queries) -> None:
     """Of each document in turn, at most as many as are asked for; a position around the whole counts over all."""
-    every = queries.addresses(QueryRequest(q="//frame[. is .]"))
-    assert every == queries.addresses(QueryRequest(q="//frame"))
-    assert queries.addresses(QueryRequest(q="//frame[. is .]", limit=4)) == every[:4]
-    assert queries.addresses(QueryRequest(q="(//frame[deep-equal(., .)])[5]")) == [every[4]]
+    every = addresses(queries, QueryRequest(q="//frame[. is .]"))
+    assert every == addresses(queries, QueryRequest(q="//frame"))
+    assert addresses(queries, QueryRequest(q="//frame[. is .]", limit=4)) == every[:4]
+    assert addresses(queries, QueryRequest(q="(//frame[deep-equal(., .)])[5]")) == [every[4]]
     with pytest.raises(QueryError, match="values"):
-        queries.addresses(QueryRequest(q="//frame/xs:double(@id)"))
+        addresses(queries, QueryRequest(q="//frame/xs:double(@id)"))
 
 
 def test_what_would_take_too_long_is_refused_before_it_begins(

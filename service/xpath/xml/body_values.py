@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from service.errors import LimitError, QueryError
 from service.storage.columns import Listed
-from service.storage.database import Transaction
+from service.storage.transaction import Transaction
 from service.xpath.engine.columns import Columns
 from service.xpath.engine.context import Context
 from service.xpath.engine.functions import NotOnColumnsError
