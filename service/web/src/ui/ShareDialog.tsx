@@ -8,8 +8,8 @@ import "../styles/shared.css";
 
 const FORMATS = ["bvh", "asf-amc", "htr", "c3d", "trc", "glb", "mcml", "csv"] as const;
 
-export function ShareDialog({ ids, name, onClose }: { ids: string[]; name: string; onClose: () => void }) {
-  const [given, setGiven] = useState({ name, days: 14, latest: true });
+export function ShareDialog({ ids, onClose }: { ids: string[]; onClose: () => void }) {
+  const [given, setGiven] = useState({ name: "", days: 14, latest: true });
   const [formats, setFormats] = useState<Schemas["ShareRequest"]["formats"]>([]);
   const [link, setLink] = useState("");
   const make = async (event: Event) => {

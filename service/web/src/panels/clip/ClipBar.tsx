@@ -58,7 +58,7 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
           { text: w("retarget"), icon: "retarget", run: () => go(`/retarget?from=${clip.id}`) },
         ]}>{w("exportWord")}<Icon name="down" /></Menu>
       </div>
-      {sharing && <ShareDialog ids={[clip.id]} name={detail.name} onClose={() => setSharing(false)} />}
+      {sharing && <ShareDialog ids={[clip.id]} onClose={() => setSharing(false)} />}
       {conflict ? (
         <ConflictBanner clip={clip} reload={reload} />
       ) : (

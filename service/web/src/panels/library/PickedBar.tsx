@@ -42,7 +42,7 @@ export function PickedBar() {
       <button type="button" class="button dense" onClick={() => void library.removeDocuments(ids)}><Icon name="trash" />{w("delete")}</button>
       <span class="grow" />
       <button type="button" class="button quiet dense" onClick={() => (library.picked.value = new Set())}>{w("pickNone")}</button>
-      {sharing && <ShareDialog ids={ids} name="" onClose={() => setSharing(false)} />}
+      {sharing && <ShareDialog ids={ids} onClose={() => setSharing(false)} />}
       {collecting && <Collect ids={ids} onClose={() => setCollecting(false)} />}
       {naming && <NameAll ids={ids} onClose={() => setNaming(false)} />}
     </div>

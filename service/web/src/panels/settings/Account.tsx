@@ -1,14 +1,13 @@
 /** Who one is here, one's tokens; and for owners, the people of the repository. */
 import { useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
-import { copyText } from "../../shell/App";
 import { note, refuse } from "../../state/notes";
 import { AskName } from "../../ui/AskName";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when, type Word } from "../../words";
 import { Links, Projects } from "./Projects";
-import { day, ROLE_WORDS, Table } from "./tables";
+import { day, ROLE_WORDS, Secret, Table } from "./tables";
 
 const ROLES = ["member", "reader", "editor", "owner"] as const;
 const SCOPES = ["read", "edit", "operate"] as const;
@@ -129,9 +128,4 @@ function People({ me }: { me: string }) {
       ])} />}
     </section>
   );
-}
-
-/** What is shown this once. */
-function Secret({ text, label }: { text: string; label: string }) {
-  return <p class="row wrap account-secret"><span>{label}</span><code>{text}</code><button type="button" class="button dense" onClick={() => void copyText(text, w("copied"))}>{w("copy")}</button></p>;
 }

@@ -5,7 +5,7 @@ import { note, refuse } from "../../state/notes";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";
-import { day, ROLE_WORDS, Table } from "./tables";
+import { day, ROLE_WORDS, Secret, Table } from "./tables";
 
 const ROLES = ["reader", "editor", "owner"] as const;
 type Role = (typeof ROLES)[number];
@@ -28,6 +28,7 @@ export function Projects({ decides }: { decides: boolean }) {
 function Members({ project, decides }: { project: string; decides: boolean }) {
   const members = useAsync((signal) => get("/members", { query: { project }, signal }), [project]);
   const [name, setName] = useState("");
+  const [link, setLink] = useState("");
   const put = async (who: string, role: Role) => {
     try {
       await ask("put", "/members/{name}", { path: { name: who }, query: { project }, body: { role } });
@@ -37,6 +38,13 @@ function Members({ project, decides }: { project: string; decides: boolean }) {
       refuse(error);
     }
     members.again();
+  };
+  const invite = async () => {
+    try {
+      setLink(location.origin + (await ask("post", "/invitations", { body: { role: "editor", project, hours: 72 } })).path);
+    } catch (error) {
+      refuse(error);
+    }
   };
   const remove = (who: string) => void ask("delete", "/members/{name}", { path: { name: who }, query: { project } }).then(members.again, refuse);
   const role = (one: Schemas["MemberView"]) => decides && !one.everywhere
@@ -53,9 +61,10 @@ function Members({ project, decides }: { project: string; decides: boolean }) {
       {decides && (
         <form class="row wrap" onSubmit={(event) => { event.preventDefault(); if (name.trim()) void put(name.trim(), "editor"); }}>
           <input class="field" aria-label={w("accountName")} placeholder={w("accountName")} value={name} onInput={(event) => setName(event.currentTarget.value)} />
-          <button class="button" disabled={!name.trim()}>{w("addMember")}</button><span class="dim">{w("addMemberHelp")}</span>
+          <button class="button" disabled={!name.trim()}>{w("addMember")}</button><button type="button" class="button" onClick={() => void invite()}>{w("inviteHere")}</button><span class="dim">{w("addMemberHelp")}</span>
         </form>
       )}
+      {link && <Secret text={link} label={w("invitationMade")} />}
     </>
   );
 }

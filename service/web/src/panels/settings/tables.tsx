@@ -1,7 +1,8 @@
 /** Tables of people, tokens and links, and words for what they may do. */
 import type { ComponentChildren } from "preact";
 import { language } from "../../state/settings";
-import type { Word } from "../../words";
+import { copyText } from "../../shell/App";
+import { w, type Word } from "../../words";
 
 export const day = (iso: string): string => new Intl.DateTimeFormat(language.value, { dateStyle: "medium" }).format(new Date(iso));
 export const ROLE_WORDS: Record<string, Word> = { member: "roleMember", reader: "roleReader", editor: "roleEditor", owner: "roleOwner" };
@@ -12,4 +13,9 @@ export function Table({ head, rows }: { head: string[]; rows: ComponentChildren[
     <table class="account-table"><thead><tr>{head.map((one, at) => <th key={at}>{one}</th>)}</tr></thead>
       <tbody>{rows.map((cells, row) => <tr key={row}>{cells.map((cell, at) => <td key={at}>{cell}</td>)}</tr>)}</tbody></table>
   );
+}
+
+/** What is shown this once. */
+export function Secret({ text, label }: { text: string; label: string }) {
+  return <p class="row wrap account-secret"><span>{label}</span><code>{text}</code><button type="button" class="button dense" onClick={() => void copyText(text, w("copied"))}>{w("copy")}</button></p>;
 }
