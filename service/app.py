@@ -17,7 +17,7 @@ from starlette.routing import BaseRoute
 from service.actions.exporting.write_tables import TYPES
 from service.actions.importing.import_pool import ImportPool
 from service.actions.keeping.purge_documents import finish_purges
-from service.api import description, events, health, page, problems, sessions, studio
+from service.api import description, events, health, openid, page, problems, sessions, studio
 from service.api.attempts import Attempts
 from service.api.doors import Doors
 from service.api.guard import Guard
@@ -136,7 +136,7 @@ def _routes() -> list[BaseRoute]:
         router.include_router(part)
     pages = APIRouter()
     # Pages and health checks are asked with what others append.
-    for part in (health.router, page.router, studio.router, sessions.pages):
+    for part in (health.router, page.router, studio.router, sessions.pages, openid.router):
         pages.include_router(part)
     return [*router.routes, *pages.routes]
 

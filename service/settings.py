@@ -6,8 +6,10 @@ import ipaddress
 import os
 import sys
 from contextlib import suppress
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
+from urllib.parse import urlsplit
 
 from pydantic import Field, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -69,6 +71,15 @@ class Settings(BaseSettings):
         "auto",
         description="always: every request needs a token; auto: but those on this machine to a fresh SQLite store",
     )
+    openid_issuer: str | None = Field(
+        None, description="Address of a provider of OpenID Connect with which people sign in (needs the extra `openid`)"
+    )
+    openid_client_id: str = Field("mcml", description="What the provider calls this repository")
+    openid_client_secret: str | None = Field(None, description="The secret that the provider gave it, where it has one")
+    openid_name: str = Field("OpenID Connect", description="What the button of the login page calls the provider")
+    openid_role: Literal["none", "member", "reader", "editor"] = Field(
+        "none", description="Role of who signs in for the first time without an invitation; none: nobody comes in so"
+    )
     trusted_proxies: str = Field(
         "", description="Addresses or networks, separated by commas, of proxies whose X-Forwarded- headers count"
     )
@@ -126,9 +137,26 @@ class Settings(BaseSettings):
         _networks_in(text)
         return text
 
+    @field_validator("openid_issuer")
+    @classmethod
+    def _issuer(cls, text: str | None) -> str | None:
+        if text is None:
+            return None
+        address = urlsplit(text)
+        if address.scheme != "https" and not is_loopback(address.hostname or ""):
+            raise ValueError("a provider of sign-ins has an https address")
+        if find_spec("authlib") is None:
+            raise ValueError("signing in needs the extra openid: pip install 'mcml-repository[openid]'")
+        return text
+
     @property
     def proxies(self) -> list[ipaddress.IPv4Network | ipaddress.IPv6Network]:
         return _networks_in(self.trusted_proxies)
+
+    @property
+    def openid(self) -> str | None:
+        """The provider's name for people, None where there is none."""
+        return None if self.openid_issuer is None else self.openid_name
 
     @property
     def friends(self) -> list[str]:

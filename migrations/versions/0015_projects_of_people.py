@@ -1,4 +1,5 @@
-"""Roles of people in projects, the projects of tokens and invitations, and links to some documents."""
+"""Roles of people in projects, the projects of tokens and invitations, links to some documents, and sign-ins with
+a provider."""
 
 from __future__ import annotations
 
@@ -89,4 +90,12 @@ def upgrade() -> None:
         sa.ForeignKeyConstraint(['token'], ['token.id'], name=op.f('fk_session_token')),
         sa.PrimaryKeyConstraint('id', name=op.f('pk_session')),
         sa.UniqueConstraint('sha256', name=op.f('uq_session_sha256')),
+    )
+    op.create_table(
+        'identity',
+        sa.Column('issuer', sa.String(length=512), nullable=False),
+        sa.Column('subject', sa.String(length=255), nullable=False),
+        sa.Column('account', KEY, nullable=False),
+        sa.ForeignKeyConstraint(['account'], ['account.id'], name=op.f('fk_identity_account')),
+        sa.PrimaryKeyConstraint('issuer', 'subject', name=op.f('pk_identity')),
     )

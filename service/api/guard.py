@@ -33,7 +33,7 @@ COUNTED_METHODS = SAFE_METHODS | {"POST", "PUT", "PATCH", "DELETE"}
 OPEN_PATHS = {"/healthz", "/readyz"}
 OPEN_FILES = ("/assets/", "/favicon.svg", "/shared")
 """The program of the studio, which is no secret; and the page for who has a link to some documents."""
-ENTRIES = {LOGIN_PATH, "/api/v1/session", SHARED}
+ENTRIES = {LOGIN_PATH, "/api/v1/session", SHARED, f"{LOGIN_PATH}/openid", f"{LOGIN_PATH}/openid/back"}
 """Where one who has no session yet may ask for one."""
 
 
@@ -50,6 +50,7 @@ class Guard:
         self.counts = counts
         self.traffic = traffic
         self.friends = settings.friends
+        self.provider = settings.openid
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -131,7 +132,7 @@ class Guard:
         try:
             refusal = refuse(scope, headers)
             if refusal is not None and refusal.status_code == 401 and _is_page(scope, headers):
-                return login_page(LOGIN_WORDS, status=401, then=scope["path"])
+                return login_page(LOGIN_WORDS, status=401, then=scope["path"], provider=self.provider)
             return refusal
         except McmlError as error:
             return answer(error)

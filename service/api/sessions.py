@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import html
 from typing import Annotated, Any
+from urllib.parse import urlencode
 
 from fastapi import APIRouter, Form, Header, Query, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
@@ -16,6 +17,7 @@ from service.api.doors import COOKIE, SHARE_COOKIE, SHARED
 from service.api.page import page
 from service.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
 from service.passwords import checked_name, hashed, opens
+from service.settings import Settings
 from service.storage.database import Database
 from service.storage.visits import SESSION_HOURS
 
@@ -48,6 +50,8 @@ FOLLOW = """<h1>MCML Repository</h1><p>This link opens the repository once, in t
 <form method="post" action="{path}"><input type="hidden" name="link" value="{link}">
 <button>Open</button></form>"""
 
+SIGN_IN = """<p>Or <a href="{address}">sign in with {name}</a>.</p>"""
+
 FIRST = "You keep this server: make its first account, an owner's."
 INVITED = "You are invited to this repository."
 
@@ -69,7 +73,7 @@ def open_session(
     if request.token is None and scheme.lower() == "bearer":
         request = request.model_copy(update={"token": given.strip()})
     author, secret = _opened(http, request)
-    _set(http, response, secret)
+    begin_session(http, response, secret)
     return SessionOpened(author=author, hours=SESSION_HOURS)
 
 
@@ -105,7 +109,7 @@ def open_shared(http: Request, response: Response, request: SharedRequest) -> Sh
     with database.seen_by(view).read() as tx:
         # What was deleted meanwhile, or is in another project now, is not there.
         motions = [SharedMotion(**vars(one)) for one in tx.shares.motions(shown)]
-    _set(http, response, secret, SHARE_COOKIE, SHARED)
+    begin_session(http, response, secret, SHARE_COOKIE, SHARED)
     return Shared(name=shown.name, expires=shown.expires, formats=sorted(shown.formats), documents=motions)
 
 
@@ -118,10 +122,10 @@ def login(
 ) -> HTMLResponse:
     """A page that asks for a name and a password, or a token; or follows a link or an invitation."""
     if invitation is not None:
-        return _join("invitation", invitation, INVITED)
+        return join_page(http, "invitation", invitation, INVITED)
     if link is not None:
         return page("MCML Repository", _followed(http, link), forms=True)
-    return login_page("An account opens it.", then=then)
+    return login_page("An account opens it.", then=then, provider=_provider(http))
 
 
 @pages.post(LOGIN_PATH)
@@ -141,25 +145,42 @@ def post_login(
     except (AccessError, AttemptsError, RequestError, ConflictError, NotFoundError) as error:
         why = f"{error.what} {error.remedy or ''}"
         if invitation or (link and name is not None):
-            return _join("invitation" if invitation else "link", invitation or link or "", why, status=403)
-        return login_page(why, status=429 if isinstance(error, AttemptsError) else 403, then=then)
-    # Only a path of this server: what looks like another address leads to the front page.
-    safe = then if then.startswith("/") and not then.startswith(("//", "/\\")) else "/"
-    response = RedirectResponse(safe, 303)
-    _set(http, response, secret)
+            return join_page(http, "invitation" if invitation else "link", invitation or link or "", why, status=403)
+        status = 429 if isinstance(error, AttemptsError) else 403
+        return login_page(why, status=status, then=then, provider=_provider(http))
+    response = RedirectResponse(safe_path(then), 303)
+    begin_session(http, response, secret)
     return response
 
 
-def login_page(why: str, *, status: int = 200, then: str = "/") -> HTMLResponse:
-    """The page that lets a browser in."""
-    shown = FORM.format(why=html.escape(why), path=LOGIN_PATH, then=html.escape(then))
+def safe_path(then: str) -> str:
+    """Only a path of this server: what looks like another address is the front page."""
+    return then if then.startswith("/") and not then.startswith(("//", "/\\")) else "/"
+
+
+def login_page(why: str, *, status: int = 200, then: str = "/", provider: str | None = None) -> HTMLResponse:
+    """The page that lets a browser in. provider: with which one signs in, too."""
+    shown = FORM.format(why=html.escape(why), path=LOGIN_PATH, then=html.escape(then)) + _signing(provider, then=then)
     return page("MCML Repository", shown, status=status, forms=True)
 
 
-def _join(kind: str, code: str, why: str, *, status: int = 200) -> HTMLResponse:
+def join_page(http: Request, kind: str, code: str, why: str, *, status: int = 200) -> HTMLResponse:
     """The page on which an account is made."""
     shown = JOIN.format(why=html.escape(why), path=LOGIN_PATH, kind=kind, code=html.escape(code))
+    shown += _signing(_provider(http), **{kind: code})
     return page("MCML Repository", shown, status=status, forms=True)
+
+
+def _provider(http: Request) -> str | None:
+    settings: Settings = http.app.state.repository.settings
+    return settings.openid
+
+
+def _signing(provider: str | None, **carried: str) -> str:
+    """A way to the provider, with what comes back from there."""
+    if provider is None:
+        return ""
+    return SIGN_IN.format(address=html.escape(f"{LOGIN_PATH}/openid?{urlencode(carried)}"), name=html.escape(provider))
 
 
 def _followed(http: Request, link: str) -> str:
@@ -170,6 +191,7 @@ def _followed(http: Request, link: str) -> str:
     if not first:
         return follow
     join = JOIN.format(why=FIRST, path=LOGIN_PATH, kind="link", code=html.escape(link))
+    join += _signing(_provider(http), link=link)
     return join + follow.replace("<h1>MCML Repository</h1><p>", "<h2>Or without an account</h2><p>")
 
 
@@ -236,7 +258,8 @@ def _exchanged(database: Database, token: str | None) -> tuple[str, str]:
         return entry.author, tx.sessions.open(entry.author, tx.tokens.name(token or ""))
 
 
-def _set(http: Request, response: Response, secret: str, name: str = COOKIE, path: str = "/") -> None:
+def begin_session(http: Request, response: Response, secret: str, name: str = COOKIE, path: str = "/") -> None:
+    """Let the browser keep the secret of its session."""
     secure: Any = http.url.scheme == "https"
     response.set_cookie(
         name, secret, max_age=SESSION_HOURS * 3600, path=path, secure=secure, httponly=True, samesite="strict"

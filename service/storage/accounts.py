@@ -67,6 +67,15 @@ granted_project = Table(
 )
 """Where a token opens something; everywhere, where it has no rows."""
 
+identity = Table(
+    "identity",
+    metadata,
+    Column("issuer", String(512), primary_key=True),
+    Column("subject", String(255), primary_key=True),
+    Column("account", ForeignKey("account.id"), nullable=False),
+)
+"""Whom a provider of OpenID Connect knows as `subject`."""
+
 ROLES: Final[Mapping[str, str | None]] = {"member": None, "reader": "read", "editor": "edit", "owner": "operate"}
 """What people are in the repository, and the scope of what they may do in all its projects."""
 
@@ -144,6 +153,17 @@ class Accounts:
         if found is None:
             raise NotFoundError(f"There is no account {name!r}.", remedy="See `mcml account list`.")
         return found
+
+    def identified(self, issuer: str, subject: str) -> Account | None:
+        """The account of whom a provider knows, None where it has none here."""
+        its = (identity.c.issuer == issuer, identity.c.subject == subject)
+        row = self._tx.connection.execute(select(account).join(identity).where(*its)).one_or_none()
+        return None if row is None else Account(*row)
+
+    def identify(self, person: Account, issuer: str, subject: str) -> None:
+        """Let an account be that of whom a provider knows."""
+        row = {"issuer": issuer, "subject": subject, "account": person.key}
+        self._tx.connection.execute(insert(identity).values(**row))
 
     def exist(self) -> bool:
         """Whether there is any, a closed one too."""
