@@ -38,6 +38,9 @@ FORWARDING = frozenset(
 
 COOKIE = "mcml_session"
 """That carries a browser's session."""
+TLS_COOKIE = f"__Host-{COOKIE}"
+"""The same over https: browsers take one of this name from the server itself alone, not from pages without TLS or from
+its neighbours under the same domain."""
 
 LOGIN = (
     "Send `Authorization: Bearer mcml_…`; `mcml token add NAME` on the server's machine makes one. Browsers: /login."
@@ -82,7 +85,7 @@ class Doors:
         """
         direct = _is_direct(scope, headers)
         kind, _, given = headers.get("authorization", "").partition(" ")
-        visit = _cookie(headers) if not kind else None
+        visit = _cookie(headers, cookie_name(scope["scheme"])) if not kind else None
         given = given.strip() if kind.lower() == "bearer" else ""
         if direct and given.startswith(PREFIX):
             secret = self._secret()
@@ -116,20 +119,33 @@ def _is_direct(scope: Mapping[str, Any], headers: Headers) -> bool:
     return client is not None and is_loopback(client[0]) and not passed_on
 
 
-def _cookie(headers: Headers) -> str | None:
+def cookie_name(scheme: str) -> str:
+    """Of the cookie that carries a browser's session."""
+    return TLS_COOKIE if scheme == "https" else COOKIE
+
+
+def _cookie(headers: Headers, name: str) -> str | None:
     """The secret of a browser's session."""
     try:
         found: SimpleCookie = SimpleCookie(headers.get("cookie", ""))
     except CookieError:
         return None
-    return found[COOKIE].value if COOKIE in found else None
+    return found[name].value if name in found else None
 
 
 def _is_foreign(scope: Mapping[str, Any], headers: Headers) -> bool:
     """Whether a write does not say that it comes from this server's own pages."""
-    if scope["method"] in ("GET", "HEAD", "OPTIONS"):
-        return False
-    return headers.get("origin", "").partition("://")[2] != headers.get("host")
+    return scope["method"] not in ("GET", "HEAD", "OPTIONS") and not is_own_page(scope, headers)
+
+
+def is_own_page(scope: Mapping[str, Any], headers: Headers) -> bool:
+    """Whether a page of this server sends a request, as its Origin says.
+
+    A page without TLS is none where the server is reached by https. The other way round it may be: a proxy that is not
+    trusted cannot say that it was asked by https.
+    """
+    scheme, _, host = headers.get("origin", "").partition("://")
+    return host == headers.get("host") and (scheme == "https" or scope["scheme"] != "https")
 
 
 def foreign_name(headers: Headers) -> Any:

@@ -4,14 +4,14 @@ are about HTTP itself."""
 from __future__ import annotations
 
 import html
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Form, Header, Query, Request, Response
 from fastapi.responses import HTMLResponse, RedirectResponse
 
 from schemas.sessions import SessionOpened, SessionRequest
 from service.api.attempts import Attempts
-from service.api.doors import COOKIE
+from service.api.doors import cookie_name
 from service.api.page import page
 from service.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
 from service.passwords import checked_name, hashed, opens
@@ -75,11 +75,10 @@ def open_session(
 @router.delete("/session", status_code=204, operation_id="close_session")
 def close_session(http: Request) -> Response:
     """End the session of this browser."""
-    if COOKIE in http.cookies:
-        with http.app.state.repository.database.write("session") as tx:
-            tx.sessions.close(http.cookies[COOKIE])
-    response = Response(status_code=204)
-    response.delete_cookie(COOKIE, httponly=True, samesite="strict")
+    _end(http)
+    # What pages have kept of documents ends with it.
+    response = Response(status_code=204, headers={"clear-site-data": '"cache", "storage"'})
+    response.delete_cookie(cookie_name(http.url.scheme), secure=_by_tls(http), httponly=True, samesite="strict")
     return response
 
 
@@ -208,7 +207,19 @@ def _exchanged(database: Database, token: str | None) -> tuple[str, str]:
 
 
 def _set(http: Request, response: Response, secret: str) -> None:
-    secure: Any = http.url.scheme == "https"
-    response.set_cookie(
-        COOKIE, secret, max_age=SESSION_HOURS * 3600, path="/", secure=secure, httponly=True, samesite="strict"
-    )
+    """Let the browser have a new session, and no other."""
+    _end(http)
+    named, lasts = cookie_name(http.url.scheme), SESSION_HOURS * 3600
+    response.set_cookie(named, secret, max_age=lasts, path="/", secure=_by_tls(http), httponly=True, samesite="strict")
+
+
+def _end(http: Request) -> None:
+    """End the session that a browser has."""
+    secret = http.cookies.get(cookie_name(http.url.scheme))
+    if secret is not None:
+        with http.app.state.repository.database.write("session") as tx:
+            tx.sessions.close(secret)
+
+
+def _by_tls(http: Request) -> bool:
+    return http.url.scheme == "https"

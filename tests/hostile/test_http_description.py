@@ -10,7 +10,7 @@ import re
 import traceback
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from random import Random
 from typing import Any
@@ -21,6 +21,7 @@ import schemathesis
 from fastapi.testclient import TestClient
 from hypothesis import Phase, given, seed, settings
 from hypothesis import strategies as st
+from hypothesis.errors import FlakyStrategyDefinition
 from hypothesis.internal.conjecture.data import ConjectureData
 from hypothesis.stateful import initialize
 from schemathesis import Case, GenerationMode
@@ -45,6 +46,8 @@ CHECKS = [status_code_conformance, content_type_conformance, response_schema_con
 SETTINGS = Settings(query_seconds=2.0, import_processes=1, max_frames=100_000, query_memory_mib=256)
 REFILL = 6
 """Operations between two looks at what there is."""
+TOGETHER = 3
+"""Scenarios that Hypothesis makes in one go; the first is the shortest that there is."""
 FOREIGN = re.compile(
     r"<class '|NoneType|object has no|Value error|array element|codec can't|parsing the body|Traceback|ndarray"
 )
@@ -210,9 +213,12 @@ def test_requests_that_follow_each_other(database: Database, seed: int) -> None:
 
 
 def follow(asked: Campaign, number: int, *, scenarios: int, steps: int) -> None:
-    machine = seed(number)(workflow(asked))
-    chosen = settings(max_examples=scenarios, stateful_step_count=steps, database=None, derandomize=False)
-    machine.run(settings=settings(chosen, phases=[Phase.generate]))
+    machine = workflow(asked)
+    few = settings(max_examples=TOGETHER, stateful_step_count=steps, database=None, derandomize=False)
+    for part in range(0, scenarios, TOGETHER):
+        # It is no fault that the store is another one by then: what Hypothesis began alike goes on in another way.
+        with suppress(FlakyStrategyDefinition):
+            seed(number + part)(machine).run(settings=settings(few, phases=[Phase.generate]))
 
 
 @pytest.mark.fuzz(seeds=3)
