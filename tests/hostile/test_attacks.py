@@ -188,6 +188,13 @@ def test_a_login_leads_nowhere_else(kim: TestClient, then: str) -> None:
     assert "evil.example" not in leads or leads.startswith("/%")
 
 
+@pytest.mark.parametrize("path", ["/docs/", "/api/v1/documents/", "/api/v1/tokens/x%2F"])
+def test_no_answer_leads_to_where_a_request_says_that_it_came(kim: TestClient, path: str) -> None:
+    answer = kim.get(path, headers={"host": "evil.example"}, follow_redirects=False)
+    assert answer.status_code in (404, 405)
+    assert "evil.example" not in answer.headers.get("location", "")
+
+
 # -- XML ---------------------------------------------------------------------------------------------------------------
 
 
