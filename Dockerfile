@@ -3,13 +3,16 @@ WORKDIR /src
 COPY . .
 # The image has no history of git to find the version in: docker build --build-arg VERSION=0.2.0 .
 ARG VERSION=
-RUN ${VERSION:+env SETUPTOOLS_SCM_PRETEND_VERSION=$VERSION} pip wheel --no-cache-dir --no-deps --wheel-dir /wheels . \
-  && pip wheel --no-cache-dir --wheel-dir /wheels "$(ls /wheels/*.whl)[plots]"
+# The versions that were tested, by the sums of their files; what builds the wheel too.
+RUN pip install --no-cache-dir --upgrade "pip>=25.3" \
+  && ${VERSION:+env SETUPTOOLS_SCM_PRETEND_VERSION=$VERSION} pip wheel --no-cache-dir --no-deps \
+    --build-constraint requirements-dev.lock --wheel-dir /wheels . \
+  && pip wheel --no-cache-dir --require-hashes --requirement requirements.lock --wheel-dir /wheels
 
 FROM python:3.12-slim
 RUN useradd --create-home --uid 10001 mcml
 COPY --from=build /wheels /wheels
-RUN pip install --no-cache-dir --no-index --find-links /wheels "mcml-repository[plots]" && rm -rf /wheels
+RUN pip install --no-cache-dir --no-index --find-links /wheels "mcml-repository[plots,openid]" && rm -rf /wheels
 USER mcml
 # Made by its owner, or Docker would make the volume's folder as root.
 RUN mkdir /home/mcml/data

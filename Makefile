@@ -9,20 +9,23 @@ else
 endif
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+# Of all systems and versions of Python at once, with sums of the files; where they come from is each machine's own.
+LOCK := $(BIN)/uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+	--custom-compile-command "make lock" $(if $(UPGRADE),--upgrade)
 # Tests and the programs that they start would compile all modules again.
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help install web run test check fix bench fuzz docs migration dist clean
+.PHONY: help install web run test check audit fix bench fuzz docs lock migration dist clean
 
 help: ## Print this list
 	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-$(STAMP): pyproject.toml
+$(STAMP): pyproject.toml requirements-dev.lock
 	@$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed: make PYTHON=python3.11 …") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable . --group dev
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-dev.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	@touch $(STAMP)
 
 install: $(STAMP) ## Make .venv with the program and what its tests need
@@ -36,12 +39,16 @@ run: web ## Serve the repository on 127.0.0.1:8000, with a demo library on first
 test: web ## Run all tests, on SQLite and PostgreSQL, and in the browser
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
-check: $(STAMP) ## Style, types, layers, spelling
+check: $(STAMP) ## Style, types, layers, spelling, known faults of packages
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/codespell service schemas mcml docs tests README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md
+	@$(BIN)/python -m tests.release.audit
+
+audit: $(STAMP) ## Ask for known faults of the packages that are locked; to be run each day
+	@$(BIN)/python -m tests.release.audit --required
 
 fix: $(STAMP) ## Mend style, and make generated files again
 	$(BIN)/ruff check --fix .
@@ -57,6 +64,11 @@ bench: $(STAMP) ## Measure speed against named peers (installs them)
 docs: $(STAMP) ## Make again what comes from catalogues: tables in docs/, the studio's types of the API
 	$(BIN)/python -m tests.docs.generate
 	$(BIN)/python -m tests.web.types
+
+lock: $(STAMP) ## Lock the versions that make install and Docker take (UPGRADE=1: the newest)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group lock
+	$(LOCK) --all-extras --group dev --output-file requirements-dev.lock
+	$(LOCK) --extra plots --extra openid --constraint requirements-dev.lock --output-file requirements.lock
 
 migration: $(STAMP) ## Make a migration from the difference of tables.py and a fresh store: make migration NAME=what_changed
 	MCML_DATABASE=sqlite:///$(VENV)/migration.db $(BIN)/mcml db upgrade

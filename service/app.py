@@ -95,6 +95,8 @@ def create_app(
         description=DESCRIPTION,
         docs_url=None,
         redoc_url=None,
+        # A name that ends with a slash is no other address; and no answer leads to a host that a request names.
+        redirect_slashes=False,
         lifespan=lifespan,
         separate_input_output_schemas=False,
         routes=_routes(),

@@ -14,7 +14,12 @@ from service.api.doors import COOKIE
 REF = "#/components/schemas/{model}"
 SECURITY = {
     "token": {"type": "http", "scheme": "bearer", "description": "As `mcml token add` made it"},
-    "session": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": "Of a browser: POST /api/v1/session"},
+    "session": {
+        "type": "apiKey",
+        "in": "cookie",
+        "name": COOKIE,
+        "description": "Of a browser: POST /api/v1/session. By https its name begins with `__Host-`",
+    },
 }
 _PROBLEM = {"application/problem+json": {"schema": {"$ref": REF.format(model="Problem")}}}
 

@@ -38,6 +38,9 @@ FORWARDING = frozenset(
 
 COOKIE = "mcml_session"
 """That carries a browser's session."""
+TLS_COOKIE = f"__Host-{COOKIE}"
+"""The same over https: browsers take one of this name from the server itself alone, not from pages without TLS or from
+its neighbours under the same domain."""
 
 SHARE_COOKIE = "mcml_share"
 """That carries the session of who has a link to some documents; sent below SHARED alone."""
@@ -88,7 +91,7 @@ class Doors:
         """
         direct = _is_direct(scope, headers)
         kind, _, given = headers.get("authorization", "").partition(" ")
-        visit = _cookie(headers, COOKIE) if not kind else None
+        visit = _cookie(headers, cookie_name(scope["scheme"])) if not kind else None
         given = given.strip() if kind.lower() == "bearer" else ""
         if direct and given.startswith(PREFIX):
             secret = self._secret()
@@ -111,7 +114,7 @@ class Doors:
 
     def shared_refusal(self, scope: MutableMapping[str, Any], headers: Headers) -> Any:
         """As `refusal`, of what stands below SHARED."""
-        visit = _cookie(headers, SHARE_COOKIE)
+        visit = _cookie(headers, share_cookie_name(scope["scheme"]))
         with self._database.read() as tx:
             entry = None if visit is None else tx.sessions.share_entry(visit)
         if entry is None:
@@ -132,6 +135,16 @@ def _is_direct(scope: Mapping[str, Any], headers: Headers) -> bool:
     return client is not None and is_loopback(client[0]) and not passed_on
 
 
+def cookie_name(scheme: str) -> str:
+    """Of the cookie that carries a browser's session."""
+    return TLS_COOKIE if scheme == "https" else COOKIE
+
+
+def share_cookie_name(scheme: str) -> str:
+    """Of the cookie that carries the session of who has a link. Its path is not that of a name with `__Host-`."""
+    return f"__Secure-{SHARE_COOKIE}" if scheme == "https" else SHARE_COOKIE
+
+
 def _cookie(headers: Headers, name: str) -> str | None:
     """What a browser keeps under a name."""
     try:
@@ -143,9 +156,17 @@ def _cookie(headers: Headers, name: str) -> str | None:
 
 def _is_foreign(scope: Mapping[str, Any], headers: Headers) -> bool:
     """Whether a write does not say that it comes from this server's own pages."""
-    if scope["method"] in ("GET", "HEAD", "OPTIONS"):
-        return False
-    return headers.get("origin", "").partition("://")[2] != headers.get("host")
+    return scope["method"] not in ("GET", "HEAD", "OPTIONS") and not is_own_page(scope, headers)
+
+
+def is_own_page(scope: Mapping[str, Any], headers: Headers) -> bool:
+    """Whether a page of this server sends a request, as its Origin says.
+
+    A page without TLS is none where the server is reached by https. The other way round it may be: a proxy that is not
+    trusted cannot say that it was asked by https.
+    """
+    scheme, _, host = headers.get("origin", "").partition("://")
+    return host == headers.get("host") and (scheme == "https" or scope["scheme"] != "https")
 
 
 def foreign_name(headers: Headers) -> Any:

@@ -13,10 +13,10 @@ from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.exceptions import HTTPException
 
-from service.api.doors import SHARED, Doors, foreign_name
+from service.api.doors import SHARED, Doors, foreign_name, is_own_page
 from service.api.forwarded import as_the_client_sent_it
 from service.api.logs import begin_request, requests
-from service.api.policy import DEFAULTS
+from service.api.policy import DEFAULTS, ONLY_TLS
 from service.api.problems import answer, plain
 from service.api.sessions import LOGIN_PATH, login_page
 from service.api.traffic import FOLLOWING, Traffic
@@ -87,7 +87,7 @@ class Guard:
             if message["type"] == "http.response.start":
                 status = message["status"]
                 _tag_compressed(message)
-                _protect(message, request)
+                _protect(message, request, scope["scheme"])
             elif method == "HEAD":
                 message = {**message, "body": b""}
             await send(message)
@@ -157,7 +157,7 @@ class Guard:
         if b"%00" in scope.get("query_string", b"") or "\0" in scope["path"]:
             return plain(400, "An address cannot hold the character U+0000.", "Leave %00 out.")
         origin = headers.get("origin")
-        own = origin is None or origin.partition("://")[2] == headers.get("host") or origin in self.friends
+        own = origin is None or is_own_page(scope, headers) or origin in self.friends
         if not own and scope["method"] not in SAFE_METHODS:
             return plain(
                 403, f"Pages of {origin} may not write here.", "Send the request from this server's own pages."
@@ -173,10 +173,10 @@ def _is_page(scope: Scope, headers: Headers) -> bool:
     return scope["method"] == "GET" and "text/html" in headers.get("accept", "")
 
 
-def _protect(message: MutableMapping[str, Any], request: str) -> None:
+def _protect(message: MutableMapping[str, Any], request: str, scheme: str) -> None:
     headers = MutableHeaders(raw=message["headers"])
     headers["x-request-id"] = request
-    for name, value in DEFAULTS:
+    for name, value in (*DEFAULTS, ONLY_TLS) if scheme == "https" else DEFAULTS:
         headers.setdefault(name, value)
 
 

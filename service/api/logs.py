@@ -56,7 +56,9 @@ class Line(logging.Formatter):
             head += f" (and {told['repeated']} times since it was told)"
         # Addresses may hold line ends: nobody writes lines of his own here.
         head = _CONTROL.sub(lambda found: ascii(found[0])[1:-1], head)
-        return f"{head}\n{told['traceback']}" if "traceback" in told else head
+        # Nor in what an exception says: lines of a traceback stand further in.
+        traced = [_CONTROL.sub("?", line) for line in told.get("traceback", "").splitlines()]
+        return "\n    ".join([head, *traced])
 
 
 class JsonLine(logging.Formatter):

@@ -18,6 +18,10 @@ DEFAULTS = (
 )
 """Headers of every answer that does not say otherwise."""
 
+ONLY_TLS = ("strict-transport-security", "max-age=31536000")
+"""Of every answer to a request that came by https, to the server or to a proxy that it trusts. Names below this one are
+not ours to close."""
+
 
 def page_policy(
     styles: Sequence[str] = (), scripts: Sequence[str] = (), more: str = "", *, forms: bool = False

@@ -4,7 +4,7 @@ are about HTTP itself."""
 from __future__ import annotations
 
 import html
-from typing import Annotated, Any
+from typing import Annotated
 from urllib.parse import urlencode
 
 from fastapi import APIRouter, Form, Header, Query, Request, Response
@@ -13,7 +13,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse
 from schemas.sessions import SessionOpened, SessionRequest
 from schemas.shares import Shared, SharedMotion, SharedRequest
 from service.api.attempts import Attempts
-from service.api.doors import COOKIE, SHARE_COOKIE, SHARED
+from service.api.doors import SHARED, cookie_name, share_cookie_name
 from service.api.page import page
 from service.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
 from service.passwords import checked_name, hashed, opens
@@ -80,11 +80,10 @@ def open_session(
 @router.delete("/session", status_code=204, operation_id="close_session")
 def close_session(http: Request) -> Response:
     """End the session of this browser."""
-    if COOKIE in http.cookies:
-        with http.app.state.repository.database.write("session") as tx:
-            tx.sessions.close(http.cookies[COOKIE])
-    response = Response(status_code=204)
-    response.delete_cookie(COOKIE, httponly=True, samesite="strict")
+    _end(http)
+    # What pages have kept of documents ends with it.
+    response = Response(status_code=204, headers={"clear-site-data": '"cache", "storage"'})
+    response.delete_cookie(cookie_name(http.url.scheme), secure=_by_tls(http), httponly=True, samesite="strict")
     return response
 
 
@@ -109,7 +108,10 @@ def open_shared(http: Request, response: Response, request: SharedRequest) -> Sh
     with database.seen_by(view).read() as tx:
         # What was deleted meanwhile, or is in another project now, is not there.
         motions = [SharedMotion(**vars(one)) for one in tx.shares.motions(shown)]
-    begin_session(http, response, secret, SHARE_COOKIE, SHARED)
+    named, lasts = share_cookie_name(http.url.scheme), SESSION_HOURS * 3600
+    response.set_cookie(
+        named, secret, max_age=lasts, path=SHARED, secure=_by_tls(http), httponly=True, samesite="strict"
+    )
     return Shared(name=shown.name, expires=shown.expires, formats=sorted(shown.formats), documents=motions)
 
 
@@ -258,9 +260,20 @@ def _exchanged(database: Database, token: str | None) -> tuple[str, str]:
         return entry.author, tx.sessions.open(entry.author, tx.tokens.name(token or ""))
 
 
-def begin_session(http: Request, response: Response, secret: str, name: str = COOKIE, path: str = "/") -> None:
-    """Let the browser keep the secret of its session."""
-    secure: Any = http.url.scheme == "https"
-    response.set_cookie(
-        name, secret, max_age=SESSION_HOURS * 3600, path=path, secure=secure, httponly=True, samesite="strict"
-    )
+def begin_session(http: Request, response: Response, secret: str) -> None:
+    """Let the browser have a new session, and no other."""
+    _end(http)
+    named, lasts = cookie_name(http.url.scheme), SESSION_HOURS * 3600
+    response.set_cookie(named, secret, max_age=lasts, path="/", secure=_by_tls(http), httponly=True, samesite="strict")
+
+
+def _end(http: Request) -> None:
+    """End the session that a browser has."""
+    secret = http.cookies.get(cookie_name(http.url.scheme))
+    if secret is not None:
+        with http.app.state.repository.database.write("session") as tx:
+            tx.sessions.close(secret)
+
+
+def _by_tls(http: Request) -> bool:
+    return http.url.scheme == "https"

@@ -11,6 +11,8 @@ from service.mcml.element import Element
 from service.mcml.lexical import WHITE_SPACE
 
 MOST_BYTES = 64 << 20
+MOST_ATTRIBUTES = 64
+"""Of one element, more than any of MCML may have: lxml lists n of them in a time that grows with n²."""
 _AROUND = b"fragment"
 
 
@@ -53,6 +55,12 @@ def _element(root: Any) -> Element:
         if not isinstance(node.tag, str):
             raise DocumentError("The fragment holds an entity.", remedy="Write the text itself.")
         element.tag = node.tag
+        if len(node.attrib) > MOST_ATTRIBUTES:
+            raise DocumentError(
+                f"{node.tag} has {len(node.attrib)} attributes.",
+                at=Place(line=node.sourceline),
+                remedy="Send those that MCML knows.",
+            )
         element.attributes = {str(name): str(value) for name, value in node.attrib.items()}
         element.text = (node.text or "").strip(WHITE_SPACE)
         if len(node) and (element.text or any((child.tail or "").strip(WHITE_SPACE) for child in node)):

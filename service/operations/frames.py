@@ -241,7 +241,7 @@ def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: st
         done = 0
         for block, names in chain(numbers.blocks(), () if frames else ((np.empty((0, *numbers.shape)), []),)):
             places = np.arange(done, done + len(block))
-            rows = block.reshape(len(block), -1).astype(dtype)
+            rows = block.reshape(len(block), len(columns)).astype(dtype)
             yield {
                 "frame": first + places * step,
                 "id": list(map(str, names)),

@@ -23,23 +23,14 @@ from service.storage.database import Database
 from service.storage.views import SCOPES, View
 from tests.builders import SECRET, bvh, one_kind, upload
 
+pytestmark = pytest.mark.usefixtures("quick_hashes")
+
 API = "/api/v1"
 HOME = "http://127.0.0.1:8000"
 WORDS = "four words in a row"
 SHORT = "too short"
 FIRST_ROLE = {"member": {Right.READ}, "reader": {Right.READ}, "editor": {Right.READ, Right.EDIT}, "owner": set(Right)}
 """What each role may do, said a second time."""
-
-
-@pytest.fixture(autouse=True)
-def quick_hashes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Hashes that take no second, and as many attempts as tests like."""
-    from pwdlib import PasswordHash
-    from pwdlib.hashers.argon2 import Argon2Hasher
-
-    quick = PasswordHash((Argon2Hasher(time_cost=1, memory_cost=64, parallelism=1),))
-    monkeypatch.setattr(passwords, "_hasher", lambda: quick)
-    passwords._nobodys.cache_clear()
 
 
 def browser(database: Database, **settings: Any) -> TestClient:

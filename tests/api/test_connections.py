@@ -201,7 +201,14 @@ def test_a_server_that_stops_ends_streams_of_events(database: Database) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of files are set as Linux does")
-def test_more_sockets_than_files_leave_mcml_serve_answering(tmp_path: Path, sqlite_template: Path) -> None:
+@pytest.mark.parametrize(("files", "sockets"), [(256, 350), (4096, 900)])
+def test_half_open_sockets_leave_mcml_serve_answering(
+    files: int, sockets: int, tmp_path: Path, sqlite_template: Path
+) -> None:
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft < sockets + 200:
+        # Our own ends are files too.
+        resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, 4096), hard))
     shutil.copy(sqlite_template, tmp_path / "store.db")
     environment = {name: value for name, value in os.environ.items() if not name.startswith("MCML_")}
     environment |= {
@@ -219,12 +226,12 @@ def test_more_sockets_than_files_leave_mcml_serve_answering(tmp_path: Path, sqli
             env=environment,
             stdout=subprocess.DEVNULL,
             stderr=log,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (256, 256)),  # no threads yet
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (files, files)),  # no threads yet
         )
     try:
         until(lambda: server.poll() is not None or answers_once_free(port))
         with ExitStack() as stack:
-            for _ in range(350):
+            for _ in range(sockets):
                 stack.enter_context(opened(port, HALF))
             assert answers(port)
             server.send_signal(signal.SIGTERM)

@@ -89,6 +89,19 @@ def test_lines_as_text() -> None:
         assert len(told()) == 2
 
 
+def test_a_fault_writes_no_lines_of_its_own() -> None:
+    with log(lines=Line()) as told:
+        try:
+            raise ValueError("bad name\n2026-01-01T00:00:00.000+00:00 error mcml.x -: forged\r\x1b[31m")
+        except ValueError as error:
+            logging.getLogger("mcml.x").error("failed", exc_info=error)
+        head, *rest = told()
+        assert head.endswith("error mcml.x -: failed")
+        assert rest
+        assert all(line.startswith("    ") for line in rest)
+        assert not set("\r\x1b") & set("".join(rest))
+
+
 def test_lines_as_json_hold_any_text() -> None:
     record = logging.makeLogRecord({"msg": "no file %s", "args": (b"a\xff\n.bvh".decode("utf-8", "surrogateescape"),)})
     line = JsonLine().format(record)

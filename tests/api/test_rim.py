@@ -16,7 +16,7 @@ from fastapi.testclient import TestClient
 from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
-from tests.builders import ASF, SECRET, amc, bvh, one_kind, served, upload
+from tests.builders import ASF, SECRET, amc, bvh, mcml_of, one_kind, served, upload
 
 API = "/api/v1"
 HOME = "http://127.0.0.1:8000"
@@ -240,6 +240,20 @@ def test_frames_with_their_columns(client: TestClient, walk: str) -> None:
 
 
 @one_kind
+@pytest.mark.parametrize("form", ["csv", "arrow", "parquet"])
+def test_a_document_without_frames_is_a_table_without_rows(client: TestClient, form: str) -> None:
+    uuid = upload(client, {"none.mcml": mcml_of([])})["documents"][0]["id"]  # type: ignore[index]
+    answer = client.get(f"{API}/documents/{uuid}/frames", params={"format": form})
+    assert answer.status_code == 200, answer.text
+    if form == "csv":
+        (head,) = answer.text.splitlines()
+        assert head.startswith("frame,id,time,")
+    else:
+        read = pq.read_table if form == "parquet" else lambda file: pa.ipc.open_stream(file).read_all()
+        table = read(io.BytesIO(answer.content))
+        assert (table.num_rows, table.column_names[:3]) == (0, ["frame", "id", "time"])
+
+
 def test_names_of_columns_stand_in_a_header_where_they_are_short(client: TestClient) -> None:
     many = upload(client, {"leg.asf": ASF, "leg.amc": amc(4)})["documents"][0]["id"]  # type: ignore[index]
     few = client.get(f"{API}/documents/{many}/frames", params={"format": "npy"})

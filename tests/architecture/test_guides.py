@@ -9,7 +9,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-GUIDES = ("CONTRIBUTING.md", "SECURITY.md", "README.md", "docs/glossary.md", "service/xpath/README.md")
+GUIDES = (
+    "CONTRIBUTING.md",
+    "SECURITY.md",
+    "README.md",
+    "docs/glossary.md",
+    "docs/security.md",
+    "service/xpath/README.md",
+)
 ROWS = re.findall(r"^\| (?!word )([^|-][^|]*) \| [^|]+ \| `([^`]+)` \|$", (ROOT / "docs/glossary.md").read_text(), re.M)
 
 

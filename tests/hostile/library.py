@@ -36,6 +36,10 @@ FILES = {
 FEWEST = 12
 """Documents that there are at least."""
 
+HOME = "http://127.0.0.1:8000"
+ROLES = {"owner": "operate", "reader": "read"}
+"""Of the people who ask, and the scopes of their tokens."""
+
 XPATHS = (
     "//frame", "//frame[2]", "//frame[1]/frame_bone[1]", "//frame_bone[@name='Root']/@Rx", "/mcml/motion/frame[last()]",
     "//frame[motion_name='walk']", "//motion_name[1]", "//bone/name", "/mcml/header", "/mcml/header/filename/text()",
@@ -106,6 +110,8 @@ class Library:
             add_clips(database, settings, name, clips[name](), (), "")
             self._analyse(name, parameters, new_uuid())
         self._analyse(name, parameters, None)
+        self._people: dict[str, str] = {}
+        self._joined = 0
 
     def _analyse(self, name: str, parameters: dict[str, Any], runner: str | None) -> None:
         queries, selection = Queries(self._database, self._settings), Selection(project=name)
@@ -132,6 +138,12 @@ class Library:
         if not self._items("mappings"):
             pairs = {"pairs": [{"source": "Root", "target": "Root"}]}
             self._client.put(f"{API}/mappings/walk", json=pairs)
+        self._look_for_people()
+        self._named = {
+            kind: [item["name"] for item in self._items(kind)]
+            for kind in ("accounts", "tokens", "collections", "queries", "mappings")
+        }
+        self._invitations = [item["number"] for item in self._items("invitations")]
         jobs, results = self._items("jobs?limit=20"), self._items("results?limit=20")
         present = [item["id"] for item in self._items("documents?limit=20")]
         deleted = [item["id"] for item in self._items("documents?deleted=true&limit=3")]
@@ -152,11 +164,29 @@ class Library:
             for array in [*part.get("arrays", ()), "nothing"]
         ]
 
+    def _look_for_people(self) -> None:
+        """Let there be somebody of each role, whatever requests have done to those before."""
+        for role, scope in ROLES.items():
+            bearer = {"authorization": f"Bearer {self._people.get(role)}"}
+            asked = self._client.get(f"{API}/account", headers=bearer)
+            if asked.status_code != 200 or asked.json().get("role") != role:
+                self._people[role] = self._join(role, scope)
+
+    def _join(self, role: str, scope: str) -> str:
+        """The token of somebody new."""
+        self._joined += 1
+        name = f"{role} {self._joined}"
+        browser = TestClient(self._client.app, HOME, headers={"origin": HOME}, client=("10.0.0.7", 50_000))
+        code = self._client.post(f"{API}/invitations", json={"role": role}).json()["code"]
+        browser.post(f"{API}/session", json={"invitation": code, "name": name, "password": "four words in a row"})
+        made = browser.post(f"{API}/tokens", json={"name": f"{name}'s", "scope": scope})
+        return str(made.json()["token"])
+
     def _items(self, path: str, key: str = "items") -> Any:
         return self._client.get(f"{API}/{path}").json()[key]
 
     def fill(self, case: Case, draw: Draw) -> None:
-        """Put what there is in place of most of what a request names."""
+        """Put what there is in place of most of what a request names, and let others than the store's owner ask."""
         for name in case.path_parameters:
             known = self._known_in_path(case.path, name)
             if known:
@@ -164,6 +194,12 @@ class Library:
         together = self._parts if "{array}" in case.path else self._labels if "{label}" in case.path else []
         if together and draw(MOSTLY):
             case.path_parameters.update(draw(st.sampled_from(together)))
+        self.fill_contents(case, draw)
+
+    def fill_contents(self, case: Case, draw: Draw) -> None:
+        """The same of all but the address."""
+        if not draw(MOSTLY):
+            case.headers["authorization"] = f"Bearer {draw(st.sampled_from(sorted(self._people.values())))}"
         case.query = self._filled(case.query, "", draw)
         if case.path.endswith("/v1/events"):
             # They go on for ever.
@@ -192,8 +228,10 @@ class Library:
             if last == "events":
                 return self._ended
             return {"documents": self._documents, "jobs": self._jobs, "results": list(self._results)}[kind]
+        if name == "number":
+            return self._invitations
         if name == "name":
-            return ["walk"] if "/mappings/" in path else list(ANALYSES)
+            return self._named.get(path.split("/")[3], list(ANALYSES))
         return [part["part"] for part in self._parts] if name == "part" else []
 
     def _filled(self, value: Any, name: str, draw: Draw) -> Any:
