@@ -118,7 +118,8 @@ def back(
     response = RedirectResponse(flow["then"], 303)
     response.delete_cookie(FLOW_COOKIE, path=START, httponly=True, samesite="lax")
     with database.write("session") as tx:
-        begin_session(http, response, tx.sessions.open_for(person))
+        secret = tx.sessions.open_for(person)
+    begin_session(http, response, secret)
     return response
 
 
