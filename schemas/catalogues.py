@@ -128,6 +128,15 @@ class ProjectList(BaseModel):
     items: list[str]
 
 
+class ProjectImported(BaseModel):
+    """project: its name here. documents: how many it has, deleted ones too."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"project": PROJECT, "documents": 217}))
+
+    project: str
+    documents: int
+
+
 class Health(BaseModel):
     model_config = ConfigDict(json_schema_extra=shown({"status": "ok", "database": "sqlite"}))
 

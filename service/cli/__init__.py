@@ -55,6 +55,8 @@ BY_HAND = {
     "account role": "accounts:role",
     "account close": "accounts:close",
     "account reopen": "accounts:reopen",
+    "project export": "moving:export",
+    "project import": "moving:import_",
     "project add": "accounts:add_member",
     "share add": "accounts:share",
     "token add": "store:token_add",

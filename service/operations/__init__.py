@@ -255,6 +255,11 @@ _ROWS = [
     Operation("list_projects", "GET /projects", READS, READ,
               "Projects by name.", "catalogues", "projects"),
 
+    Operation("export_project", "GET /projects/export", STREAMS, OWN,
+              "A whole project with every revision as one file.", "projects", heavy=True),
+    Operation("import_project", "POST /projects", WRITES, OPERATE,
+              "Make a project of such a file.", "projects", status=201, heavy=True),
+
     # who comes in
     Operation("get_account", "GET /account", READS, READ,
               "Who asks: name, role, and what one may do.", "accounts", "account me"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -52,15 +52,27 @@ def faults(tx: Transaction, *, past: bool = False) -> list[str]:
         found += _told(f"The table {table.name}", lambda table=table: _sealed_faults(tx, table))  # type: ignore[misc]
     found += _told("The table track", lambda: _track_faults(tx))
     found += _told("The skeletons", lambda: _skeleton_faults(tx))
-    for key, uuid, name in _rows(tx.documents.everything, found):
-        whose = f"{name} ({uuid})"
-        found += _told(whose, lambda key=key: _head_faults(tx, key), whose)  # type: ignore[misc]
-        for then in _states(tx, key, past=past):
-            found += _told(whose, lambda key=key, then=then: _motion_faults(then, key), whose)  # type: ignore[misc]
+    for one in _rows(tx.documents.everything, found):
+        found += _document_faults(tx, *one, past=past)
     files = select(upload.c.id, upload.c.sha256, upload.c.size).where(_NAMED)
     for key, sha256, size in _rows(lambda: tx.connection.execute(files).all(), found):
         found += _told("An upload", lambda key=key, sha256=sha256, size=size: _upload_faults(tx, key, sha256, size))  # type: ignore[misc]
     return list(dict.fromkeys(found))
+
+
+def document_faults(tx: Transaction, keys: Collection[int]) -> list[str]:
+    """One sentence for each fault of some documents, in all of their revisions."""
+    wanted = set(keys)
+    found = [one for one in tx.documents.everything() if one[0] in wanted]
+    return [fault for one in found for fault in _document_faults(tx, *one, past=True)]
+
+
+def _document_faults(tx: Transaction, key: int, uuid: str, name: str, *, past: bool) -> list[str]:
+    whose = f"{name} ({uuid})"
+    found = _told(whose, lambda: _head_faults(tx, key), whose)
+    for then in _states(tx, key, past=past):
+        found += _told(whose, lambda then=then: _motion_faults(then, key), whose)  # type: ignore[misc]
+    return found
 
 
 def _told(where: str, look: Callable[[], Iterator[str]], whose: str = "") -> list[str]:

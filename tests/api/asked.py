@@ -157,6 +157,8 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
         return Asked(
             "named", {"name": "reader" if "member" in name else word}, where, {"json": body} if name in NAMED else {}
         )
+    if name == "export_project":
+        return Asked("named", {}, where, {})
     if name == "add_share":
         return Asked("thing", {}, {}, {"json": {"name": "for them", "documents": [one]}})
     if name in ("get_colours", "get_aliases", "delete_aliases", "list_members"):

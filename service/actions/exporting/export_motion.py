@@ -210,15 +210,20 @@ def _cell(text: str) -> str:
     return '"' + text.replace('"', '""') + '"' if re.search(r'[",\r\n]', text) else text
 
 
-def zipped(files: Iterable[tuple[str, Callable[[], Iterator[bytes | memoryview]]]]) -> Iterator[bytes]:
-    """A zip of the files, streamed: each is asked for when the one before is done. Nothing is compressed; an answer is.
+def zipped(
+    files: Iterable[tuple[str, Callable[[], Iterator[bytes | memoryview]]]], *, compress: bool = False
+) -> Iterator[bytes]:
+    """A zip of the files, streamed: each is asked for when the one before is done. Unless it is wanted nothing is
+    compressed; an answer is.
 
     Times are fixed so that equal content gives equal bytes.
     """
     buffer = Tail()
     with zipfile.ZipFile(buffer, "w") as archive:
         for name, content in files:
-            with archive.open(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), "w", force_zip64=True) as member:
+            info = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            info.compress_type = zipfile.ZIP_DEFLATED if compress else zipfile.ZIP_STORED
+            with archive.open(info, "w", force_zip64=True) as member:
                 for block in content():
                     member.write(block)
                     yield from buffer.taken()
