@@ -18,6 +18,16 @@ _JOINT_NAME = {"number": 6, "name": "left_up_arm", "reconstructed": False, "alia
 _LEG = {"part": "leg", "sided": True, "joints": ["*_up_leg"], "movements": ["flexion", "extension"]}
 
 
+_PROJECT = {
+    "name": PROJECT,
+    "documents": 217,
+    "bytes": 91342000,
+    "archived": None,
+    "most_documents": 1000,
+    "most_bytes": None,
+}
+
+
 class FormatPart(BaseModel):
     name: str
     title: str
@@ -126,6 +136,32 @@ class ProjectList(BaseModel):
     model_config = ConfigDict(json_schema_extra=shown({"items": ["default", PROJECT]}))
 
     items: list[str]
+
+
+class ProjectView(BaseModel):
+    """archived: since when nothing in it changes. documents: that are there. bytes: of the files that its documents
+    came of and their media, deleted ones too. most_documents, most_bytes: what it may hold, none: no bound."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_PROJECT))
+
+    name: str
+    documents: int
+    bytes: int
+    archived: str | None = None
+    most_documents: int | None = None
+    most_bytes: int | None = None
+
+
+class ProjectChange(BaseModel):
+    """What is left out stays."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"archived": True}))
+
+    archived: bool | None = Field(None, description="Nothing in an archived project changes")
+    most_documents: int | None = Field(
+        None, ge=0, le=10**15, description="0: no bound; owners of the repository set it"
+    )
+    most_bytes: int | None = Field(None, ge=0, le=10**18, description="0: no bound; owners of the repository set it")
 
 
 class ProjectImported(BaseModel):

@@ -1,5 +1,5 @@
 """Roles of people in projects, the projects of tokens and invitations, links to some documents, and sign-ins with
-a provider."""
+a provider; archives and quotas."""
 
 from __future__ import annotations
 
@@ -98,4 +98,13 @@ def upgrade() -> None:
         sa.Column('account', KEY, nullable=False),
         sa.ForeignKeyConstraint(['account'], ['account.id'], name=op.f('fk_identity_account')),
         sa.PrimaryKeyConstraint('issuer', 'subject', name=op.f('pk_identity')),
+    )
+    op.create_table(
+        'project_terms',
+        sa.Column('project', KEY, nullable=False),
+        sa.Column('archived', sa.String(length=32), nullable=True),
+        sa.Column('most_documents', sa.BigInteger(), nullable=True),
+        sa.Column('most_bytes', sa.BigInteger(), nullable=True),
+        sa.ForeignKeyConstraint(['project'], ['project.id'], name=op.f('fk_project_terms_project')),
+        sa.PrimaryKeyConstraint('project', name=op.f('pk_project_terms')),
     )

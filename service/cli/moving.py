@@ -1,19 +1,55 @@
-"""`mcml project export` and `import`: whole projects as files."""
+"""`mcml project`: archives, quotas, and whole projects as files."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
 import typer
 
 from mcml.files import write_file
+from schemas.catalogues import ProjectChange
 from service.cli.shared import DatabaseOption, ForceOption, ServerOption, console, opened
 from service.formats.format import SourceFile
 
+Project: TypeAlias = Annotated[str, typer.Argument(help="Name of the project")]
+
+
+def archive(project: Project, database: DatabaseOption = None, server: ServerOption = None) -> None:
+    """Let nothing in a project change from now on."""
+    opened(database, server).call("change_project", project=project, change=ProjectChange(archived=True))
+    console.print(f"{project} is archived")
+
+
+def open_(project: Project, database: DatabaseOption = None, server: ServerOption = None) -> None:
+    """Let an archived project change again."""
+    opened(database, server).call("change_project", project=project, change=ProjectChange(archived=False))
+    console.print(f"{project} is open")
+
+
+def quota(
+    project: Project,
+    documents: Annotated[int | None, typer.Option(min=0, help="Most documents; 0: no bound")] = None,
+    megabytes: Annotated[
+        int | None, typer.Option(min=0, help="Most MB of uploaded files and media; 0: no bound")
+    ] = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Say how much a project may hold; without options, how much it holds and may."""
+    client = opened(database, server)
+    size = None if megabytes is None else megabytes * 1_000_000
+    if documents is None and size is None:
+        told = client.call("get_project", project=project)
+    else:
+        change = ProjectChange(most_documents=documents, most_bytes=size)
+        told = client.call("change_project", project=project, change=change)
+    of = [f" of {most:,}" if most else "" for most in (told.most_documents, (told.most_bytes or 0) // 1_000_000)]
+    console.print(f"{told.documents:,}{of[0]} documents, {told.bytes / 1e6:,.1f}{of[1]} MB")
+
 
 def export(
-    project: Annotated[str, typer.Argument(help="Name of the project")],
+    project: Project,
     file: Annotated[Path | None, typer.Argument(help="File to write; default PROJECT.project.zip")] = None,
     force: ForceOption = False,
     database: DatabaseOption = None,

@@ -255,6 +255,10 @@ _ROWS = [
     Operation("list_projects", "GET /projects", READS, READ,
               "Projects by name.", "catalogues", "projects"),
 
+    Operation("get_project", "GET /project", READS, READ,
+              "How much is in a project and may be, and whether it is archived.", "projects", "project show PROJECT"),
+    Operation("change_project", "PATCH /project", WRITES, OWN,
+              "Archive a project, or say how much it may hold.", "projects"),
     Operation("export_project", "GET /projects/export", STREAMS, OWN,
               "A whole project with every revision as one file.", "projects", heavy=True),
     Operation("import_project", "POST /projects", WRITES, OPERATE,

@@ -1,17 +1,21 @@
-"""Whole projects: as one file, and made of one."""
+"""Whole projects: how much is in them, archived, as one file, and made of one."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 from pydantic import Field
 
-from schemas.catalogues import ProjectImported
+from schemas.catalogues import ProjectChange, ProjectImported, ProjectView
 from schemas.examples import PROJECT
+from service.errors import AccessError
 from service.formats.format import SourceFile
 from service.operations.call import Call, Content
 from service.operations.operation import Upload, gives
-from service.storage.views import require
+from service.storage.identifiers import now
+from service.storage.transaction import Transaction
+from service.storage.views import may, require
 
 ProjectName = Annotated[str, Field(min_length=1, max_length=256, description="Name of the project", examples=[PROJECT])]
 
@@ -28,6 +32,33 @@ def export_project(call: Call, project: ProjectName) -> Content:
     return Content(exporting(tx, project), "application/zip", f"{project}.project.zip")
 
 
+def get_project(call: Call, project: ProjectName) -> ProjectView:
+    with call.database.read() as tx:
+        return _view(tx, tx.projects.get(project))
+
+
+def change_project(call: Call, change: ProjectChange, project: ProjectName) -> ProjectView:
+    """In an archived project nothing changes until it is opened again; it is seen and exported as before. What would
+    exceed a quota is not stored; what is there stays.
+    """
+    with call.database.write(call.author) as tx:
+        tx.dialect.order_commits(tx.connection)
+        key = tx.projects.get(project)
+        require(tx, key, "own")
+        bounds = {name: getattr(change, name) for name in ("most_documents", "most_bytes")}
+        given = {name: bound or None for name, bound in bounds.items() if bound is not None}
+        if given and not may(call.view.everywhere, "operate"):
+            raise AccessError(
+                "Owners of the repository say how much a project may hold.", remedy="Ask one of them for more room."
+            )
+        chosen = replace(tx.terms.of(key), **given)
+        if change.archived is not None:
+            since = chosen.archived or now()
+            chosen = replace(chosen, archived=since if change.archived else None)
+        tx.terms.put(key, chosen)
+        return _view(tx, key)
+
+
 def import_project(
     call: Call,
     file: Annotated[SourceFile, Upload, Field(description="What the export of a project gave")],
@@ -42,3 +73,8 @@ def import_project(
 
     project, documents = importing(call.database, file.stream, call.settings, call.author, name)
     return ProjectImported(project=project, documents=documents)
+
+
+def _view(tx: Transaction, key: int) -> ProjectView:
+    documents, size = tx.terms.held(key)
+    return ProjectView(name=tx.projects.name(key), documents=documents, bytes=size, **vars(tx.terms.of(key)))

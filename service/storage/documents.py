@@ -23,7 +23,7 @@ from service.storage.seals import SEALS, Checked, checked, closing
 from service.storage.selected import all_documents, one_document
 from service.storage.tables import content, document, property_, revision
 from service.storage.uploads import LEASE_SECONDS
-from service.storage.views import WHOLE, require, seen
+from service.storage.views import require, seen
 
 if TYPE_CHECKING:
     from service.storage.transaction import Transaction
@@ -137,6 +137,7 @@ class Documents:
             raise _swept()
         made = (key, 1, number, None, "import", message, stored_form(name), project_key)
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [made])
+        self._tx.terms.require_room(project_key)
 
     def write_content(
         self,
@@ -179,8 +180,11 @@ class Documents:
 
     def require(self, key: int) -> None:
         """AccessError unless one may change a document."""
-        if self._tx.view != WHOLE:
-            require(self._tx, self._project(key))
+        require(self._tx, self._project(key))
+
+    def require_room(self, key: int) -> None:
+        """ConflictError where the project of a document holds more than it may."""
+        self._tx.terms.require_room(self._project(key))
 
     def _project(self, key: int) -> int:
         """The project that a document is in now."""
@@ -283,6 +287,7 @@ class Documents:
         self.require(key)
         require(self._tx, project_key)
         self._change(key, project=project_key)
+        self._tx.terms.require_room(project_key)
 
     def set_next_slot(self, key: int, slot: int) -> None:
         self._change(key, next_slot=slot)
@@ -293,6 +298,7 @@ class Documents:
 
     def undelete(self, key: int) -> None:
         self._set_deleted(key, CURRENT)
+        self.require_room(key)
 
     def _set_deleted(self, key: int, number: int) -> None:
         self._change(key, deleted_commit=number)

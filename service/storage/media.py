@@ -48,6 +48,7 @@ class MediaOfDocuments:
         self._remove(document_key)
         row = {"document": document_key, "upload": key, "file_name": file_name, "media_type": media_type}
         self._tx.insert_rows(document_media, [row | {"offset": offset}])
+        self._tx.documents.require_room(document_key)
         self._tx.uploads.remove_orphans(0)
 
     def remove(self, document_key: int) -> None:

@@ -43,6 +43,7 @@ from service.storage.schema import CURRENT
 from service.storage.seals import Checked, sealed
 from service.storage.shares import Shares
 from service.storage.spans import Spans
+from service.storage.terms import ProjectTerms
 from service.storage.thumbnails import Thumbnails
 from service.storage.tokens import Tokens
 from service.storage.tracks import Tracks
@@ -224,6 +225,10 @@ class Transaction:
     @cached_property
     def projects(self) -> Projects:
         return Projects(self)
+
+    @cached_property
+    def terms(self) -> ProjectTerms:
+        return ProjectTerms(self)
 
     @cached_property
     def jobs(self) -> Jobs:

@@ -98,12 +98,15 @@ def seen(view: View, project: ColumnElement[int] | Any = document.c.project) -> 
 
 
 def require(tx: Transaction, project: int, scope: str = "edit") -> None:
-    """AccessError unless whoever has the transaction may do this in a project."""
+    """AccessError unless whoever has the transaction may do this in a project. ConflictError for changes of what is in
+    one that is archived."""
     if not may(tx.view.scope(project), scope):
         raise AccessError(
             f"This needs the right to {scope} in the project {tx.projects.name(project)!r}.",
             remedy="Ask an owner of the project for another role in it.",
         )
+    if scope == "edit":
+        tx.terms.require_open(project)
 
 
 def _least(scope: str | None, own: str) -> str:

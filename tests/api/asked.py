@@ -157,7 +157,9 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
         return Asked(
             "named", {"name": "reader" if "member" in name else word}, where, {"json": body} if name in NAMED else {}
         )
-    if name == "export_project":
+    if name == "change_project":
+        return Asked("named", {}, where, {"json": {"archived": False}})
+    if name in ("export_project", "get_project"):
         return Asked("named", {}, where, {})
     if name == "add_share":
         return Asked("thing", {}, {}, {"json": {"name": "for them", "documents": [one]}})

@@ -46,7 +46,8 @@ def _some(stream: BinaryIO) -> list[bytes]:
 
 
 def keep_media(database: Database, uuid: str, file: SourceFile, offset: float, author: str) -> StoredMedia:
-    """Let a document carry a file, in the place of what it carried. offset: seconds in it at the first frame."""
+    """Let a document carry a file, in the place of what it carried. offset: seconds in it at the first frame.
+    AccessError, ConflictError where the document may not be changed, or the project has no room."""
     stream = file.stream
     stream.seek(0)
     kind = media_type_of(stream.read(64))
@@ -56,7 +57,7 @@ def keep_media(database: Database, uuid: str, file: SourceFile, offset: float, a
         digest.update(data)
     sha256 = digest.hexdigest()
     with database.write(author) as tx:
-        tx.documents.get(uuid)
+        tx.documents.require(tx.documents.get(uuid).key)
         key = tx.uploads.find(sha256, size)
         made = tx.uploads.begin(sha256, size) if key is None else None
     if made is not None:
