@@ -44,3 +44,22 @@ class ManyChanges(BaseModel):
     selection: Selection
     change: DocumentChange = Field(default_factory=lambda: DocumentChange(message=""))
     labels: list[ManyLabel] = Field(default_factory=list, max_length=1000)
+
+
+class ManyCopies(BaseModel):
+    """project: where the copies go; a new one is made."""
+
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra=shown({"selection": {"documents": [DOCUMENT]}, "project": PROJECT})
+    )
+
+    selection: Selection
+    project: str = Field(min_length=1, max_length=256)
+
+
+class CopiedDocuments(BaseModel):
+    """Ids of the copies, in the order of the ids of what was copied."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"documents": [DOCUMENT]}))
+
+    documents: list[str]

@@ -55,6 +55,7 @@ BY_HAND = {
     "account role": "accounts:role",
     "account close": "accounts:close",
     "account reopen": "accounts:reopen",
+    "project copy": "moving:copy",
     "project archive": "moving:archive",
     "project open": "moving:open_",
     "project quota": "moving:quota",

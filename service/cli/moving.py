@@ -9,6 +9,8 @@ import typer
 
 from mcml.files import write_file
 from schemas.catalogues import ProjectChange
+from schemas.jobs import Selection
+from schemas.selections import ManyCopies
 from service.cli.shared import DatabaseOption, ForceOption, ServerOption, console, opened
 from service.formats.format import SourceFile
 
@@ -46,6 +48,18 @@ def quota(
         told = client.call("change_project", project=project, change=change)
     of = [f" of {most:,}" if most else "" for most in (told.most_documents, (told.most_bytes or 0) // 1_000_000)]
     console.print(f"{told.documents:,}{of[0]} documents, {told.bytes / 1e6:,.1f}{of[1]} MB")
+
+
+def copy(
+    project: Annotated[str, typer.Argument(help="Where the copies go")],
+    ids: Annotated[list[str], typer.Argument(help="Ids of documents")],
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+) -> None:
+    """Copy documents with their whole histories into a project."""
+    request = ManyCopies(selection=Selection(documents=ids), project=project)
+    for made in opened(database, server).call("copy_documents", request=request).documents:
+        print(made)
 
 
 def export(

@@ -50,6 +50,8 @@ _ROWS = [
               "Hide all documents of a selection.", "selections", heavy=True),
     Operation("restore_documents", "POST /selections/restore", WRITES, EDIT,
               "Bring deleted documents back.", "selections", heavy=True),
+    Operation("copy_documents", "POST /selections/copy", WRITES, EDIT,
+              "Copy documents with their histories into a project.", "selections", status=201, heavy=True),
     Operation("change_documents", "POST /selections/change", WRITES, EDIT,
               "Change facts of all documents of a selection, and name frames of them.", "selections", heavy=True),
 

@@ -1,10 +1,10 @@
-"""Many documents at once: hidden, brought back, changed. All of them, or none."""
+"""Many documents at once: hidden, brought back, changed, copied. All of them, or none."""
 
 from __future__ import annotations
 
 from schemas.documents import ChangedDocuments
 from schemas.jobs import Selection
-from schemas.selections import ManyChanges, ManyDocuments
+from schemas.selections import CopiedDocuments, ManyChanges, ManyCopies, ManyDocuments
 from service.actions.editing import change_document as changes
 from service.actions.labelling import edit_labels
 from service.operations.call import Call
@@ -42,6 +42,20 @@ def restore_documents(call: Call, request: ManyDocuments) -> ChangedDocuments:
             if tx.documents.find(uuid) is None:
                 done.append(changes.restore_document(tx, stored))
     return changed_documents(done)
+
+
+def copy_documents(call: Call, request: ManyCopies) -> CopiedDocuments:
+    """With their whole histories and the files that they came of, into another project or beside themselves."""
+    # Imported here: other operations move no rows.
+    from service.storage.project_rows import copied
+
+    uuids = _chosen(call, request.selection)
+    with call.database.write(call.author) as tx:
+        tx.dialect.order_commits(tx.connection)
+        project = tx.projects.get_or_add(request.project)
+        made = [copied(tx, tx.documents.get(uuid).key, project) for uuid in uuids]
+        tx.terms.require_room(project)
+    return CopiedDocuments(documents=made)
 
 
 def change_documents(call: Call, request: ManyChanges) -> ChangedDocuments:

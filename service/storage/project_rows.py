@@ -75,12 +75,16 @@ def _columns(table: Table) -> list[str]:
 
 
 class ProjectRows:
-    """The rows of a project of one store. DamageError for rows that are not what was written."""
+    """The rows of a project of one store, or of one document alone. DamageError for rows that are not what was
+    written."""
 
-    def __init__(self, tx: Transaction, project_key: int) -> None:
+    def __init__(self, tx: Transaction, project_key: int | None, document_key: int | None = None) -> None:
         self._tx = tx
         self._project = project_key
-        ready = (tables.document.c.project == project_key) & (tables.document.c.state == "ready")
+        its_own = tables.document.c.project == project_key
+        if document_key is not None:
+            its_own = tables.document.c.id == document_key
+        ready = its_own & (tables.document.c.state == "ready")
         self.documents = self._keys(select(tables.document.c.id).where(ready))
         self._results = self._keys(select(work_tables.result.c.id).where(work_tables.result.c.project == project_key))
         skeletons: set[int] = set()
@@ -123,6 +127,11 @@ class ProjectRows:
                 found.setdefault(hashed, []).append(key)
         return found
 
+    @property
+    def uploads(self) -> list[int]:
+        """Keys of the kept files."""
+        return self._among["upload"]
+
     def _keys(self, query: Any) -> list[int]:
         return sorted(key for key in self._tx.connection.execute(query).scalars() if key is not None)
 
@@ -138,7 +147,7 @@ class ProjectRows:
 
     def files(self) -> Iterator[tuple[str, Callable[[], Iterator[bytes]]]]:
         """(SHA-256, content) of the kept files."""
-        for key in self._among["upload"]:
+        for key in self.uploads:
             query = select(tables.upload.c.sha256).where(tables.upload.c.id == key)
             sha256 = str(self._tx.connection.execute(query).scalar_one())
             yield sha256, lambda key=key: self._tx.uploads.blocks(key)  # type: ignore[misc]
@@ -216,7 +225,8 @@ class ProjectWriter:
 
     def __post_init__(self) -> None:
         # Nobody else may take a commit until these are written.
-        self._first = self.tx.commit
+        self._first = max(self.tx.commit, self.tx.newest_commit())
+        self._there: set[int] = set()
 
     def write(self, table: Table, rows: Iterable[Row]) -> int:
         """Write the rows of a table; how many. FormatError for what is none of its rows."""
@@ -226,6 +236,8 @@ class ProjectWriter:
             if set(row) != set(_columns(table)):
                 raise FormatError(f"This is no row of {table.name}: {', '.join(sorted(row))[:200]}.")
             count += 1
+            if table is tables.skeleton_element and row["skeleton"] in self._there:
+                continue
             if table.name in _OWN_KEY:
                 self._keyed(table, row)
                 continue
@@ -256,7 +268,15 @@ class ProjectWriter:
         own = {name: value for name, value in self._here(table, row).items() if name != "id"}
         if "uuid" in own:
             own["uuid"] = self._uuid(table, own["uuid"])
-        keys[number] = self.tx.insert_row(table, **own)
+        found = self._equal_skeleton(own) if table is tables.skeleton else None
+        if found is not None:
+            self._there.add(number)
+        keys[number] = self.tx.insert_row(table, **own) if found is None else found
+
+    def _equal_skeleton(self, row: Row) -> int | None:
+        """The key of a skeleton that the project has."""
+        its_own = (tables.skeleton.c.project == self.project_key, tables.skeleton.c.hash == row["hash"])
+        return self.tx.connection.execute(select(tables.skeleton.c.id).where(*its_own)).scalar_one_or_none()
 
     def _here(self, table: Table, row: Row) -> Row:
         """A row as this store has it."""
@@ -301,3 +321,17 @@ def _fits(column: Column[Any], value: object) -> bool:
     if kind is int:
         return type(value) is int and -(2**63) <= value < 2**63
     return isinstance(value, (int, float) if kind is float else kind) and (kind is bool or not isinstance(value, bool))
+
+
+def copied(tx: Transaction, document_key: int, project_key: int) -> str:
+    """The id of a copy of a document with its whole history, in a project."""
+    rows = ProjectRows(tx, None, document_key)
+    writer = ProjectWriter(tx, project_key)
+    for sha256, size in tx.connection.execute(
+        select(tables.upload.c.sha256, tables.upload.c.size).where(tables.upload.c.id.in_(rows.uploads))
+    ):
+        writer.uploads[sha256] = tx.uploads.find(sha256, size) or 0
+    for table in MOVED.values():
+        # What is read must have been read before the same connection writes.
+        writer.write(table, list(rows.of(table)))
+    return next(iter(writer.uuids.values()))

@@ -183,6 +183,29 @@ def test_what_is_damaged_is_not_moved(database: Database) -> None:
         exported(database)
 
 
+def test_copies_have_the_whole_history(database: Database) -> None:
+    """Also where an equal skeleton is, and of many at once; the copy and what it is of go on by themselves."""
+    fill(database, 6)
+    with served(database) as client:
+        asked = {"selection": {"project": "mine"}, "project": "copies"}
+        made = client.post(f"{API}/selections/copy", json=asked)
+        assert made.status_code == 201, made.text
+        again = client.post(f"{API}/selections/copy", json=asked | {"project": "mine"})
+        assert len(again.json()["documents"]) == len(made.json()["documents"]) == 10
+        assert database.check(past=True) == []
+        own = {str(one): one for one in without_keys(histories(database, "copies"))}
+        there = [str(one) for one in without_keys(histories(database, "mine"))]
+        assert all(there.count(one) >= 2 for one in own)
+        copy = made.json()["documents"][0]
+        before = without_keys(histories(database, "mine"))
+        edits = {"edits": [{"do": "reverse", "first": 1, "last": 2}]}
+        for path, body in (("frames", edits), ("undo", None)):
+            answer = client.post(f"{API}/documents/{copy}/{path}", json=body, headers={"if-match": "*"})
+            assert answer.status_code == 200, answer.text
+        assert without_keys(histories(database, "mine")) == before
+    assert database.check(past=True) == []
+
+
 @one_kind
 def test_what_is_broken_or_taken_changes_nothing(database: Database) -> None:
     """Members that lack, are cut, hold other values or other types, one at a time at random."""

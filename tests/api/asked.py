@@ -173,6 +173,7 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
         "import_labels": Asked("thing", {}, {}, {"content": f"document,label,first,last\n{one},hop,1,1\n", **csv}),
         "delete_documents": Asked("thing", {}, {}, {"json": {"documents": [things.stored[1]]}}),
         "restore_documents": Asked("thing", {}, {}, {"json": {"documents": [things.stored[2]]}}),
+        "copy_documents": Asked("thing", {}, {}, {"json": {"selection": selected, **where}}),
         "change_documents": Asked("thing", {}, {}, {"json": {"selection": selected, "change": {"description": "z"}}}),
         "export_documents": Asked("thing", {}, {}, {"json": {"selection": selected, "format": "bvh"}}),
         "label_by_query": Asked("thing", {}, {}, {"json": {"name": "all", "xpath": "//frame[1]", "document": [one]}}),

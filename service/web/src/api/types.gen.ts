@@ -180,6 +180,22 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/selections/copy": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post: operations["copy_documents"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/selections/change": {
         parameters: {
             query?: never;
@@ -2038,6 +2054,9 @@ export interface components {
             theirs?: unknown;
             mine?: unknown;
         };
+        CopiedDocuments: {
+            documents: string[];
+        };
         Count: {
             value: string;
             documents: number;
@@ -2853,6 +2872,10 @@ export interface components {
             selection: components["schemas"]["Selection"];
             change?: components["schemas"]["DocumentChange"];
             labels?: components["schemas"]["ManyLabel"][];
+        };
+        ManyCopies: {
+            selection: components["schemas"]["Selection"];
+            project: string;
         };
         ManyDocuments: {
             documents: string[];
@@ -4559,6 +4582,55 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ChangedDocuments"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    copy_documents: {
+        parameters: {
+            query?: never;
+            header?: {
+                "idempotency-key"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ManyCopies"];
+            };
+        };
+        responses: {
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CopiedDocuments"];
                 };
             };
             503: {
