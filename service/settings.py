@@ -64,6 +64,9 @@ class Settings(BaseSettings):
     model_config = SettingsConfigDict(env_prefix="MCML_", extra="ignore")
 
     database: str | None = Field(None, description="SQLAlchemy URL; default: an SQLite file in the user's data folder")
+    database_read_url: str | None = Field(
+        None, description="SQLAlchemy URL of a streaming replica of a PostgreSQL store, which answers what only reads"
+    )
     host: str = Field("127.0.0.1", description="Address to listen on; any other than loopback needs a token")
     login: Literal["auto", "always"] = Field(
         "auto",

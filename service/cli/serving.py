@@ -135,6 +135,7 @@ EXTRAS = {"arrow": "pyarrow", "audio": "librosa", "plots": "matplotlib", "usd": 
 def doctor(database: DatabaseOption = None) -> None:
     """Say what this installation has, what it lacks, and how to mend it."""
     from service.clips.bodies import MADE
+    from service.storage.replica import Replica
     from service.xpath.library.part_file import path_of, why_not
 
     settings = chosen_settings(database)
@@ -181,6 +182,11 @@ def doctor(database: DatabaseOption = None) -> None:
                 "documents",
                 f"{count:,} in {sizes['total'] / 1e6:,.1f} MB, {sizes['uploads'] / 1e6:,.1f} MB of it uploads",
             )
+            if settings.database_read_url:
+                behind = Replica(settings.database_read_url, store.dialect).behind()
+                away = "Servers read the primary meanwhile. Look whether it runs, and MCML_DATABASE_READ_URL."
+                fact = "does not answer" if behind is None else f"{behind:,} bytes behind"
+                line("replica", fact, behind is not None, away if behind is None else "")
             way = "A server derives the others" if settings.derive else "Derive the others"
             line(
                 "bodies",
