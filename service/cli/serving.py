@@ -10,7 +10,7 @@ import socket
 import sqlite3
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.text import Text
@@ -30,6 +30,7 @@ def serve(
     ] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on")] = None,
     database: DatabaseOption = None,
+    workers: Annotated[int, typer.Option(min=1, help="Processes that serve; they share the machine's cores")] = 1,
     with_demo: Annotated[bool, typer.Option("--demo", help="Load the demo library if the store is empty")] = False,
 ) -> None:
     """Serve the repository over HTTP."""
@@ -67,9 +68,14 @@ def serve(
     os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
     os.environ["MCML_DATABASE"] = settings.database_url
     keep_log(settings)
+    if workers > 1:
+        os.environ["MCML_JOB_WORKERS"] = str(max(1, settings.jobs_at_a_time // workers))
+        os.environ["MCML_HEAVY_PLACES"] = str(max(2, settings.heavy_at_once // workers))
+        os.environ["MCML_IMPORT_PROCESSES"] = str(max(1, settings.import_processes_at_a_time // workers))
     uvicorn.run(
-        "service.app:app_from_environment",
+        "service.cli.serving:app_of_a_worker" if workers > 1 else "service.app:app_from_environment",
         factory=True,
+        workers=workers,
         host=settings.host,
         port=settings.port,
         http=connections_of(settings),  # type: ignore[arg-type]  # whatever makes one
@@ -80,6 +86,15 @@ def serve(
         # The service reads such headers itself, of proxies that it trusts.
         proxy_headers=False,
     )
+
+
+def app_of_a_worker() -> Any:
+    """The service in one of several processes, each of which keeps the log."""
+    from service.api.logs import keep_log
+    from service.app import app_from_environment
+
+    keep_log(chosen_settings())
+    return app_from_environment()
 
 
 def _check_port(host: str, port: int) -> None:
