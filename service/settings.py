@@ -105,6 +105,10 @@ class Settings(BaseSettings):
     dask_scheduler: str | None = Field(
         None, description="Address of a team's Dask scheduler to run jobs on; needs PostgreSQL"
     )
+    dask_tls_ca: str | None = Field(None, description="Certificate that signed those of a tls:// scheduler's cluster")
+    dask_tls_cert: str | None = Field(None, description="Certificate of this server in that cluster")
+    dask_tls_key: str | None = Field(None, description="Its key")
+    jobs_of_project: int = Field(0, ge=0, description="Jobs of one project that run at a time, on all servers; 0: any")
     cors_origins: str = Field(
         "", description="Origins, separated by commas, whose pages may use this server, such as https://lab.example"
     )
