@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator
+from copy import copy
 from functools import partial
 from typing import Annotated, Any
 
@@ -121,7 +122,7 @@ def _tried(operation: Operation, call: Call, http: Request, response: Response, 
         except ClashError:
             if call.database.writes != written:
                 raise
-        call = call.again()
+        call.begin_again()
         for value in values.values():
             for item in value if isinstance(value, list) else [value]:
                 if isinstance(item, SourceFile):
@@ -156,7 +157,8 @@ def _answer(operation: Operation, call: Call, http: Request, response: Response,
 
 def _made_again(operation: Operation, call: Call, values: dict[str, Any]) -> Iterator[Bytes]:
     """The bytes of content whose replica went away while it was sent. ReplicaError where they are others by now."""
-    other = call.again()
+    other = copy(call)
+    other.begin_again()
     with other.held:
         content = operation.run(other, values)
         if other.tag != call.tag:

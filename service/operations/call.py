@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -127,12 +127,12 @@ class Call:
         """The store as whoever asks sees it."""
         return self.repository.database.for_call(self.view, from_replica=self.from_replica)
 
-    def again(self) -> Call:
-        """The same call, which is to be answered by the store itself."""
-        other = replace(self, from_replica=False, held=ExitStack(), tag=None, lasting=False, created=None, made=True)
-        if "limits" in self.__dict__:
-            other.limits = self.limits
-        return other
+    def begin_again(self) -> None:
+        """Forget what was said of the answer: it is asked for anew, of the store itself."""
+        self.from_replica, self.held = False, ExitStack()
+        self.tag, self.lasting, self.created, self.made = None, False, None, True
+        for name in ("database", "queries"):
+            self.__dict__.pop(name, None)
 
     @property
     def settings(self) -> Settings:
