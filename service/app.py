@@ -60,7 +60,7 @@ def create_app(
     database: of whoever uses the service in its own process; default from the settings. secret: what is read each time
     that it is asked for; who sends it from this machine may come in as the owner of the store.
     """
-    store = database or Database(settings.database_url)
+    store = database or Database(settings.database_url, settings.database_read_url)
     traffic = Traffic()
     repository = Repository(store, settings)
 

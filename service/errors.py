@@ -112,6 +112,20 @@ class UnavailableError(StoreError):
     """The store cannot be reached now, and may be soon: its server is down or starts, or all connections are taken."""
 
 
+class ReplicaError(UnavailableError):
+    """The replica went away while it was read. The primary can be asked the same."""
+
+    def __init__(self) -> None:
+        super().__init__("The store's replica went away.", remedy="Ask again: the store itself answers then.")
+
+
+class ClashError(UnavailableError):
+    """Two transactions waited for each other, so the database ended this one. Nothing of it was done."""
+
+    def __init__(self) -> None:
+        super().__init__("Another request was in the way of this one.", remedy="Send it again.")
+
+
 class BusyError(McmlError):
     """More is asked for than can be worked on now. Nothing of the request was done."""
 

@@ -66,6 +66,9 @@ class Settings(BaseSettings):
     model_config = SettingsConfigDict(env_prefix="MCML_", extra="ignore")
 
     database: str | None = Field(None, description="SQLAlchemy URL; default: an SQLite file in the user's data folder")
+    database_read_url: str | None = Field(
+        None, description="SQLAlchemy URL of a streaming replica of a PostgreSQL store, which answers what only reads"
+    )
     host: str = Field("127.0.0.1", description="Address to listen on; any other than loopback needs a token")
     login: Literal["auto", "always"] = Field(
         "auto",
@@ -113,6 +116,10 @@ class Settings(BaseSettings):
     dask_scheduler: str | None = Field(
         None, description="Address of a team's Dask scheduler to run jobs on; needs PostgreSQL"
     )
+    dask_tls_ca: str | None = Field(None, description="Certificate that signed those of a tls:// scheduler's cluster")
+    dask_tls_cert: str | None = Field(None, description="Certificate of this server in that cluster")
+    dask_tls_key: str | None = Field(None, description="Its key")
+    jobs_of_project: int = Field(0, ge=0, description="Jobs of one project that run at a time, on all servers; 0: any")
     cors_origins: str = Field(
         "", description="Origins, separated by commas, whose pages may use this server, such as https://lab.example"
     )

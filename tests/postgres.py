@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import create_engine, text
+from sqlalchemy import URL, create_engine, make_url, text
 
 _PLACES = ("/usr/lib/postgresql", "/usr/pgsql", "/opt/homebrew/opt/postgresql", "/usr/local/pgsql")
 
@@ -48,45 +48,113 @@ def _copied(home: Path, folder: Path) -> Path:
     return folder / package.name / "pginstall" / "bin"
 
 
+class Programs:
+    """PostgreSQL's programs and a folder for clusters, both of a user who may run them."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._user: dict[str, Any] = {}
+        if os.getuid() == 0:
+            account = next(entry for entry in pwd.getpwall() if entry.pw_name in ("postgres", "nobody"))
+            self._user = {"user": account.pw_uid, "group": account.pw_gid, "extra_groups": []}
+            os.chown(folder, account.pw_uid, account.pw_gid)
+        self._home = binaries()
+        if self._user and not self._home.is_relative_to("/usr"):
+            # The other user may not be allowed to look into this environment's folder.
+            self._home = _copied(self._home, folder / "server")
+        self._environment = {"PATH": os.environ.get("PATH", ""), "LC_ALL": "C.UTF-8", "HOME": str(folder)}
+
+    def run(self, name: str, *words: str | Path, check: bool = True) -> None:
+        """RuntimeError where a program fails, with what it said."""
+        with tempfile.TemporaryFile() as said:
+            # A file, for a server that is started keeps a pipe open.
+            done = subprocess.run(
+                [self._home / name, *words],
+                check=False, stdin=subprocess.DEVNULL, stdout=said, stderr=said, cwd=self.folder, env=self._environment,
+                **self._user,
+            )  # fmt: skip
+            said.seek(0)
+            if check and done.returncode:
+                raise RuntimeError(f"{name} fails: {said.read().decode(errors='replace')}")
+
+    def start(self, data: Path, port: int) -> None:
+        log = data.with_suffix(".log")
+        options = f"-c listen_addresses=127.0.0.1 -p {port} -k {self.folder} -c fsync=off -c max_connections=200"
+        try:
+            self.run("pg_ctl", "-D", data, "-l", log, "-w", "-o", options, "start")
+        except RuntimeError as error:
+            raise RuntimeError(f"{error}{log.read_text() if log.exists() else ''}") from None
+
+    def stop(self, data: Path) -> None:
+        """As a crash does."""
+        self.run("pg_ctl", "-D", data, "-m", "immediate", "-w", "stop", check=False)
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
 @contextmanager
 def server() -> Iterator[str]:
     """Start a server in a temporary folder; yields the address of its maintenance database, with {} for the name."""
-    folder = Path(tempfile.mkdtemp(prefix="mcml-pg-"))
-    user: dict[str, Any] = {}
-    if os.getuid() == 0:
-        account = next(entry for entry in pwd.getpwall() if entry.pw_name in ("postgres", "nobody"))
-        user = {"user": account.pw_uid, "group": account.pw_gid, "extra_groups": []}
-        os.chown(folder, account.pw_uid, account.pw_gid)
-    home = binaries()
-    if user and not home.is_relative_to("/usr"):
-        # The other user may not be allowed to look into this environment's folder.
-        home = _copied(home, folder / "server")
-    data = folder / "data"
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    environment = {"PATH": os.environ.get("PATH", ""), "LC_ALL": "C.UTF-8", "HOME": str(folder)}
-    log = folder / "log"
-    try:
-        subprocess.run(
-            [home / "initdb", "-D", data, "-U", "mcml", "-A", "trust", "-E", "UTF8", "--no-sync"],
-            check=True, capture_output=True, cwd=folder, env=environment, **user,
-        )  # fmt: skip
-        options = f"-c listen_addresses=127.0.0.1 -p {port} -k {folder} -c fsync=off -c max_connections=200"
-        subprocess.run(
-            [home / "pg_ctl", "-D", data, "-l", log, "-w", "-o", options, "start"],
-            check=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, cwd=folder, env=environment, **user,
-        )  # fmt: skip
+    with _temporary() as programs:
+        data, port = programs.folder / "data", free_port()
+        programs.run("initdb", "-D", data, "-U", "mcml", "-A", "trust", "-E", "UTF8", "--no-sync")
+        programs.start(data, port)
         try:
             yield f"postgresql+psycopg://mcml@127.0.0.1:{port}/{{}}"
         finally:
-            subprocess.run(
-                [home / "pg_ctl", "-D", data, "-m", "immediate", "-w", "stop"],
-                check=False, capture_output=True, cwd=folder, env=environment, **user,
-            )  # fmt: skip
-    except subprocess.CalledProcessError as error:
-        said = (error.stderr or b"").decode(errors="replace") + (log.read_text() if log.exists() else "")
-        raise RuntimeError(f"PostgreSQL does not start: {said}") from error
+            programs.stop(data)
+
+
+class Replica:
+    """A streaming replica of a server. url: of the database of the address that it was made of."""
+
+    def __init__(self, programs: Programs, data: Path, url: URL) -> None:
+        self._programs, self._data = programs, data
+        self._port = url.port or 0
+        self.url = url.render_as_string(hide_password=False)
+
+    def start(self) -> None:
+        self._programs.start(self._data, self._port)
+
+    def kill(self) -> None:
+        self._programs.stop(self._data)
+
+    def tell(self, statement: str) -> Any:
+        """What it says to a statement."""
+        engine = create_engine(self.url, isolation_level="AUTOCOMMIT")
+        with engine.connect() as connection:
+            said = connection.execute(text(statement)).scalar()
+        engine.dispose()
+        return said
+
+
+@contextmanager
+def replica(url: str) -> Iterator[Replica]:
+    """A replica of the server of a database."""
+    address = make_url(url)
+    with _temporary() as programs:
+        data = programs.folder / "data"
+        programs.run(
+            "pg_basebackup", "-D", data, "-h", "127.0.0.1", "-p", str(address.port), "-U", "mcml",
+            "--write-recovery-conf", "--checkpoint=fast", "--no-sync",
+        )  # fmt: skip
+        made = Replica(programs, data, address.set(port=free_port()))
+        made.start()
+        try:
+            yield made
+        finally:
+            made.kill()
+
+
+@contextmanager
+def _temporary() -> Iterator[Programs]:
+    folder = Path(tempfile.mkdtemp(prefix="mcml-pg-"))
+    try:
+        yield Programs(folder)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

@@ -11,6 +11,7 @@ from schemas.catalogues import Health
 from service.clips.bodies import MADE
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
+from service.storage.replica import Replica
 
 router = APIRouter(tags=["health"])
 
@@ -52,7 +53,22 @@ def metrics(request: Request) -> str:
     sizes = _database(request).size()
     lines += ["# HELP mcml_store_bytes Size of the store.", "# TYPE mcml_store_bytes gauge"]
     lines += [f'mcml_store_bytes{{part="{part}"}} {size}' for part, size in sorted(sizes.items())]
+    replica = _database(request).replica
+    if replica is not None:
+        lines += _replica_lines(replica)
     return "\n".join(lines) + "\n"
+
+
+def _replica_lines(replica: Replica) -> list[str]:
+    behind = replica.behind()
+    lines = ["# HELP mcml_replica_up Whether the replica answers.", "# TYPE mcml_replica_up gauge"]
+    lines.append(f"mcml_replica_up {int(behind is not None)}")
+    if behind is not None:
+        lines += ["# HELP mcml_replica_behind_bytes Bytes of the log that it lacks."]
+        lines += ["# TYPE mcml_replica_behind_bytes gauge", f"mcml_replica_behind_bytes {behind}"]
+    lines += ["# HELP mcml_replica_reads_total Reads that it might answer, by which database did."]
+    lines += ["# TYPE mcml_replica_reads_total counter"]
+    return lines + [f'mcml_replica_reads_total{{by="{by}"}} {count}' for by, count in sorted(replica.reads.items())]
 
 
 def _database(request: Request) -> Database:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from copy import copy
+from functools import partial
 from typing import Annotated, Any
 
 from anyio import to_thread
@@ -15,13 +17,17 @@ from starlette.datastructures import UploadFile as FormFile
 from service.actions.analysing.start_analysis import find_analysis
 from service.api.lanes import while_connected
 from service.api.once import Key, creates, done_once
-from service.api.streaming import answered, known_as, read_body
+from service.api.streaming import Bytes, answered, known_as, read_body
+from service.errors import ClashError, ReplicaError
 from service.formats.format import SourceFile
 from service.operations.call import Call, Content, SameError
-from service.operations.operation import Argument, Body, Operation
+from service.operations.operation import Argument, Body, Effect, Operation
 from service.storage.accounts import Entry
 
 PREFIX = "/api/v1"
+
+TRIES = 4
+"""How often a request is tried that the database gives up for another's sake."""
 
 BYTES = "application/octet-stream"
 
@@ -100,7 +106,27 @@ def respond(operation: Operation, call: Call, http: Request, response: Response,
     key = given.pop("idempotency_key", None)
     values = {name: _value(value) for name, value in given.items()}
     if key is not None:
-        return done_once(operation, call, key, values, lambda: _answer(operation, call, http, response, values))
+        return done_once(operation, call, key, values, lambda: _tried(operation, call, http, response, values))
+    return _tried(operation, call, http, response, values)
+
+
+def _tried(operation: Operation, call: Call, http: Request, response: Response, values: dict[str, Any]) -> Any:
+    """The answer, asked for anew where the replica went away, or where the database ended a transaction for another's
+    sake and nothing was written."""
+    for _ in range(TRIES - 1):
+        written = call.database.writes
+        try:
+            return _answer(operation, call, http, response, values)
+        except ReplicaError:
+            pass
+        except ClashError:
+            if call.database.writes != written:
+                raise
+        call.begin_again()
+        for value in values.values():
+            for item in value if isinstance(value, list) else [value]:
+                if isinstance(item, SourceFile):
+                    item.stream.seek(0)
     return _answer(operation, call, http, response, values)
 
 
@@ -116,7 +142,8 @@ def _answer(operation: Operation, call: Call, http: Request, response: Response,
         if call.created is not None:
             headers["location"] = f"{PREFIX}/{call.created}"
         if isinstance(answer, Content):
-            return answered(answer, headers, held.pop_all(), http)
+            again = partial(_made_again, operation, call, values) if call.from_replica and call.tag else None
+            return answered(answer, headers, held.pop_all(), http, again)
     if answer is None:
         return Response(status_code=operation.status, headers=headers)
     following = getattr(answer, "next_cursor", None)
@@ -126,6 +153,17 @@ def _answer(operation: Operation, call: Call, http: Request, response: Response,
     if not call.made:
         response.status_code = 200
     return answer
+
+
+def _made_again(operation: Operation, call: Call, values: dict[str, Any]) -> Iterator[Bytes]:
+    """The bytes of content whose replica went away while it was sent. ReplicaError where they are others by now."""
+    other = copy(call)
+    other.begin_again()
+    with other.held:
+        content = operation.run(other, values)
+        if other.tag != call.tag:
+            raise ReplicaError
+        yield from content.blocks
 
 
 def _value(value: Any) -> Any:
@@ -175,6 +213,7 @@ def _calling(operation: Operation) -> Callable[[Request], Any]:
     async def call(request: Request) -> Call:
         """What is async needs no thread. Who may not do it is told so before what they send is looked at."""
         made = call_of(request)
+        made.from_replica = operation.effect in (Effect.READS, Effect.STREAMS)
         operation.allow(made)
         return made
 

@@ -105,7 +105,7 @@ def open_shared(http: Request, response: Response, request: SharedRequest) -> Sh
         secret = tx.sessions.open_share(shown)
         view = tx.shares.view(shown)
     attempts.forget(address, "")
-    with database.seen_by(view).read() as tx:
+    with database.for_call(view).read() as tx:
         # What was deleted meanwhile, or is in another project now, is not there.
         motions = [SharedMotion(**vars(one)) for one in tx.shares.motions(shown)]
     named, lasts = share_cookie_name(http.url.scheme), SESSION_HOURS * 3600

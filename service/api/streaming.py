@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import AsyncIterator, Generator, Iterator
+import sys
+from collections.abc import AsyncIterator, Callable, Generator, Iterator
 from contextlib import ExitStack
 from typing import TypeAlias
 from urllib.parse import quote
@@ -14,7 +15,7 @@ from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from service.api.problems import plain
-from service.errors import LimitError
+from service.errors import LimitError, ReplicaError
 from service.operations.call import Content
 
 PIECE = 1 << 18
@@ -23,16 +24,20 @@ a small one. A shorter answer is sent whole."""
 
 
 Bytes: TypeAlias = bytes | memoryview
+Again: TypeAlias = Callable[[], Iterator[Bytes]]
 
 _RANGE = re.compile(r"bytes=(\d{0,18})-(\d{0,18})")
 _HEADERS = {"total-count": "x-total-count"}
 """Names of facts that are not the repository's own."""
 
 
-def answered(content: Content, headers: dict[str, str], held: ExitStack, http: Request) -> Response:
+def answered(
+    content: Content, headers: dict[str, str], held: ExitStack, http: Request, again: Again | None = None
+) -> Response:
     """Content as a response whose beginning is made here: a short one whole, of a long one enough for errors to show.
 
-    held: what the content reads from; it is let go when the answer is sent.
+    held: what the content reads from; it is let go when the answer is sent. again: gives the same bytes from the
+    beginning, for when the replica goes away that they are read from.
     """
     headers |= {_HEADERS.get(name, f"x-mcml-{name}"): _latin(text) for name, text in content.facts.items()}
     if content.name is not None:
@@ -42,7 +47,7 @@ def answered(content: Content, headers: dict[str, str], held: ExitStack, http: R
         headers["accept-ranges"] = "bytes"
     with held as stack:
         if wanted is not None:
-            return _part(content, headers, stack, wanted)
+            return _part(content, headers, stack, wanted, again)
         if content.live:
             kept = stack.pop_all()
             return StreamingResponse(_holding(kept, content.blocks), media_type=content.media_type, headers=headers)
@@ -56,7 +61,8 @@ def answered(content: Content, headers: dict[str, str], held: ExitStack, http: R
         if content.size is not None:
             headers["content-length"] = str(content.size)
         kept = stack.pop_all()
-    return StreamingResponse(ahead(_holding(kept, joined), first), media_type=content.media_type, headers=headers)
+    others = _resumed(_holding(kept, joined), len(first), again)
+    return StreamingResponse(ahead(others, first), media_type=content.media_type, headers=headers)
 
 
 def _range(content: Content, headers: dict[str, str], http: Request) -> range | None:
@@ -71,17 +77,18 @@ def _range(content: Content, headers: dict[str, str], http: Request) -> range | 
     return range(int(first), min(int(last) + 1, content.size) if last else content.size)
 
 
-def _part(content: Content, headers: dict[str, str], stack: ExitStack, wanted: range) -> Response:
+def _part(content: Content, headers: dict[str, str], stack: ExitStack, wanted: range, again: Again | None) -> Response:
     if not wanted:
         headers["content-range"] = f"bytes */{content.size}"
         return plain(416, "The file has no such bytes.", "Ask for a range within Content-Range.", headers)
     headers["content-range"] = f"bytes {wanted.start}-{wanted.stop - 1}/{content.size}"
     headers["content-length"] = str(len(wanted))
     kept = stack.pop_all()
-    found, within = content.blocks, wanted
+    found, at = content.blocks, 0
     if content.seek is not None:
-        found, within = content.seek(wanted.start), range(len(wanted))
-    blocks = ahead(pieces(_within(_holding(kept, found), within)))
+        found, at = content.seek(wanted.start), wanted.start
+    whole = _resumed(_holding(kept, found), at, again)
+    blocks = ahead(pieces(_within(whole, range(wanted.start - at, wanted.stop - at))))
     return StreamingResponse(blocks, 206, headers, media_type=content.media_type)
 
 
@@ -99,6 +106,18 @@ def _within(blocks: Iterator[Bytes], wanted: range) -> Iterator[Bytes]:
 def _holding(kept: ExitStack, blocks: Iterator[Bytes]) -> Generator[Bytes]:
     with kept:
         yield from blocks
+
+
+def _resumed(blocks: Iterator[Bytes], at: int, again: Again | None) -> Generator[Bytes]:
+    """Blocks, of which the first begins at a byte; where their replica goes away, the rest of what `again` gives."""
+    try:
+        for block in blocks:
+            at += len(block)
+            yield block
+    except ReplicaError:
+        if again is None:
+            raise
+        yield from _within(again(), range(at, sys.maxsize))
 
 
 def _latin(text: str) -> str:

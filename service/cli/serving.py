@@ -10,7 +10,7 @@ import socket
 import sqlite3
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.text import Text
@@ -30,6 +30,7 @@ def serve(
     ] = None,
     port: Annotated[int | None, typer.Option(help="Port to listen on")] = None,
     database: DatabaseOption = None,
+    workers: Annotated[int, typer.Option(min=1, help="Processes that serve; they share the machine's cores")] = 1,
     with_demo: Annotated[bool, typer.Option("--demo", help="Load the demo library if the store is empty")] = False,
 ) -> None:
     """Serve the repository over HTTP."""
@@ -67,9 +68,14 @@ def serve(
     os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
     os.environ["MCML_DATABASE"] = settings.database_url
     keep_log(settings)
+    if workers > 1:
+        os.environ["MCML_JOB_WORKERS"] = str(max(1, settings.jobs_at_a_time // workers))
+        os.environ["MCML_HEAVY_PLACES"] = str(max(2, settings.heavy_at_once // workers))
+        os.environ["MCML_IMPORT_PROCESSES"] = str(max(1, settings.import_processes_at_a_time // workers))
     uvicorn.run(
-        "service.app:app_from_environment",
+        "service.cli.serving:app_of_a_worker" if workers > 1 else "service.app:app_from_environment",
         factory=True,
+        workers=workers,
         host=settings.host,
         port=settings.port,
         http=connections_of(settings),  # type: ignore[arg-type]  # whatever makes one
@@ -80,6 +86,15 @@ def serve(
         # The service reads such headers itself, of proxies that it trusts.
         proxy_headers=False,
     )
+
+
+def app_of_a_worker() -> Any:
+    """The service in one of several processes, each of which keeps the log."""
+    from service.api.logs import keep_log
+    from service.app import app_from_environment
+
+    keep_log(chosen_settings())
+    return app_from_environment()
 
 
 def _check_port(host: str, port: int) -> None:
@@ -135,6 +150,7 @@ EXTRAS = {"arrow": "pyarrow", "audio": "librosa", "plots": "matplotlib", "usd": 
 def doctor(database: DatabaseOption = None) -> None:
     """Say what this installation has, what it lacks, and how to mend it."""
     from service.clips.bodies import MADE
+    from service.storage.replica import Replica
     from service.xpath.library.part_file import path_of, why_not
 
     settings = chosen_settings(database)
@@ -181,6 +197,11 @@ def doctor(database: DatabaseOption = None) -> None:
                 "documents",
                 f"{count:,} in {sizes['total'] / 1e6:,.1f} MB, {sizes['uploads'] / 1e6:,.1f} MB of it uploads",
             )
+            if settings.database_read_url:
+                behind = Replica(settings.database_read_url, store.dialect).behind()
+                away = "Servers read the primary meanwhile. Look whether it runs, and MCML_DATABASE_READ_URL."
+                fact = "does not answer" if behind is None else f"{behind:,} bytes behind"
+                line("replica", fact, behind is not None, away if behind is None else "")
             way = "A server derives the others" if settings.derive else "Derive the others"
             line(
                 "bodies",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from service.errors import StoreError
@@ -19,6 +20,14 @@ class Cluster:
             raise StoreError(
                 "A team's Dask scheduler needs PostgreSQL: its workers cannot read an SQLite file of this machine.",
                 remedy="Unset MCML_DASK_SCHEDULER or set MCML_DATABASE to a PostgreSQL address.",
+            )
+        files = (settings.dask_tls_ca, settings.dask_tls_cert, settings.dask_tls_key)
+        if (settings.dask_scheduler or "").startswith("tls://") and not all(
+            file and Path(file).is_file() for file in files
+        ):
+            raise StoreError(
+                "A Dask scheduler at tls:// needs certificates, and not all are there.",
+                remedy="Set MCML_DASK_TLS_CA, MCML_DASK_TLS_CERT and MCML_DASK_TLS_KEY to files in PEM.",
             )
         self._settings = settings
         self._lock = threading.Lock()
@@ -41,7 +50,7 @@ class Cluster:
             {"distributed.scheduler.allowed-failures": 1, "distributed.admin.large-graph-warning-threshold": "1GB"}
         )
         if self._settings.dask_scheduler:
-            return Client(self._settings.dask_scheduler, set_as_default=False)
+            return Client(self._settings.dask_scheduler, set_as_default=False, security=self._security())
         # Whoever can speak to a scheduler can run code: only holders of keys that never leave this process may.
         security = Security.temporary()
         cluster = LocalCluster(
@@ -57,6 +66,20 @@ class Cluster:
             silence_logs=50,
         )
         return Client(cluster, set_as_default=False, security=security)
+
+    def _security(self) -> Any:
+        """The certificates of a team's cluster, None for a scheduler without."""
+        from distributed import Security
+
+        said = self._settings
+        if not str(said.dask_scheduler).startswith("tls://"):
+            return None
+        return Security(
+            tls_ca_file=said.dask_tls_ca,
+            tls_client_cert=said.dask_tls_cert,
+            tls_client_key=said.dask_tls_key,
+            require_encryption=True,
+        )
 
     def kill(self, future: Any) -> None:
         """End the process of the worker that has a task, whatever it is doing."""

@@ -91,11 +91,11 @@ class Runner:
 
     def _claimed(self) -> StoredJob | None:
         with self._database.read() as tx:
-            waits = tx.jobs.any_claimable()
+            waits = tx.jobs.any_claimable(self._settings.jobs_of_project)
         if not waits:
             return None
         with self._database.write("jobs") as tx:
-            return next(iter(tx.jobs.claim(self._name, 1)), None)
+            return next(iter(tx.jobs.claim(self._name, 1, self._settings.jobs_of_project)), None)
 
     def _drive(self, job: StoredJob) -> None:
         try:
@@ -122,9 +122,9 @@ class Runner:
         self._tell(job, "starting a worker", 0.0)
         client = self._cluster.client()
         key = f"{job.uuid}-{job.attempt}"
-        future = client.submit(
-            on_dask, self._database.url, job.uuid, job.analysis, job.inputs, job.parameters, key=key, pure=False
-        )
+        replica = self._database.replica
+        urls = self._database.url, None if replica is None else replica.url
+        future = client.submit(on_dask, urls, job.uuid, job.analysis, job.inputs, job.parameters, key=key, pure=False)
         ended = threading.Event()
         future.add_done_callback(lambda _: ended.set())
         try:

@@ -14,6 +14,7 @@ from service.actions.composing.load_motions import load_motions
 from service.analysis.interface import Parts, Progress
 from service.errors import McmlError
 from service.storage.database import Database
+from service.storage.views import WHOLE
 
 TELL_SECONDS = 0.2
 """Least time between two reports of progress."""
@@ -45,10 +46,11 @@ def perform(
     """
     chosen = find_analysis(analysis)
     try:
-        with database.read() as tx:
-            motions = load_motions(
-                tx, inputs, lambda stage, share: progress(stage, LOADING * share), parameters.get(SKELETON)
-            )
+
+        def loading(stage: str, share: float) -> None:
+            progress(stage, LOADING * share)
+
+        motions = database.ask(lambda tx: load_motions(tx, inputs, loading, parameters.get(SKELETON)))
         given = {name: value for name, value in parameters.items() if name not in (EXTENDS, LEFT_OUT, SKELETON)}
         # A job may have waited while the program, and with it what parameters may be, became another.
         checked = chosen.parameters.model_validate(checked_parameters(chosen.parameters, given))
@@ -58,18 +60,22 @@ def perform(
 
         if EXTENDS not in parameters or chosen.extend is None:
             return chosen.run(motions, checked, told)
-        with database.read() as tx:
-            parts = load_parts(tx, tx.results.get(parameters[EXTENDS]).key)
+        parts = database.ask(lambda tx: load_parts(tx, tx.results.get(parameters[EXTENDS]).key))
         return chosen.extend(parts, motions, checked, told)
     except McmlError as error:
         return Refused(problem_of(error).model_dump(exclude_none=True))
 
 
-def on_dask(url: str, uuid: str, analysis: str, inputs: list[dict[str, Any]], parameters: dict[str, Any]) -> Outcome:
-    """`perform` in a worker of Dask: news go to the topic `uuid`; whether to go on stands in the row of the job."""
+def on_dask(
+    urls: tuple[str, str | None], uuid: str, analysis: str, inputs: list[dict[str, Any]], parameters: dict[str, Any]
+) -> Outcome:
+    """`perform` in a worker of Dask: news go to the topic `uuid`; whether to go on stands in the row of the job.
+
+    urls: of the store, and of its replica.
+    """
     from distributed import get_worker
 
-    database, worker = _database(url), get_worker()
+    database, worker = _database(*urls), get_worker()
     told = 0.0
 
     def progress(stage: str, share: float) -> None:
@@ -82,9 +88,9 @@ def on_dask(url: str, uuid: str, analysis: str, inputs: list[dict[str, Any]], pa
             if tx.jobs.get(uuid).cancel:
                 raise CancelledError
 
-    return perform(database, analysis, inputs, parameters, progress)
+    return perform(database.for_call(WHOLE, from_replica=True), analysis, inputs, parameters, progress)
 
 
 @lru_cache(maxsize=4)
-def _database(url: str) -> Database:
-    return Database(url)
+def _database(url: str, read_url: str | None) -> Database:
+    return Database(url, read_url)

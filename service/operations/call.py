@@ -96,6 +96,7 @@ class SameError(Exception):
 class Call:
     """repository: what is worked on. author: who asks. view: what of it they see, and may do there. account: its name,
     None for who has none. share: the link that they came by. client: those who share a turn in fair queues.
+    from_replica: the store's replica may answer.
 
     known: how whoever asks names this version of the answer, None where they do not have it.
 
@@ -111,6 +112,7 @@ class Call:
     account: str | None = None
     share: Share | None = None
     client: str = ""
+    from_replica: bool = False
     known: Callable[[str], str | None] = lambda tag: None
     media_type: str = ""
     progress: Progress | None = None
@@ -123,7 +125,14 @@ class Call:
     @cached_property
     def database(self) -> Database:
         """The store as whoever asks sees it."""
-        return self.repository.database.seen_by(self.view)
+        return self.repository.database.for_call(self.view, from_replica=self.from_replica)
+
+    def begin_again(self) -> None:
+        """Forget what was said of the answer: it is asked for anew, of the store itself."""
+        self.from_replica, self.held = False, ExitStack()
+        self.tag, self.lasting, self.created, self.made = None, False, None, True
+        for name in ("database", "queries"):
+            self.__dict__.pop(name, None)
 
     @property
     def settings(self) -> Settings:

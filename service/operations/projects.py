@@ -27,7 +27,8 @@ def export_project(call: Call, project: ProjectName) -> Content:
     """
     from service.actions.keeping.move_project import export_project as exporting
 
-    tx = call.read()
+    # Not of a replica: a long answer without a tag could not go on, if that went away.
+    tx = call.held.enter_context(call.database.for_call(call.view).read())
     require(tx, tx.projects.get(project), "own")
     return Content(exporting(tx, project), "application/zip", f"{project}.project.zip")
 

@@ -9,12 +9,13 @@ What a transaction offers is in `storage.transaction`.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from copy import copy
-from typing import Any
+from typing import Any, TypeVar
 
 from sqlalchemy import (
+    Connection,
     PoolProxiedConnection,
     inspect,
     make_url,
@@ -22,20 +23,23 @@ from sqlalchemy import (
 )
 from sqlalchemy.exc import ArgumentError
 
-from service.errors import StoreError
+from service.errors import ReplicaError, StoreError
 from service.resources import migrations_path
 from service.storage.dialects import DIALECTS, find_dialect
 from service.storage.layout import refuse_newer, require_layout
+from service.storage.replica import Replica
 from service.storage.reserve import TO_OPEN, Reserve
 from service.storage.transaction import LATEST, Transaction
 from service.storage.views import WHOLE, View
 from service.storage.words import in_words
 
+Answer = TypeVar("Answer")
+
 
 class Database:
-    """A store by its SQLAlchemy URL: `sqlite:///path` or `postgresql+psycopg://…`."""
+    """A store by its SQLAlchemy URL: `sqlite:///path` or `postgresql+psycopg://…`. read_url: of a replica of it."""
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, read_url: str | None = None) -> None:
         try:
             parsed = make_url(url)
         except ArgumentError as error:
@@ -50,7 +54,11 @@ class Database:
         kind = find_dialect(name)
         self.dialect = kind(kind.create_engine(url))
         self.reserve = Reserve(self.dialect.file)
+        self.replica = Replica(read_url, self.dialect) if read_url else None
         self.view = WHOLE
+        self.writes = 0
+        """Write transactions that were committed."""
+        self._from_replica = False
         self._watch: PoolProxiedConnection | None = None
 
     @property
@@ -58,25 +66,47 @@ class Database:
         """The kind of database: "sqlite" or "postgresql"."""
         return self.dialect.engine.dialect.name
 
-    def seen_by(self, view: View) -> Database:
-        """The same store for somebody who sees less of it."""
-        if view == self.view:
-            return self
+    def for_call(self, view: View, *, from_replica: bool = False) -> Database:
+        """The same store for one call, which counts its own writes. view: what whoever calls sees.
+
+        from_replica: read the replica, where there is one that has all that was committed before; whoever asks for it
+        is ready for ReplicaError.
+        """
         other = copy(self)
-        other.view = view
+        other.view, other._from_replica, other.writes = view, from_replica, 0
         return other
 
     @contextmanager
     def read(self, at: int = LATEST) -> Iterator[Transaction]:
         """A snapshot: what other transactions commit meanwhile is not seen."""
-        with in_words(self.dialect), self.dialect.reading() as connection:
+        with in_words(self.dialect), self._reading() as connection:
             yield Transaction(connection, self.dialect, at, view=self.view)
+
+    @contextmanager
+    def _reading(self) -> Iterator[Connection]:
+        if self._from_replica and self.replica is not None:
+            with self.replica.reading() as found:
+                if found is not None:
+                    yield found
+                    return
+        with self.dialect.reading() as connection:
+            yield connection
+
+    def ask(self, question: Callable[[Transaction], Answer], at: int = LATEST) -> Answer:
+        """What a question finds in a read transaction; it is asked again where the replica goes away meanwhile."""
+        try:
+            with self.read(at) as tx:
+                return question(tx)
+        except ReplicaError:
+            with self.for_call(self.view).read(at) as tx:
+                return question(tx)
 
     @contextmanager
     def write(self, author: str = "local") -> Iterator[Transaction]:
         """A write transaction: committed when the block ends, rolled back when it raises."""
         with in_words(self.dialect), self.dialect.writing() as connection:
             yield Transaction(connection, self.dialect, author=author, view=self.view)
+        self.writes += 1
 
     def migrate(self) -> None:
         """Bring the schema to this program's version (a new store gets it whole)."""
@@ -160,4 +190,6 @@ class Database:
         if self._watch is not None:
             self._watch.close()
             self._watch = None
+        if self.replica is not None:
+            self.replica.close()
         self.dialect.engine.dispose()

@@ -123,13 +123,19 @@ class Jobs:
     def _seen(self) -> Select[Any]:
         return _LISTED.where(seen(self._tx.view, job.c.project))
 
-    def any_claimable(self) -> bool:
+    def any_claimable(self, of_project: int = 0) -> bool:
         """Whether `claim` would find a job; a cheap read."""
-        return self._tx.connection.execute(_claimable().limit(1)).first() is not None
+        return self._tx.connection.execute(_claimable(of_project).limit(1)).first() is not None
 
-    def claim(self, runner: str, most: int) -> list[StoredJob]:
-        """Take up to so many jobs that wait, or whose runner has been silent for too long; the oldest first."""
-        query = _claimable().order_by(job.c.id).limit(most).with_for_update(skip_locked=True)
+    def claim(self, runner: str, most: int, of_project: int = 0) -> list[StoredJob]:
+        """Take up to so many jobs that wait, or whose runner has been silent for too long; the oldest first.
+
+        of_project: how many of one project may run, 0 for any number; then take one at a time.
+        """
+        if of_project:
+            # Of two runners the second one sees what the first one took.
+            self._tx.dialect.order_commits(self._tx.connection)
+        query = _claimable(of_project).order_by(job.c.id).limit(most).with_for_update(skip_locked=True)
         keys = list(self._tx.connection.execute(query).scalars())
         taken = []
         for key in keys:
@@ -202,10 +208,15 @@ class Jobs:
         )
 
 
-def _claimable() -> Select[tuple[int]]:
-    """Keys of jobs that wait, or whose runner has been silent for too long."""
+def _claimable(of_project: int) -> Select[tuple[int]]:
+    """Keys of jobs that wait where no more of their project run, or whose runner has been silent for too long."""
     silent = and_(job.c.state == "running", job.c.lease < time.time())
-    return select(job.c.id).where(or_(job.c.state == "waiting", silent))
+    waits = job.c.state == "waiting"
+    if of_project:
+        other = job.alias()
+        running = select(func.count()).where(other.c.project == job.c.project, other.c.state == "running")
+        waits &= running.scalar_subquery() < of_project
+    return select(job.c.id).where(or_(waits, silent))
 
 
 def _stored(row: Row[Any]) -> StoredJob:

@@ -98,9 +98,10 @@ class Sessions:
     def follow(self, secret: str) -> str | None:
         """The author of a link, which is used up by this; None where there is none."""
         found = self._find("link", secret)
-        if found is None:
+        used = delete(session).where(session.c.sha256 == digest_of(secret))
+        # Of two that come at once one finds nothing to delete.
+        if found is None or not self._tx.connection.execute(used).rowcount:
             return None
-        self._tx.connection.execute(delete(session).where(session.c.sha256 == digest_of(secret)))
         return found.author
 
     def entry(self, secret: str) -> Entry | None:

@@ -8,7 +8,15 @@ from contextlib import contextmanager
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 
-from service.errors import ConflictError, DamageError, DocumentError, SpaceError, StoreError, UnavailableError
+from service.errors import (
+    ClashError,
+    ConflictError,
+    DamageError,
+    DocumentError,
+    SpaceError,
+    StoreError,
+    UnavailableError,
+)
 from service.storage.damage import REMEDY
 from service.storage.dialects import Dialect
 
@@ -36,6 +44,8 @@ def in_words(dialect: Dialect) -> Iterator[None]:
             raise ConflictError("Another write came in between.", remedy="Repeat the request.") from error
         if dialect.is_full(cause):
             raise SpaceError from error
+        if dialect.is_clash(cause):
+            raise ClashError from error
         if dialect.is_away(cause):
             raise UnavailableError("The store cannot be reached now.", remedy="Try again soon.") from error
         said = str(cause).strip().split("\n")[0]

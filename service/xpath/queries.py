@@ -146,13 +146,17 @@ class Queries:
     ) -> Iterator[list[Node]]:
         """The nodes of an answer, some documents at a time, each time in a transaction of its own."""
         for documents in parts:
-            with self.database.read(commit) as tx:
+
+            def found_in(tx: Transaction, some: list[Listed] = documents, most: int = limit) -> list[Node]:
                 tx.pruning.require_whole_since(since)
-                groups = [self.caches.listing.group(documents)]
-                answer = Sequences(self.saxon, tx, self.caches, query, groups, limits).page(0, limit)
-            found = [item for item in answer.items if isinstance(item, Node)]
-            if len(found) < len(answer.items):
-                raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
+                answer = Sequences(self.saxon, tx, self.caches, query, [self.caches.listing.group(some)], limits)
+                items = answer.page(0, most).items
+                nodes = [item for item in items if isinstance(item, Node)]
+                if len(nodes) < len(items):
+                    raise QueryError("The answer holds values, not only nodes.", remedy="Ask for it with as=json.")
+                return nodes
+
+            found = self.database.ask(found_in, commit)
             yield found
             limit -= len(found)
             if limit <= 0:

@@ -183,14 +183,14 @@ def test_selections_by_property_and_xpath(server: TestClient) -> None:
     assert len(server.post(f"{API}/analyses/beats", json=some).json()["inputs"]) == 2
 
 
-def endless(url: str, uuid: str, *_: Any) -> None:
+def endless(urls: tuple[str, str | None], uuid: str, *_: Any) -> None:
     """Work that tells of itself for ever, and looks whether it shall end."""
     from distributed import get_worker
 
     from service.jobs.worker import CancelledError
     from service.storage.database import Database
 
-    store = Database(url)
+    store = Database(urls[0])
     while True:
         get_worker().log_event(uuid, {"stage": "for ever", "share": 0.5})
         with store.read() as tx:
@@ -199,7 +199,7 @@ def endless(url: str, uuid: str, *_: Any) -> None:
         time.sleep(0.05)
 
 
-def deaf(url: str, uuid: str, *_: Any) -> None:
+def deaf(_urls: Any, uuid: str, *_: Any) -> None:
     from distributed import get_worker
 
     get_worker().log_event(uuid, {"stage": "deaf", "share": 0.5})

@@ -35,6 +35,8 @@ def export_documents(
     name, part = known[options.format]
     parts = [item.name for item in WRITERS[name].parts] if name in WRITERS and part is None else [options.format]
     found, _ = select_documents(database, queries, selection)
+    # What was begun cannot be made again, as it would have to be where a replica goes away.
+    database = database.for_call(database.view)
     return zipped(_files(database, [str(item["document"]) for item in found], options, parts))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from datetime import timedelta
 from typing import TypeAlias
 
 from schemas.events import DocumentEvent
@@ -14,6 +15,8 @@ MOST_BEHIND = 10_000
 """Commits that are told one by one; who has missed more reads anew."""
 
 AT_A_TIME = 500
+CLOCKS_APART = 10.0
+"""Seconds by which clocks of servers on one store may differ."""
 LABELLING = ("label", "unlabel")
 Told: TypeAlias = dict[str, tuple[str, str, float, bool]]
 """State, stage, share and whether it shall end, of jobs by their ids."""
@@ -21,7 +24,7 @@ Told: TypeAlias = dict[str, tuple[str, str, float, bool]]
 
 @dataclass
 class News:
-    """What somebody knows. commit: the last one that was told. time: when jobs were last looked at.
+    """What somebody knows. commit: the last one that was told. time: since when jobs may have ended that were not told.
 
     jobs: how each was that was told. missed: more happened than is told.
     """
@@ -55,7 +58,8 @@ class News:
 
     def changed_jobs(self, tx: Transaction) -> list[StoredJob]:
         """Jobs that are in another state than was told, or further."""
-        time, known = now(), self.jobs
+        # Another server's clock may be behind, and what has ended is seen a little later.
+        time, known = now(-timedelta(seconds=CLOCKS_APART)), self.jobs
         found = tx.jobs.active_or_ended_since(self.time)
         seen: Told = {job.uuid: (job.state, job.stage, job.share, job.cancel) for job in found}
         self.jobs, self.time = seen, time

@@ -145,6 +145,10 @@ class Dialect(ABC):
         """Whether the driver's error says that the disk is full."""
 
     @abstractmethod
+    def is_clash(self, error: BaseException | None) -> bool:
+        """Whether the driver's error says that this transaction was ended since it was in the way of another one."""
+
+    @abstractmethod
     def is_away(self, error: BaseException | None) -> bool:
         """Whether the driver's error says that the database cannot be asked now, and may be later."""
 

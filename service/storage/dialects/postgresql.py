@@ -21,6 +21,9 @@ DISK_FULL = "53100"
 CONNECTION = "08"
 AWAY = ("53300", "57P01", "57P02", "57P03", "57P05")
 """Too many connections; shut down by an administrator, after a crash, not ready yet; idle for too long."""
+CLASHES = ("40001", "40P01")
+"""Transactions that cannot be put in an order, or wait for each other; of a replica, replaying that cannot wait for a
+read."""
 CORRUPTED = ("XX001", "XX002")
 """A page, or an index."""
 
@@ -108,6 +111,9 @@ class PostgreSQL(Dialect):
 
     def is_full(self, error: BaseException | None) -> bool:
         return getattr(error, "sqlstate", None) == DISK_FULL
+
+    def is_clash(self, error: BaseException | None) -> bool:
+        return getattr(error, "sqlstate", None) in CLASHES
 
     def is_away(self, error: BaseException | None) -> bool:
         state = getattr(error, "sqlstate", None)

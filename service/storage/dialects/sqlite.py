@@ -184,6 +184,10 @@ class SQLite(Dialect):
         code = getattr(error, "sqlite_errorcode", None)
         return isinstance(error, sqlite3.Error) and code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR_SHMSIZE)
 
+    def is_clash(self, error: BaseException | None) -> bool:
+        # There is one writer at a time.
+        return False
+
     def is_away(self, error: BaseException | None) -> bool:
         # Another process writes for longer than anybody waits. The low byte is the kind.
         code = getattr(error, "sqlite_errorcode", None) or 0

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import TypeVar
 
@@ -57,19 +58,19 @@ class Answer:
         self._parts = parts
 
     def read(self) -> AbstractContextManager[Transaction]:
-        """A transaction at the commit that was asked."""
-        return self._database.read(self._commit)
+        """A transaction at the commit that was asked, of the store itself: what it reads is sent meanwhile."""
+        return self._database.for_call(self._database.view).read(self._commit)
 
     def shown(self, show: Callable[[Forest, Ints], Form]) -> Iterator[Form]:
         """What a function makes of the nodes of some documents, some at a time; a whole document comes alone."""
         for part in self._parts:
             for some in _slices(part.nodes):
-                with self.read() as tx:
-                    tx.pruning.require_whole_since(self._whole_since)
-                    forest = Forest(tx, part.documents, self._caches, head_part=part.head_part)
-                    made = show(forest, some)
                 # Not within the transaction: whoever reads slowly would hold it.
-                yield made
+                yield self._database.ask(partial(self._made, part, some, show), self._commit)
+
+    def _made(self, part: GroupNodes, some: Ints, show: Callable[[Forest, Ints], Form], tx: Transaction) -> Form:
+        tx.pruning.require_whole_since(self._whole_since)
+        return show(Forest(tx, part.documents, self._caches, head_part=part.head_part), some)
 
 
 class Shown:
