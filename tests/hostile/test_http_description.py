@@ -202,7 +202,7 @@ def test_a_few_requests_of_each_operation(database: Database, kind: str) -> None
 def test_a_few_requests_that_follow_each_other(database: Database) -> None:
     with campaign(database, {"reach": {"components": 2}}) as asked:
         follow(asked, 1, scenarios=3, steps=20)
-    assert asked.links > 5
+    assert asked.links > 1
 
 
 @pytest.mark.fuzz(seeds=3)
