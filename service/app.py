@@ -16,6 +16,7 @@ from starlette.routing import BaseRoute
 
 from service.actions.exporting.write_tables import TYPES
 from service.actions.importing.import_pool import ImportPool
+from service.actions.keeping.keep_room import forget_activity
 from service.actions.keeping.purge_documents import finish_purges
 from service.api import description, events, health, openid, page, problems, sessions, studio
 from service.api.attempts import Attempts
@@ -78,6 +79,7 @@ def create_app(
         store.reserve.spend(store.sweep)
         store.reserve.keep()
         finish_purges(store, cache_dir=settings.cache_dir)
+        store.reserve.spend(lambda: forget_activity(store, settings.activity_days))
         app.state.runner.start()
         if settings.derive:
             deriver.start()

@@ -65,6 +65,7 @@ BY_HAND = {
 
 GROUPS = {
     "labels": "Labels of documents, by query, as tables; and from the motion.",
+    "comment": "What people say about documents, their frames and joints.",
     "element": "Elements of a document, addressed by XPath. An edit is a revision.",
     "mapping": "Saved mappings: which joint of one rig is which of another; and what a project calls joints.",
     "names": "Names of joints of documents that exist.",

@@ -88,6 +88,21 @@ _ROWS = [
     Operation("delete_media", "DELETE /documents/{id}/media", WRITES, EDIT,
               "Take the video or audio of a document away.", "media", status=204),
 
+    # what people say about it
+    Operation("list_comments", "GET /documents/{id}/comments", READS, READ,
+              "Comments on a document, its frames and joints.", "comments", "comment list ID"),
+    Operation("add_comment", "POST /documents/{id}/comments", WRITES, READ,
+              "Say something about a document, some of its frames, or a joint.", "comments", "comment add ID TEXT",
+              status=201),
+    Operation("change_comment", "PATCH /documents/{id}/comments/{comment}", WRITES, READ,
+              "Change the text of one's own comment.", "comments", "comment change ID COMMENT TEXT"),
+    Operation("resolve_comment", "PUT /documents/{id}/comments/{comment}/resolved", WRITES, READ,
+              "Say that what a comment asks for is done.", "comments", "comment resolve ID COMMENT"),
+    Operation("reopen_comment", "DELETE /documents/{id}/comments/{comment}/resolved", WRITES, READ,
+              "Say that what a comment asks for is not done.", "comments", "comment reopen ID COMMENT"),
+    Operation("delete_comment", "DELETE /documents/{id}/comments/{comment}", WRITES, READ,
+              "Delete a comment.", "comments", "comment delete ID COMMENT", status=204),
+
     # frames
     Operation("get_frames", "GET /documents/{id}/frames", STREAMS, READ,
               "Frames of a document as numbers in the source's units.", "frames", shared=True),
@@ -254,6 +269,8 @@ _ROWS = [
               "The skeleton of a document in its rest pose.", "catalogues", "rest ID", shared=True),
     Operation("list_projects", "GET /projects", READS, READ,
               "Projects by name.", "catalogues", "projects"),
+    Operation("list_activity", "GET /activity", READS, READ,
+              "What was done, by whom and when, the newest first.", "activity", "activity"),
 
     # who comes in
     Operation("get_account", "GET /account", READS, READ,

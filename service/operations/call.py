@@ -96,6 +96,7 @@ class SameError(Exception):
 class Call:
     """repository: what is worked on. author: who asks. view: what of it they see, and may do there. account: its name,
     None for who has none. share: the link that they came by. client: those who share a turn in fair queues.
+    origin: from where they come, None for who opens the store itself.
 
     known: how whoever asks names this version of the answer, None where they do not have it.
 
@@ -111,6 +112,7 @@ class Call:
     account: str | None = None
     share: Share | None = None
     client: str = ""
+    origin: str | None = None
     known: Callable[[str], str | None] = lambda tag: None
     media_type: str = ""
     progress: Progress | None = None
@@ -123,7 +125,7 @@ class Call:
     @cached_property
     def database(self) -> Database:
         """The store as whoever asks sees it."""
-        return self.repository.database.seen_by(self.view)
+        return self.repository.database.seen_by(self.view, self.origin)
 
     @property
     def settings(self) -> Settings:

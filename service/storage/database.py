@@ -24,6 +24,7 @@ from sqlalchemy.exc import ArgumentError
 
 from service.errors import StoreError
 from service.resources import migrations_path
+from service.storage.activity import COMMAND_LINE
 from service.storage.dialects import DIALECTS, find_dialect
 from service.storage.layout import refuse_newer, require_layout
 from service.storage.reserve import TO_OPEN, Reserve
@@ -51,6 +52,7 @@ class Database:
         self.dialect = kind(kind.create_engine(url))
         self.reserve = Reserve(self.dialect.file)
         self.view = WHOLE
+        self.origin = COMMAND_LINE
         self._watch: PoolProxiedConnection | None = None
 
     @property
@@ -58,12 +60,13 @@ class Database:
         """The kind of database: "sqlite" or "postgresql"."""
         return self.dialect.engine.dialect.name
 
-    def seen_by(self, view: View) -> Database:
-        """The same store for somebody who sees less of it."""
-        if view == self.view:
+    def seen_by(self, view: View, origin: str | None = None) -> Database:
+        """The same store for somebody who sees less of it. origin: from where they come, None: as before."""
+        origin = self.origin if origin is None else origin
+        if (view, origin) == (self.view, self.origin):
             return self
         other = copy(self)
-        other.view = view
+        other.view, other.origin = view, origin
         return other
 
     @contextmanager
@@ -76,7 +79,7 @@ class Database:
     def write(self, author: str = "local") -> Iterator[Transaction]:
         """A write transaction: committed when the block ends, rolled back when it raises."""
         with in_words(self.dialect), self.dialect.writing() as connection:
-            yield Transaction(connection, self.dialect, author=author, view=self.view)
+            yield Transaction(connection, self.dialect, author=author, view=self.view, origin=self.origin)
 
     def migrate(self) -> None:
         """Bring the schema to this program's version (a new store gets it whole)."""

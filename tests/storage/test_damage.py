@@ -147,7 +147,7 @@ def as_before_checksums(database: Database) -> None:
                     tx.connection.execute(text(f'ALTER TABLE "{table.name}" DROP COLUMN {column.name}'))
         for later in (
             *("store", "joint_alias", "session", "request", "thumbnail", "saved", "document_media", "body"),
-            *("shared_document", "share", "identity"),
+            *("shared_document", "share", "identity", "comment", "event"),
             *("membership", "token_project", "token_grant", "invitation", "account"),
         ):
             tx.connection.execute(text(f"DROP TABLE {later}"))
