@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import CURSOR, DOCUMENT, PROJECT, TIME, shown
 
-ActivityKind: TypeAlias = Literal["document", "comment", "job", "member", "share", "account", "token"]
+ActivityKind: TypeAlias = Literal["document", "comment", "job", "member", "share", "webhook", "account", "token"]
 
 _EVENT = {
     "id": 4711,

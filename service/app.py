@@ -28,6 +28,7 @@ from service.api.routes import PREFIX, add_routes
 from service.api.traffic import Traffic
 from service.clips.deriver import Deriver
 from service.jobs.runner import Runner
+from service.jobs.webhooks import Sender
 from service.local_secret import keep_secret, read_secret
 from service.operations import all_operations
 from service.operations.call import Repository
@@ -72,6 +73,7 @@ def create_app(
         index_poses(store, repository.queries.caches, go_on)
 
     deriver = Deriver(store, traffic.is_busy, index)
+    sender = Sender(store, private=settings.webhook_private)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[dict[str, Any]]:
@@ -83,9 +85,11 @@ def create_app(
         app.state.runner.start()
         if settings.derive:
             deriver.start()
+        sender.start()
         app.state.stopping.clear()
         yield {"stopping": app.state.stopping}
         deriver.stop()
+        sender.stop()
         app.state.runner.stop()
         app.state.repository.close()
         if database is None:

@@ -132,6 +132,7 @@ class Settings(BaseSettings):
     activity_days: int = Field(
         400, ge=1, description="Days that the list of what was done goes back; a server that starts forgets the rest"
     )
+    webhook_private: bool = Field(False, description="Whether webhooks may be in private networks, and without https")
     page_limit: int = Field(1000, ge=1, description="Most items on one page of a list")
 
     @field_validator("trusted_proxies")

@@ -57,6 +57,7 @@ BY_HAND = {
     "account reopen": "accounts:reopen",
     "project add": "accounts:add_member",
     "share add": "accounts:share",
+    "webhook add": "webhooks:add",
     "token add": "store:token_add",
     "token list": "store:token_list",
     "token revoke": "store:token_revoke",
@@ -75,6 +76,7 @@ GROUPS = {
     "account": "Accounts of people, their roles, and invitations.",
     "project": "Who belongs to a project, and as what.",
     "share": "Links by which people without an account see some documents.",
+    "webhook": "Addresses that a server tells of events.",
     "token": "Tokens that open a server to programs and other machines.",
 }
 

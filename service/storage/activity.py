@@ -139,10 +139,14 @@ class Activity:
         """The number of the last event, 0 where there is none."""
         return int(self._tx.rows(_NEWEST)[0][0])
 
-    def after(self, number: int, kind: str, limit: int) -> list[Event]:
-        """Those of a kind behind a number, the oldest first."""
-        wanted = (_shown(self._tx.view), event.c.id > number, event.c.kind == kind)
-        return self._read(_TOLD.where(*wanted).order_by(event.c.id).limit(limit))
+    def after(self, number: int, limit: int, *, kind: str | None = None, project_key: int | None = None) -> list[Event]:
+        """Those behind a number, the oldest first; of a kind, of a project."""
+        query = _TOLD.where(_shown(self._tx.view), event.c.id > number).order_by(event.c.id).limit(limit)
+        if kind is not None:
+            query = query.where(event.c.kind == kind)
+        if project_key is not None:
+            query = query.where(_PLACE.in_([project_key]))
+        return self._read(query)
 
     def forget(self, before: str) -> int:
         """Remove events from before a time; how many. The last one stays, so that no number comes again."""
@@ -161,16 +165,19 @@ class Activity:
 
 
 _NOTED = ("time", "kind", "what", "author", "origin", "project", "about", "revision", "subject")
+_NEEDED = {"share": "edit", "webhook": "own"}
+"""The scopes that the lists of these need."""
 _NEWEST = select(func.coalesce(func.max(event.c.id), 0))
 
 
 def _shown(view: View) -> ColumnElement[bool]:
-    """Events of projects that are seen; links of those that one may change, as their list has them; and of accounts and
-    tokens for who keeps the repository."""
+    """Events of projects that are seen, of some kinds only where one may do more there; and of accounts and tokens for
+    who keeps the repository."""
     if may(view.everywhere, SCOPES[-1]):
         return true()
     condition: ColumnElement[bool] = _PLACE.is_not(None) & seen(view, _PLACE)
-    if may(view.everywhere, "edit"):
-        return condition
-    edited = [key for key, scope in view.projects if may(scope, "edit")]
-    return condition & or_(event.c.kind != "share", _PLACE.in_(edited))
+    for kind, needed in _NEEDED.items():
+        if not may(view.everywhere, needed):
+            places = [key for key, scope in view.projects if may(scope, needed)]
+            condition &= or_(event.c.kind != kind, _PLACE.in_(places))
+    return condition

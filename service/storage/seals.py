@@ -116,7 +116,7 @@ _LAST: dict[Table, type[bytes | bool]] = {
 SEALS = {table: Seal(table, columns, _LAST.get(table)) for table, columns in _COVERED.items()}
 """Tables whose rows have one checksum. What is left out: tracks, which have two; elements of skeletons, whose hash is
 one; uploads, whose SHA-256 is one; receipts, whose compressed form has one; numbers of properties, which their texts
-say; jobs and events, which end."""
+say; jobs, events and webhooks, which end."""
 
 
 @lru_cache(maxsize=4096)

@@ -51,6 +51,7 @@ from service.storage.tracks import Tracks
 from service.storage.uploads import Uploads
 from service.storage.views import WHOLE, View
 from service.storage.visits import Requests, Sessions
+from service.storage.webhooks import Webhooks
 
 _NEWEST_COMMIT = select(func.coalesce(func.max(tables.commit.c.number), 0))
 
@@ -277,6 +278,10 @@ class Transaction:
     @cached_property
     def activity(self) -> Activity:
         return Activity(self)
+
+    @cached_property
+    def webhooks(self) -> Webhooks:
+        return Webhooks(self)
 
     @cached_property
     def saved(self) -> Saved:

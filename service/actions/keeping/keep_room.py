@@ -35,10 +35,12 @@ def prune_history(database: Database, days: float, *, do: bool, author: str = "l
 
 
 def forget_activity(database: Database, days: int) -> int:
-    """Forget events that are older than so many days; how many."""
+    """Forget events, and what was sent of them, that are older than so many days; how many events."""
     limit = datetime.now(UTC) - timedelta(days=days)
+    before = limit.isoformat(timespec="milliseconds").replace("+00:00", "Z")
     with database.write() as tx:
-        return tx.activity.forget(limit.isoformat(timespec="milliseconds").replace("+00:00", "Z"))
+        tx.webhooks.forget(before)
+        return tx.activity.forget(before)
 
 
 def _forget(database: Database, old: Old, author: str) -> None:

@@ -61,7 +61,7 @@ class News:
         newest = tx.activity.newest()
         if newest <= self.event:
             return []
-        found = tx.activity.after(self.event, "comment", AT_A_TIME)
+        found = tx.activity.after(self.event, AT_A_TIME, kind="comment")
         self.event = found[-1].number if len(found) == AT_A_TIME else newest
         return [told_event(event) for event in found]
 
