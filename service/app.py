@@ -16,6 +16,7 @@ from starlette.routing import BaseRoute
 
 from service.actions.exporting.write_tables import TYPES
 from service.actions.importing.import_pool import ImportPool
+from service.actions.keeping.keep_room import forget_activity
 from service.actions.keeping.purge_documents import finish_purges
 from service.api import description, events, health, openid, page, problems, sessions, studio
 from service.api.attempts import Attempts
@@ -27,6 +28,7 @@ from service.api.routes import PREFIX, add_routes
 from service.api.traffic import Traffic
 from service.clips.deriver import Deriver
 from service.jobs.runner import Runner
+from service.jobs.webhooks import Sender
 from service.local_secret import keep_secret, read_secret
 from service.operations import all_operations
 from service.operations.call import Repository
@@ -71,6 +73,7 @@ def create_app(
         index_poses(store, repository.queries.caches, go_on)
 
     deriver = Deriver(store, traffic.is_busy, index)
+    sender = Sender(store, private=settings.webhook_private)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[dict[str, Any]]:
@@ -78,12 +81,15 @@ def create_app(
         store.reserve.spend(store.sweep)
         store.reserve.keep()
         finish_purges(store, cache_dir=settings.cache_dir)
+        store.reserve.spend(lambda: forget_activity(store, settings.activity_days))
         app.state.runner.start()
         if settings.derive:
             deriver.start()
+        sender.start()
         app.state.stopping.clear()
         yield {"stopping": app.state.stopping}
         deriver.stop()
+        sender.stop()
         app.state.runner.stop()
         app.state.repository.close()
         if database is None:

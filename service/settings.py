@@ -136,6 +136,10 @@ class Settings(BaseSettings):
     stop_seconds: int = Field(10, ge=1, description="Time that requests have to end when the server stops")
     log_format: Literal["text", "json"] = Field("text", description="How a server writes its log")
     log_level: Literal["info", "warning", "error"] = Field("warning", description="info: a line for each request too")
+    activity_days: int = Field(
+        400, ge=1, description="Days that the list of what was done goes back; a server that starts forgets the rest"
+    )
+    webhook_private: bool = Field(False, description="Whether webhooks may be in private networks, and without https")
     page_limit: int = Field(1000, ge=1, description="Most items on one page of a list")
 
     @field_validator("trusted_proxies")

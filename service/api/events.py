@@ -9,7 +9,7 @@ import asyncio
 import re
 import time
 from collections.abc import AsyncIterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from fastapi import APIRouter, Header, Path, Query, Request
 from fastapi.responses import StreamingResponse
@@ -66,11 +66,11 @@ async def follow_job(
     return StreamingResponse(events(), media_type="text/event-stream", headers={"cache-control": "no-store"})
 
 
-EventKind = Literal["job", "document", "label"]
-_MARK = re.compile(r"(\d{1,18})@([0-9T:.Z-]{1,32})")
+EventKind = Literal["job", "document", "label", "comment"]
+_MARK = re.compile(r"(\d{1,18})@([0-9T:.Z-]{1,32})(?:@(\d{1,18}))?")
 _NEWS: dict[int | str, dict[str, Any]] = {
     200: {
-        "description": "Events `document` and `label`, each with a revision, and `job`, each with a job, as JSON",
+        "description": "Events `document`, `label` (a revision), `job` (a job) and `comment` (what was done), as JSON",
         "content": {"text/event-stream": {"schema": {"type": "string"}}},
     }
 }
@@ -85,25 +85,29 @@ async def follow_events(
     project: Annotated[str | None, Query(description="Only of this project", examples=[PROJECT])] = None,
     document: Annotated[str | None, Query(description="Only of this document", examples=[DOCUMENT])] = None,
     since: Annotated[
-        str | None, Query(description="Id of the last event that is known", examples=["412@2026-01-31T14:02:11.120Z"])
+        str | None,
+        Query(description="Id of the last event that is known", examples=["412@2026-01-31T14:02:11.120Z@4711"]),
     ] = None,
     seconds: Annotated[
         float | None, Query(ge=0, le=86_400, description="End after so long; default never", examples=[60])
     ] = None,
     last_event_id: Annotated[
         str | None,
-        Header(description="As `since`; browsers send it by themselves", examples=["412@2026-01-31T14:02:11.120Z"]),
+        Header(
+            description="As `since`; browsers send it by themselves", examples=["412@2026-01-31T14:02:11.120Z@4711"]
+        ),
     ] = None,
 ) -> StreamingResponse:
     """What happens in the store, as server-sent events, from now on or since an event.
 
-    `document` and `label` have a revision that was made, `job` a job that is further. `ready` comes first, `reset`
+    `document` and `label` have a revision that was made, `job` a job that is further, `comment` what was done with a
+    comment. `ready` comes first, `reset`
     where so much was missed that lists are to be read anew.
     """
     database = call_of(http).database
     mark = last_event_id or since
     news = await run_in_threadpool(_begin, database, mark)
-    wanted = frozenset(kind or ("job", "document", "label"))
+    wanted = frozenset(kind or get_args(EventKind))
 
     async def events() -> AsyncIterator[str]:
         until = None if seconds is None else time.monotonic() + seconds
@@ -135,13 +139,14 @@ def _begin(database: Database, mark: str | None) -> News:
     """What is known by the id of an event; without one, all that there is."""
     with database.read() as tx:
         if mark is None:
-            news = News(tx.newest_commit(), now())
+            news = News(tx.newest_commit(), now(), tx.activity.newest())
             news.changed_jobs(tx)
             return news
         found = _MARK.fullmatch(mark)
         if found is None:
             raise QueryError("This id of an event is none that was given here.", remedy="Begin without one.")
-        return News(min(int(found[1]), tx.newest_commit()), found[2])
+        newest = tx.activity.newest()
+        return News(min(int(found[1]), tx.newest_commit()), found[2], min(int(found[3] or newest), newest))
 
 
 def _look(
@@ -154,6 +159,9 @@ def _look(
             here = project in (None, event.project) and document in (None, event.document)
             if kind in wanted and here:
                 texts.append(_said(kind, event.model_dump_json(), news))
+        for told in news.comments(tx):
+            if "comment" in wanted and project in (None, told.project) and document in (None, told.document):
+                texts.append(_said("comment", told.model_dump_json(), news))
         if news.missed:
             texts.append(_said("reset", "{}", news))
         if "job" in wanted and document is None:
@@ -164,7 +172,7 @@ def _look(
 
 
 def _said(kind: str, data: str, news: News) -> str:
-    return f"id: {news.commit}@{news.time}\nevent: {kind}\ndata: {data}\n\n"
+    return f"id: {news.commit}@{news.time}@{news.event}\nevent: {kind}\ndata: {data}\n\n"
 
 
 def _read(database: Database, uuid: str) -> Job:

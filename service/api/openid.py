@@ -108,7 +108,7 @@ def back(
             raise AccessError("This sign-in was not begun here, or took too long.", remedy="Begin again.")
         if error is not None or code is None:
             raise AccessError(f"{settings.openid_name} signed nobody in.", remedy="Begin again.")
-        person = _person(database, settings, _claims(settings, http, code, flow), flow)
+        person = _person(database.for_call(database.view, address), settings, _claims(settings, http, code, flow), flow)
         attempts.forget(address, "")
     except (AccessError, AttemptsError, RequestError, ConflictError, NotFoundError) as refusal:
         why = f"{refusal.what} {refusal.remedy or ''}"
@@ -126,7 +126,7 @@ def back(
 def _person(database: Database, settings: Settings, claims: Claims, flow: Flow) -> Account:
     """Whose account it is, made where there is none and one may come so."""
     issuer = str(settings.openid_issuer)
-    with database.write("session") as tx:
+    with database.write(settings.openid_name) as tx:
         person = tx.accounts.identified(issuer, claims["sub"])
         if person is not None:
             if person.closed is not None:

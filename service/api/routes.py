@@ -223,13 +223,15 @@ def _calling(operation: Operation) -> Callable[[Request], Any]:
 def call_of(request: Request) -> Call:
     """The call that a request makes: who asks is what the doors noted."""
     entry = request.scope.get("mcml.entry", LOCAL)
+    host = request.client.host if request.client else ""
     call = Call(
         request.app.state.repository,
         entry.author,
         entry.view,
         entry.account,
         entry.share,
-        client=f"{entry.author}@{request.client.host if request.client else ''}",
+        client=f"{entry.author}@{host}",
+        origin=host,
         media_type=request.headers.get("content-type", "").partition(";")[0].strip(),
     )
     call.known = lambda tag: known_as(request, f'"{tag}"')

@@ -204,7 +204,7 @@ def _opened(http: Request, request: SessionRequest) -> tuple[str, str]:
     address, name = http.client.host if http.client else "", (request.name or "").strip()
     attempts.require(address, name)
     if request.invitation is not None or (request.link is not None and request.name is not None):
-        opened = _joined(database, request)
+        opened = _joined(database.for_call(database.view, address), request)
     elif request.link is not None:
         opened = _linked(database, request.link)
     elif request.name is not None:
@@ -219,7 +219,7 @@ def _joined(database: Database, request: SessionRequest) -> tuple[str, str]:
     """By an account that a link or an invitation becomes."""
     name = checked_name(request.name or "")
     password = hashed(request.password or "", name)
-    with database.write("session") as tx:
+    with database.write(name) as tx:
         given: tuple[str, int | None] | None = None
         if request.invitation is not None:
             given = tx.accounts.accept(request.invitation)

@@ -63,6 +63,7 @@ BY_HAND = {
     "project import": "moving:import_",
     "project add": "accounts:add_member",
     "share add": "accounts:share",
+    "webhook add": "webhooks:add",
     "token add": "store:token_add",
     "token list": "store:token_list",
     "token revoke": "store:token_revoke",
@@ -71,6 +72,7 @@ BY_HAND = {
 
 GROUPS = {
     "labels": "Labels of documents, by query, as tables; and from the motion.",
+    "comment": "What people say about documents, their frames and joints.",
     "element": "Elements of a document, addressed by XPath. An edit is a revision.",
     "mapping": "Saved mappings: which joint of one rig is which of another; and what a project calls joints.",
     "names": "Names of joints of documents that exist.",
@@ -80,6 +82,7 @@ GROUPS = {
     "account": "Accounts of people, their roles, and invitations.",
     "project": "Who belongs to a project, and as what.",
     "share": "Links by which people without an account see some documents.",
+    "webhook": "Addresses that a server tells of events.",
     "token": "Tokens that open a server to programs and other machines.",
 }
 

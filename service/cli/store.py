@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import typer
 
 from service.actions.keeping.check_uploads import compare_all
-from service.actions.keeping.keep_room import compact_store, prune_history
+from service.actions.keeping.keep_room import compact_store, forget_activity, prune_history
 from service.actions.keeping.keep_store import backup, restore
 from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
 from service.errors import McmlError
@@ -75,11 +75,13 @@ def prune(
     database: DatabaseOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Forget history: each document as it was so many days ago stays, and all after it."""
+    """Forget history: each document as it was so many days ago stays, and all after it. Activity older than
+    MCML_ACTIVITY_DAYS goes, too."""
     settings = chosen_settings(database)
     store = open_database(settings)
     found = prune_history(store, older_than, do=yes)
     if yes:
+        forget_activity(store, settings.activity_days)
         from service.xpath.library.part_file import forget
 
         forget(store, settings.cache_dir)

@@ -20,6 +20,7 @@ from service.errors import ConflictError, McmlError, UnavailableError
 from service.jobs.cluster import Cluster
 from service.jobs.worker import CancelledError, Outcome, Refused, on_dask, perform
 from service.settings import Settings
+from service.storage.activity import SERVER
 from service.storage.database import Database
 from service.storage.identifiers import new_uuid
 from service.storage.jobs import LEASE_SECONDS, MOST_ATTEMPTS, StoredJob
@@ -40,7 +41,7 @@ class Runner:
     """Started and stopped with the server."""
 
     def __init__(self, database: Database, settings: Settings) -> None:
-        self._database = database
+        self._database = database.for_call(database.view, SERVER)
         self._settings = settings
         self._cluster = Cluster(database, settings)
         self._name = new_uuid()

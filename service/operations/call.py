@@ -96,7 +96,7 @@ class SameError(Exception):
 class Call:
     """repository: what is worked on. author: who asks. view: what of it they see, and may do there. account: its name,
     None for who has none. share: the link that they came by. client: those who share a turn in fair queues.
-    from_replica: the store's replica may answer.
+    from_replica: the store's replica may answer. origin: from where they come, None for who opens the store itself.
 
     known: how whoever asks names this version of the answer, None where they do not have it.
 
@@ -113,6 +113,7 @@ class Call:
     share: Share | None = None
     client: str = ""
     from_replica: bool = False
+    origin: str | None = None
     known: Callable[[str], str | None] = lambda tag: None
     media_type: str = ""
     progress: Progress | None = None
@@ -125,7 +126,7 @@ class Call:
     @cached_property
     def database(self) -> Database:
         """The store as whoever asks sees it."""
-        return self.repository.database.for_call(self.view, from_replica=self.from_replica)
+        return self.repository.database.for_call(self.view, self.origin, from_replica=self.from_replica)
 
     def begin_again(self) -> None:
         """Forget what was said of the answer: it is asked for anew, of the store itself."""

@@ -57,6 +57,7 @@ def change_project(call: Call, change: ProjectChange, project: ProjectName) -> P
             since = chosen.archived or now()
             chosen = replace(chosen, archived=since if change.archived else None)
         tx.terms.put(key, chosen)
+        tx.activity.note("project", "change", project_key=key, subject=project)
         return _view(tx, key)
 
 

@@ -54,6 +54,8 @@ def copy_documents(call: Call, request: ManyCopies) -> CopiedDocuments:
         tx.dialect.order_commits(tx.connection)
         project = tx.projects.get_or_add(request.project)
         made = [copied(tx, tx.documents.get(uuid).key, project) for uuid in uuids]
+        for uuid in made:
+            tx.activity.note("document", "copy", project_key=project, document=uuid)
         tx.terms.require_room(project)
     return CopiedDocuments(documents=made)
 

@@ -177,15 +177,19 @@ class Accounts:
             raise ConflictError(f"The name {name!r} is taken.", remedy="Choose another name.")
         row = {"name": stored_form(name), "role": role, "password": password, "created": now(), "closed": None}
         self._tx.insert_row(account, **row)
+        self._tx.activity.note("account", "add", subject=f"{row['name']} as {role}")
         return self.get(name)
 
     def change(self, name: str, **values: str | None) -> Account:
         """Set role, password or closed. ConflictError where no owner would be left."""
         self._tx.dialect.order_commits(self._tx.connection)
-        self.get(name)
+        found = self.get(name)
         self._tx.connection.execute(update(account).where(account.c.name == stored_form(name)).values(**values))
         if not any(one.role == "owner" and one.closed is None for one in self.all()):
             raise ConflictError("The repository would have no owner.", remedy="Make somebody else an owner first.")
+        for field, value in values.items():
+            what = field if field != "closed" else "close" if value else "reopen"
+            self._tx.activity.note("account", what, subject=found.name + (f" as {value}" if field == "role" else ""))
         return self.get(name)
 
     def invite(self, role: str, author: str, lasts: timedelta, project_key: int | None = None) -> str:
@@ -196,6 +200,7 @@ class Accounts:
         secret = secrets.token_urlsafe(32)
         row = {"sha256": digest_of(secret), "role": role, "author": author, "created": now(), "expires": now(lasts)}
         self._tx.connection.execute(insert(invitation).values(**row, project=project_key))
+        self._tx.activity.note("account", "invite", project_key=project_key, subject=f"somebody as {role}")
         return secret
 
     def invitations(self) -> list[Invitation]:
@@ -209,8 +214,11 @@ class Accounts:
 
     def take_back(self, number: int) -> None:
         """NotFoundError."""
-        if not any(one.number == number for one in self.invitations()):
+        found = next((one for one in self.invitations() if one.number == number), None)
+        if found is None:
             raise NotFoundError(f"There is no invitation {number}.", remedy="It was used, or taken back.")
+        project_key = None if found.project is None else self._tx.projects.get(found.project)
+        self._tx.activity.note("account", "uninvite", project_key=project_key, subject=f"somebody as {found.role}")
         self._tx.connection.execute(delete(invitation).where(invitation.c.id == number))
 
     def accept(self, secret: str) -> tuple[str, int | None] | None:

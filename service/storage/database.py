@@ -25,6 +25,7 @@ from sqlalchemy.exc import ArgumentError
 
 from service.errors import ReplicaError, StoreError
 from service.resources import migrations_path
+from service.storage.activity import COMMAND_LINE
 from service.storage.dialects import DIALECTS, find_dialect
 from service.storage.layout import refuse_newer, require_layout
 from service.storage.replica import Replica
@@ -59,6 +60,7 @@ class Database:
         self.writes = 0
         """Write transactions that were committed."""
         self._from_replica = False
+        self.origin = COMMAND_LINE
         self._watch: PoolProxiedConnection | None = None
 
     @property
@@ -66,14 +68,16 @@ class Database:
         """The kind of database: "sqlite" or "postgresql"."""
         return self.dialect.engine.dialect.name
 
-    def for_call(self, view: View, *, from_replica: bool = False) -> Database:
-        """The same store for one call, which counts its own writes. view: what whoever calls sees.
+    def for_call(self, view: View, origin: str | None = None, *, from_replica: bool = False) -> Database:
+        """The same store for one call, which counts its own writes. view: what whoever calls sees. origin: from where
+        they come, None: as before.
 
         from_replica: read the replica, where there is one that has all that was committed before; whoever asks for it
         is ready for ReplicaError.
         """
         other = copy(self)
         other.view, other._from_replica, other.writes = view, from_replica, 0
+        other.origin = self.origin if origin is None else origin
         return other
 
     @contextmanager
@@ -105,7 +109,7 @@ class Database:
     def write(self, author: str = "local") -> Iterator[Transaction]:
         """A write transaction: committed when the block ends, rolled back when it raises."""
         with in_words(self.dialect), self.dialect.writing() as connection:
-            yield Transaction(connection, self.dialect, author=author, view=self.view)
+            yield Transaction(connection, self.dialect, author=author, view=self.view, origin=self.origin)
         self.writes += 1
 
     def migrate(self) -> None:

@@ -137,6 +137,7 @@ class Documents:
             raise _swept()
         made = (key, 1, number, None, "import", message, stored_form(name), project_key)
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [made])
+        self._tx.activity.note("document", "import", project_key=project_key, document=uuid, revision=1)
         self._tx.terms.require_room(project_key)
 
     def write_content(
@@ -176,6 +177,8 @@ class Documents:
         values = (stored.key, number, self._tx.commit, stored.revision, operation, message)
         (named,) = self._tx.rows(_NAMED, {"key": stored.key})
         self._tx.insert_tuples(revision, (*_MADE, "name", "project"), [(*values, *named)])
+        about = {"project_key": named[1], "document": stored.uuid, "revision": number}
+        self._tx.activity.note("document", operation, **about)
         return number
 
     def require(self, key: int) -> None:

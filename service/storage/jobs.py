@@ -94,6 +94,7 @@ class Jobs:
             created=now(),
             started=now() if runner else None,
         )
+        self._tx.activity.note("job", "add", project_key=project_key, subject=stored_form(name))
         return uuid
 
     def get(self, uuid: str) -> StoredJob:
@@ -189,13 +190,17 @@ class Jobs:
         )
         if not closed.rowcount:
             raise ConflictError(f"Job {uuid} is no longer this runner's.", remedy="Let the other one go on.")
+        whose = select(job.c.project, job.c.name, job.c.owner).where(job.c.uuid == uuid)
+        project_key, name, owner = self._tx.connection.execute(whose).one()
+        self._tx.activity.note("job", state, project_key=project_key, subject=name, author=owner)
 
     def cancel(self, uuid: str) -> StoredJob:
         """Ask that a job end: one that waits ends at once, one that runs when its runner hears of it. AccessError."""
         found = self.get(uuid)
         require(self._tx, found.project_key)
         waiting = update(job).where(job.c.uuid == uuid, job.c.state == "waiting")
-        self._tx.connection.execute(waiting.values(state="cancelled", ended=now(), cancel=True))
+        if self._tx.connection.execute(waiting.values(state="cancelled", ended=now(), cancel=True)).rowcount:
+            self._tx.activity.note("job", "cancelled", project_key=found.project_key, subject=found.name)
         self._tx.connection.execute(update(job).where(job.c.uuid == uuid, job.c.state == "running").values(cancel=True))
         return found if found.state in ENDED else self.get(uuid)
 

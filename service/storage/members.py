@@ -69,6 +69,7 @@ class Members:
         self._remove(project_key, person.key)
         row = {"account": person.key, "project": project_key, "role": role}
         self._tx.connection.execute(insert(membership).values(**row))
+        self._tx.activity.note("member", "set", project_key=project_key, subject=f"{person.name} as {role}")
 
     def remove(self, project_key: int, name: str) -> None:
         """AccessError, NotFoundError for who does not belong to it."""
@@ -79,6 +80,7 @@ class Members:
                 f"{name!r} does not belong to this project.",
                 remedy="Who has a role in the whole repository loses it there: mcml account role.",
             )
+        self._tx.activity.note("member", "remove", project_key=project_key, subject=person.name)
 
     def _remove(self, project_key: int, account_key: int) -> int:
         its = (membership.c.account == account_key, membership.c.project == project_key)

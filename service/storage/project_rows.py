@@ -33,6 +33,7 @@ ROWS = 1000
 _OF_DOCUMENTS = (
     *(tables.revision, tables.content, tables.header, tables.property_, tables.bone, tables.timeline, tables.frame_run),
     *(tables.shape, tables.shape_run, tables.span, tables.track, tables.document_upload, tables.document_media),
+    work_tables.comment,
 )
 _OF_PROJECTS = (work_tables.joint_mapping, work_tables.joint_alias, work_tables.saved)
 _OF_RESULTS = (work_tables.result_part, work_tables.result_block)

@@ -28,6 +28,7 @@ from service.storage.tables import (
 from service.storage.work_tables import job, result, result_part
 
 if TYPE_CHECKING:
+    from service.storage.documents import StoredDocument
     from service.storage.transaction import Transaction
 
 CHUNKS = 32
@@ -91,9 +92,10 @@ class Purging:
                 shared.append((result_uuid, name))
         return [(row.uuid, row.name) for row in self._tx.connection.execute(clips.distinct())], shared, own
 
-    def begin(self, key: int) -> None:
+    def begin(self, stored: StoredDocument) -> None:
         """Let nobody see the document any more, servers that run among them: they list documents after each commit."""
-        self._tx.documents.set_state(key, "purging")
+        self._tx.documents.set_state(stored.key, "purging")
+        self._tx.activity.note("document", "purge", project_key=stored.project_key, document=stored.uuid)
         self._tx.pruning.let_go(self._tx.commit)
 
     def unfinished(self) -> list[tuple[int, str]]:

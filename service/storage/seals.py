@@ -97,6 +97,10 @@ _COVERED: dict[Table, tuple[str, ...]] = {
     work_tables.joint_mapping: ("project", "name", "version", "author", "changed", "pairs"),
     work_tables.joint_alias: ("project", "version", "author", "changed", "pairs"),
     work_tables.saved: ("project", "kind", "name", "version", "author", "changed", "content"),
+    work_tables.comment: (
+        *("document", "revision", "first", "last", "bone", "author", "created", "text", "edited", "resolved"),
+        "deleted",
+    ),
     work_tables.result: (
         *("uuid", "project", "parent", "analysis", "name", "owner", "inputs", "parameters", "made_with", "created"),
     ),
@@ -112,7 +116,7 @@ _LAST: dict[Table, type[bytes | bool]] = {
 SEALS = {table: Seal(table, columns, _LAST.get(table)) for table, columns in _COVERED.items()}
 """Tables whose rows have one checksum. What is left out: tracks, which have two; elements of skeletons, whose hash is
 one; uploads, whose SHA-256 is one; receipts, whose compressed form has one; numbers of properties, which their texts
-say; jobs, which end."""
+say; jobs, events and webhooks, which end."""
 
 
 @lru_cache(maxsize=4096)

@@ -129,6 +129,7 @@ class Shares:
         for one in stored:
             about = {"share": number, "document": one.key, "revision": one.revision, "latest": latest}
             self._tx.connection.execute(insert(shared_document).values(**about))
+        self._tx.activity.note("share", "add", project_key=key, subject=stored_form(name))
         (made,) = self._found(share.c.id == number)
         return secret, made
 
@@ -140,8 +141,10 @@ class Shares:
 
     def remove(self, number: int) -> None:
         """Who came by it sees nothing from then on. NotFoundError."""
-        if not any(one.number == number for one in self.all()):
+        found = next((one for one in self.all() if one.number == number), None)
+        if found is None:
             raise NotFoundError(f"There is no link {number}.", remedy="It has ended, or was taken back.")
+        self._tx.activity.note("share", "revoke", project_key=self._tx.projects.get(found.project), subject=found.name)
         self._tx.connection.execute(delete(session).where(session.c.share == number))
         self._tx.connection.execute(delete(shared_document).where(shared_document.c.share == number))
         self._tx.connection.execute(delete(share).where(share.c.id == number))

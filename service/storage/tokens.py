@@ -67,6 +67,7 @@ class Tokens:
         self._tx.connection.execute(insert(grant).values(token=key, scope=scope, account=whose))
         for each in projects:
             self._tx.connection.execute(insert(granted_project).values(token=key, project=each))
+        self._tx.activity.note("token", "add", subject=name)
         return secret
 
     def all(self) -> list[TokenSummary]:
@@ -93,6 +94,7 @@ class Tokens:
             self._tx.connection.execute(delete(table).where(table.c.token == its))
         if not self._tx.connection.execute(delete(token).where(token.c.name == name)).rowcount:
             raise NotFoundError(f"There is no token {name!r}.", remedy="See `mcml token list`.")
+        self._tx.activity.note("token", "revoke", subject=name)
 
     def entry(self, secret: str) -> Entry | None:
         """Who comes in by the token with this secret, None where it is unknown or has expired."""

@@ -20,9 +20,11 @@ from sqlalchemy.sql import ColumnElement
 from service.errors import StoreError
 from service.storage import tables
 from service.storage.accounts import Accounts
+from service.storage.activity import COMMAND_LINE, Activity
 from service.storage.aliases import Aliases
 from service.storage.bodies import Bodies
 from service.storage.columns import Columns
+from service.storage.comments import Comments
 from service.storage.damage import describe_damage
 from service.storage.dialects import Dialect
 from service.storage.documents import Documents
@@ -50,6 +52,7 @@ from service.storage.tracks import Tracks
 from service.storage.uploads import Uploads
 from service.storage.views import WHOLE, View
 from service.storage.visits import Requests, Sessions
+from service.storage.webhooks import Webhooks
 
 _NEWEST_COMMIT = select(func.coalesce(func.max(tables.commit.c.number), 0))
 
@@ -64,7 +67,7 @@ class Transaction:
     """A read or write transaction on one connection.
 
     at: the commit whose state is read; `LATEST` by default, and always in write transactions. view: what whoever has it
-    sees and may change.
+    sees and may change. author: whose changes they are. origin: from where they come.
     """
 
     def __init__(
@@ -74,14 +77,30 @@ class Transaction:
         at: int = LATEST,
         author: str | None = None,
         view: View = WHOLE,
+        origin: str = COMMAND_LINE,
     ) -> None:
         self.connection = connection
         self.dialect = dialect
         self.at = at
         self.view = view
+        self.origin = origin
         self._author = author
         self._commit: int | None = None
+        self._ordered = False
         self._gathered: dict[tuple[Table, tuple[str, ...]], list[tuple[Any, ...]]] | None = None
+
+    @property
+    def author(self) -> str:
+        """StoreError in a read transaction."""
+        if self._author is None:
+            raise StoreError("A read transaction cannot write.")
+        return self._author
+
+    def order(self) -> None:
+        """Let no other writer number anything until this transaction has ended."""
+        if not self._ordered:
+            self.dialect.order_commits(self.connection)
+            self._ordered = True
 
     @property
     def commit(self) -> int:
@@ -90,11 +109,10 @@ class Transaction:
         # who waits in it for the database's lock would stop the transaction that has it, for ever.
         if self._commit is not None:
             return self._commit
-        if self._author is None:
-            raise StoreError("A read transaction cannot write.")
-        self.dialect.order_commits(self.connection)
+        author = self.author
+        self.order()
         newest = self.newest_commit()
-        row = (newest + 1, now(), self._author)
+        row = (newest + 1, now(), author)
         self.dialect.insert(self.connection, tables.commit, *sealed(tables.commit, ("number", "time", "author"), [row]))
         self._commit = newest + 1
         return self._commit
@@ -109,7 +127,7 @@ class Transaction:
 
     def at_commit(self, commit: int) -> Transaction:
         """The same transaction, reading the state of an earlier commit."""
-        return Transaction(self.connection, self.dialect, commit, self._author, self.view)
+        return Transaction(self.connection, self.dialect, commit, self._author, self.view, self.origin)
 
     def run(self, statement: ClauseElement, values: dict[str, Any] | None = None) -> CursorResult[Any]:
         """Execute a statement that the program makes once. Lists among the values are for `OneOf`."""
@@ -257,6 +275,18 @@ class Transaction:
     @cached_property
     def media(self) -> MediaOfDocuments:
         return MediaOfDocuments(self)
+
+    @cached_property
+    def comments(self) -> Comments:
+        return Comments(self)
+
+    @cached_property
+    def activity(self) -> Activity:
+        return Activity(self)
+
+    @cached_property
+    def webhooks(self) -> Webhooks:
+        return Webhooks(self)
 
     @cached_property
     def saved(self) -> Saved:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from sqlalchemy import (
+    BigInteger,
     Boolean,
     Column,
     Float,
@@ -55,6 +56,25 @@ saved = Table(
     checksum(),
 )
 """What a project keeps under a name beside documents. `kind`: query, collection, colours. `content`: JSON."""
+
+comment = Table(
+    "comment",
+    metadata,
+    Column("id", KEY, primary_key=True),
+    Column("document", ForeignKey("document.id"), nullable=False, index=True),
+    Column("revision", Integer, nullable=False),
+    Column("first", BigInteger),
+    Column("last", BigInteger),
+    Column("bone", NAME),
+    Column("author", NAME, nullable=False),
+    Column("created", String(32), nullable=False),
+    Column("text", Text, nullable=False),
+    Column("edited", String(32)),
+    Column("resolved", String(32)),
+    Column("deleted", String(32)),
+    checksum(),
+)
+"""`revision`: that was looked at. `first`, `last`: positions of frames there. The text of a deleted one is empty."""
 
 job = Table(
     "job",

@@ -114,7 +114,7 @@ def test_a_purge_that_is_killed_goes_on(database: Database) -> None:
     other = store(database, {"b.bvh": bvh(30, seed=2)})[0]
     key = key_of(database, uuid)
     with database.write() as tx:
-        tx.purging.begin(key)
+        tx.purging.begin(tx.documents.get(uuid))
     with database.write() as tx:
         assert tx.purging.remove_tracks(key)
     # Nobody sees it, and what is left of it is no fault.

@@ -38,6 +38,7 @@ class Things:
     job: str
     result: str
     label: int
+    comment: int
 
     @property
     def id(self) -> str:
@@ -52,6 +53,13 @@ def labelled(client: TestClient, document: str, word: str) -> int:
     return int(made.json()["items"][0]["id"])
 
 
+def commented(client: TestClient, document: str, text: str) -> int:
+    """The number of a new comment."""
+    made = client.post(f"{API}/documents/{document}/comments", json={"text": text, "first": 1, "bone": "Root"})
+    assert made.status_code == 201, made.text
+    return int(made.json()["id"])
+
+
 def filled(client: TestClient, database: Database, project: str, word: str) -> Things:
     """Something of everything, each with a word in it."""
     change = {"if-match": "*"}
@@ -59,6 +67,7 @@ def filled(client: TestClient, database: Database, project: str, word: str) -> T
     made: Any = upload(client, files, project=project)
     stored = [item["id"] for item in made["documents"]]
     label = labelled(client, stored[0], word)
+    comment = commented(client, stored[0], word)
     for path, body in (
         (f"collections/{word}", {"documents": stored[:1]}),
         (f"queries/{word}", {"q": f"//frame[motion_name='{word}']"}),
@@ -77,7 +86,7 @@ def filled(client: TestClient, database: Database, project: str, word: str) -> T
         job = tx.jobs.add(key, "beats", word, word, [], {}, runner="nobody")
         result_key, result = tx.results.add(key, "beats", word, word, [], {}, {})
         tx.results.add_part(result_key, "speed", "curve", {"title": word, "series": []}, {"speed": np.zeros(3)})
-    return Things(project, stored, job, result, label)
+    return Things(project, stored, job, result, label, comment)
 
 
 CHANGING = {
@@ -92,6 +101,8 @@ CHANGING = {
     "edit_elements": {"edits": [{"do": "change", "xpath": "//frame[1]/frame_bone[1]", "attributes": {"Rx": "6"}}]},
     "make_changes": {"frames": [{"first": 2, "columns": ["Root.Rx"], "values": [[7.5]]}]},
     "split_document": {"at": [3]},
+    "add_comment": {"text": "@reader look"},
+    "change_comment": {"text": "look again"},
 }
 """Bodies of operations on one document."""
 
@@ -123,6 +134,8 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
         content: dict[str, Any] = {"json": CHANGING[name]} if name in CHANGING else {}
         if "{label}" in operation.path:
             path["label"] = things.label
+        if "{comment}" in operation.path:
+            path["comment"] = things.comment
         if name in ("replace_element", "insert_elements"):
             text = '<frame_bone name="Root" Rx="1"/>' if name == "replace_element" else "<motion_name>z</motion_name>"
             content = {"content": text, "headers": {"content-type": "application/xml"}}

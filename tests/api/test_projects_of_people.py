@@ -19,7 +19,7 @@ from service.settings import Settings
 from service.storage.database import Database
 from service.storage.members import PROJECT_ROLES
 from service.storage.schema import metadata
-from tests.api.asked import API, Things, filled, labelled, request_of, send
+from tests.api.asked import API, Things, commented, filled, labelled, request_of, send
 from tests.builders import SECRET, one_kind
 from tests.motion.bodies.made import person
 
@@ -93,7 +93,7 @@ def addressed() -> list[Operation]:
 
 
 def test_every_operation_is_asked() -> None:
-    things = Things("mine", ["a", "b", "c"], "d", "e", 1)
+    things = Things("mine", ["a", "b", "c"], "d", "e", 1, 1)
     for operation in addressed():
         known = request_of(operation, things, "w") is not None
         assert known or operation.name in OWN or operation.right in (Right.OPERATE, Right.OWN), operation.name
@@ -162,6 +162,10 @@ def test_each_role_may_in_its_project_what_is_declared(
         # What reads is asked by all who may, what writes by the least of them.
         may = [role for role, rights in roles.items() if operation.right in rights]
         for role in may if operation.right is Right.READ else may[:1]:
+            if "{comment}" in operation.path and role != "stranger":
+                # What one's own comments may become; `tests/operations/test_comments.py` has those of others.
+                mine = replace(mine, comment=commented(clients[role], mine.id, "mine"))
+                asked = request_of(operation, mine, "wombat") or asked
             answer = send(clients[role], operation, asked)
             unfit = any(operation.name.startswith(word) for word in UNFIT)
             assert unfit or answer.status_code < 300, (operation.name, role, answer.status_code, answer.text[:500])

@@ -34,6 +34,15 @@ def prune_history(database: Database, days: float, *, do: bool, author: str = "l
     return Prunable(len(old), sum(one.revisions for one in old), sum(one.bytes for one in old))
 
 
+def forget_activity(database: Database, days: int) -> int:
+    """Forget events, and what was sent of them, that are older than so many days; how many events."""
+    limit = datetime.now(UTC) - timedelta(days=days)
+    before = limit.isoformat(timespec="milliseconds").replace("+00:00", "Z")
+    with database.write() as tx:
+        tx.webhooks.forget(before)
+        return tx.activity.forget(before)
+
+
 def _forget(database: Database, old: Old, author: str) -> None:
     with database.write(author) as tx:
         tx.documents.lock(old.key)

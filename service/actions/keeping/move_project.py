@@ -99,6 +99,7 @@ def import_project(
                 found = document_faults(tx, keys)
                 if found:
                     raise FormatError(f"What the file holds does not fit together: {found[0]}")
+                tx.activity.note("project", "import", project_key=writer.project_key, subject=wanted)
                 return wanted, len(keys)
     except _BROKEN as error:
         raise FormatError("The zip is damaged or encrypted.", remedy="Export the project again.") from error

@@ -75,7 +75,7 @@ def _begin(database: Database, uuid: str, author: str) -> None:
     with database.write(author) as tx:
         stored = tx.documents.get(uuid, deleted=True)
         tx.documents.lock(stored.key)
-        tx.purging.begin(stored.key)
+        tx.purging.begin(stored)
 
 
 def finish_purges(

@@ -1,4 +1,4 @@
-"""What happened since somebody last looked: revisions that were made, jobs that went on."""
+"""What happened since somebody last looked: revisions that were made, comments, jobs that went on."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from dataclasses import dataclass, field
 from datetime import timedelta
 from typing import TypeAlias
 
+from schemas.activity import ActivityEvent
 from schemas.events import DocumentEvent
+from service.actions.reading.tell_event import told_event
 from service.storage.identifiers import now
 from service.storage.jobs import StoredJob
 from service.storage.transaction import Transaction
@@ -24,13 +26,15 @@ Told: TypeAlias = dict[str, tuple[str, str, float, bool]]
 
 @dataclass
 class News:
-    """What somebody knows. commit: the last one that was told. time: since when jobs may have ended that were not told.
+    """What somebody knows. commit, event: the last ones that were told. time: since when jobs may have ended that were
+    not told.
 
     jobs: how each was that was told. missed: more happened than is told.
     """
 
     commit: int
     time: str
+    event: int
     jobs: Told = field(default_factory=dict)
     missed: bool = False
 
@@ -55,6 +59,15 @@ class News:
             )
             for _, (uuid, item) in found
         ]
+
+    def comments(self, tx: Transaction) -> list[ActivityEvent]:
+        """What was done with comments since, the oldest first, some hundred at a time."""
+        newest = tx.activity.newest()
+        if newest <= self.event:
+            return []
+        found = tx.activity.after(self.event, AT_A_TIME, kind="comment")
+        self.event = found[-1].number if len(found) == AT_A_TIME else newest
+        return [told_event(event) for event in found]
 
     def changed_jobs(self, tx: Transaction) -> list[StoredJob]:
         """Jobs that are in another state than was told, or further."""

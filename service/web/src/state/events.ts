@@ -15,20 +15,36 @@ export interface News {
   time: string;
 }
 
-/** The newest thing that was heard. */
+/** What was done with a comment: the part of events `comment` that is looked at; schemas/activity.py. */
+export interface Commented {
+  id: number;
+  document: string | null;
+}
+
+/** The newest thing that was heard, and the newest of comments. */
 export const news = signal<News | null>(null);
+export const commented = signal<Commented | null>(null);
+
+type Heard = { news: News } | { commented: Commented };
+const tell = (heard: Heard): void => {
+  if ("news" in heard) news.value = heard.news;
+  else commented.value = heard.commented;
+};
 
 export function followEvents(): void {
   const channel = "BroadcastChannel" in window ? new BroadcastChannel("mcml.events") : null;
-  if (channel) channel.onmessage = (event: MessageEvent<News>) => (news.value = event.data);
+  if (channel) channel.onmessage = (event: MessageEvent<Heard>) => tell(event.data);
   const listen = () => {
     const source = new EventSource("/api/v1/events");
-    const heard = (event: MessageEvent<string>) => {
-      const one = JSON.parse(event.data) as News;
-      news.value = one;
-      channel?.postMessage(one);
-    };
-    for (const kind of ["document", "label"]) source.addEventListener(kind, heard as EventListener);
+    const hear = (kind: string, as: "news" | "commented") =>
+      source.addEventListener(kind, ((event: MessageEvent<string>) => {
+        const heard = { [as]: JSON.parse(event.data) as unknown } as Heard;
+        tell(heard);
+        channel?.postMessage(heard);
+      }) as EventListener);
+    hear("document", "news");
+    hear("label", "news");
+    hear("comment", "commented");
   };
   // Held for as long as this tab lives.
   if (navigator.locks) void navigator.locks.request("mcml.events", () => (listen(), new Promise<never>(() => undefined)));

@@ -73,6 +73,7 @@ export const ko: typeof en = {
   people: "사람", role: "역할", since: "시작", roleReader: "열람자", roleEditor: "편집자", roleOwner: "소유자", roleOf: "{name}의 역할", accountClosed: "닫힘", closeAccount: "닫기", reopenAccount: "다시 열기", accountChanged: "{name}을(를) 바꿨습니다", invite: "초대", inviteHelp: "한 사람을 위한 링크, 사흘 동안 유효합니다.", invitationMade: "이 링크를 보내세요. 지금 한 번만 보입니다:", invitations: "열린 초대", invitedBy: "{name}의 초대",
   posesLike: "이런 자세 찾기", posesLikeHelp: "재생 위치의 자세와 가장 닮은 자세를 라이브러리 전체에서 찾습니다. 몸이 달라도 됩니다", calibration: "이 숫자의 근거", calibrationHelp: "길이는 원본의 단위입니다. 파일에 없는 것은 추정합니다. 칸을 비우면 추정값으로 돌아갑니다.", floor: "바닥", legLength: "다리", originStated: "파일에 있음", originMeasured: "잰 값", originGuessed: "추정", originSet: "정한 값",
   structure: "구조", text: "텍스트", history: "변경 이력", info: "정보",
+  comments: "의견", newComment: "무엇을 고칠까요? @이름으로 누군가를 부릅니다", addComment: "의견 남기기", noComments: "이 클립에 대한 의견이 아직 없습니다.", commentFrame: "{n}프레임|{n}프레임", commentFrames: "{first}–{last}프레임", resolvedToo: "끝난 것 1개 보기|끝난 것 {n}개 보기", resolveComment: "끝남", reopenComment: "안 끝남", deleteComment: "삭제", edited: "고침",
   spanAdd: "이 구간에 이름 붙이기", spanSplit: "재생 위치에서 나누기", spanName: "동작 이름",
   spanHelp: "레인을 끌어 구간에 이름을 붙이고, 끝을 끌어 다듬으세요. 끝은 가까운 곳에 붙으며, Alt를 누르면 붙지 않습니다.", spanFrom: "시작", spanTo: "끝", suggestions: "이름 제안받기", suggestionsNone: "알아본 동작이 없습니다.",
   accept: "받아들이기", acceptAll: "{n}개 모두 받아들이기", hideSuggestions: "제안 숨기기", confidence: "신뢰도 {value}", speedLane: "속력", namesLane: "이름",

@@ -5,6 +5,7 @@ import { Tabs } from "../../ui/Tabs";
 import type { Word } from "../../words";
 import { w } from "../../words";
 import { Body } from "./Body";
+import { Comments } from "./Comments";
 import { Graph } from "./Graph";
 import { History } from "./History";
 import { Info } from "./Info";
@@ -16,7 +17,7 @@ const Text = lazy(async () => (await import("./Text")).TextView);
 
 const VIEWS: { id: string; word: Word }[] = [
   { id: "tree", word: "tree" }, { id: "graph", word: "graph" }, { id: "body", word: "bodyTab" }, { id: "structure", word: "structure" },
-  { id: "text", word: "text" }, { id: "history", word: "history" }, { id: "info", word: "info" },
+  { id: "text", word: "text" }, { id: "history", word: "history" }, { id: "comments", word: "comments" }, { id: "info", word: "info" },
 ];
 
 export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
@@ -31,6 +32,7 @@ export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
         {open === "structure" && <Structure clip={clip} />}
         {open === "text" && <Text clip={clip} reload={reload} />}
         {open === "history" && <History clip={clip} reload={reload} />}
+        {open === "comments" && <Comments clip={clip} />}
         {open === "info" && <Info clip={clip} reload={reload} />}
       </div>
     </>

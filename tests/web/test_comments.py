@@ -1,0 +1,39 @@
+"""Comments in the studio: said about a frame and a joint, heard at once, and a way to what they are about."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from tests.web.conftest import Served, Visit, one_door, walk
+from tests.web.test_journeys import ready
+
+expect: Any = pytest.importorskip("playwright.sync_api").expect
+
+pytestmark = one_door
+
+
+def test_a_comment_leads_to_its_frame_and_joint(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("slide.bvh", walk())
+    page = visit.open(f"/clips/{uuid}?f=5&sel=left_low_leg&tab=comments")
+    ready(page)
+    expect(page.get_by_text("Nobody has said anything")).to_be_visible()
+    page.get_by_label("What should be done?").fill("the foot <i>slides</i>")
+    page.get_by_role("button", name="Comment", exact=True).click()
+    place = page.get_by_role("button", name="Frame 5, left_low_leg")
+    expect(place).to_be_visible()
+    expect(page.get_by_text("the foot <i>slides</i>")).to_be_visible()
+    # What somebody else says is heard.
+    with studio.client() as client:
+        client.post(f"/documents/{uuid}/comments", json={"text": "and here", "first": 2}).raise_for_status()
+    page.get_by_role("button", name="Frame 2").click()
+    expect(page.get_by_label("Frame 2", exact=True)).to_be_visible()
+    place.click()
+    expect(page.get_by_label("Frame 5", exact=True)).to_be_visible()
+    page.get_by_role("listitem").filter(has_text="and here").get_by_role("button", name="Done", exact=True).click()
+    expect(page.get_by_text("and here")).to_have_count(0)
+    page.get_by_label("Show 1 that is done").check()
+    expect(page.get_by_text("and here")).to_be_visible()
+    page.get_by_role("listitem").filter(has_text="and here").get_by_role("button", name="Delete").click()
+    expect(page.get_by_text("and here")).to_have_count(0)
