@@ -114,6 +114,7 @@ class Comments:
         return self.get(stored, number)
 
     def _note(self, stored: StoredDocument, number: int, what: str) -> None:
+        self._tx.terms.require_open(stored.project_key)
         self._tx.activity.note(
             "comment",
             what,

@@ -200,7 +200,7 @@ def test_a_job_that_ended_by_a_slow_clock_is_told(database: Database, monkeypatc
     with database.write() as tx:
         uuid = tx.jobs.add(tx.projects.get_or_add("lab"), "reach", "a model", "kim", [], {}, runner="other")
     with database.read() as tx:
-        news = News(tx.newest_commit(), now())
+        news = News(tx.newest_commit(), now(), 0)
         assert [job.uuid for job in news.changed_jobs(tx)] == [uuid]
     monkeypatch.setattr("service.storage.jobs.now", lambda: now(-timedelta(seconds=5)))
     with database.write() as tx:
