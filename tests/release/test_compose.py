@@ -103,6 +103,7 @@ def machine(postgres_server: str, tmp_path: Path) -> Iterator[Machine]:
         yield Machine(tmp_path, url)
 
 
+@pytest.mark.fuzz
 def test_what_it_starts_works_together(machine: Machine) -> None:
     said = re.findall(r"^#.* run --rm (\w+) (mcml .*?)(?: \||$)", COMPOSE, re.MULTILINE)
     assert [words.split()[1:3] for _, words in said] == [["db", "upgrade"], ["token", "add"]]
