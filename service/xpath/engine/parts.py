@@ -12,6 +12,7 @@ from service.errors import QueryError
 from service.xpath.engine import sequences
 from service.xpath.engine.values import numbers
 from service.xpath.library.forest import Forest
+from service.xpath.library.groups import Group
 from service.xpath.nodes.items import Column, Items
 from service.xpath.nodes.numbering import Ints
 from service.xpath.nodes.texts import Strings
@@ -89,10 +90,10 @@ def rank_of(forest: Forest) -> tuple[str, int]:
 
 def gathered(parts: Iterable[Part]) -> Iterator[tuple[Forest, Ints]]:
     """All nodes of a sequence in document order, a forest after the other. QueryError for values among them."""
-    forests: dict[int, tuple[Forest, list[Ints]]] = {}
+    forests: dict[Group, tuple[Forest, list[Ints]]] = {}
     for part in parts:
         if len(part) and not part.are_nodes:
             raise QueryError("A path begins at a value here.", remedy="Begin it with nodes.")
-        forests.setdefault(part.forest.documents.number, (part.forest, []))[1].append(np.asarray(part.column, np.int64))
+        forests.setdefault(part.forest.documents, (part.forest, []))[1].append(np.asarray(part.column, np.int64))
     for forest, found in sorted(forests.values(), key=lambda each: rank_of(each[0])):
         yield forest, np.unique(np.concatenate(found))

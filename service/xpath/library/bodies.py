@@ -140,7 +140,7 @@ class Bodies:
 
     def _column(self, key: tuple[object, ...], make: Callable[[], Column]) -> Column:
         samples = self._forest.caches.samples
-        return samples.get((self._forest.documents.number, *key), make, lambda column: column.nbytes)
+        return samples.get(self._forest.documents, key, make, lambda column: column.nbytes)
 
     def facts(self) -> BodyFacts:
         """What is known of each document."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Container, Hashable, Iterator, Mapping, Sequence
 from typing import Any, Generic, TypeVar
 
 Key = TypeVar("Key", bound=Hashable)
@@ -13,6 +13,10 @@ Entry = TypeVar("Entry")
 
 OVERHEAD = 200
 """About how many bytes an entry takes beside its own."""
+
+
+ROOM = 15 / 16
+"""Of a cache of columns, what stays when it is full."""
 
 
 class Cache(Generic[Key, Entry]):
@@ -46,6 +50,30 @@ class Cache(Generic[Key, Entry]):
         with self._lock:
             return all(key in self._entries for key in keys)
 
+    def values(self) -> list[Entry]:
+        """All that is kept now."""
+        with self._lock:
+            return list(self._entries.values())
+
+    def __iter__(self) -> Iterator[Key]:
+        """The keys of all that is kept now."""
+        with self._lock:
+            return iter(list(self._entries))
+
+    def forget(self, is_held: Callable[[Key], bool]) -> None:
+        """Let all other entries go."""
+        with self._lock:
+            for key in [key for key in self._entries if not is_held(key)]:
+                self._total -= self._size(self._entries.pop(key))
+
+    def put(self, key: Key, entry: Entry) -> None:
+        """Keep an entry, in the place of that which is kept under its key."""
+        with self._lock:
+            old = self._entries.pop(key, None)
+            if old is not None:
+                self._total -= self._size(old)
+        self._keep({key: entry})
+
     def _keep(self, new: Mapping[Key, Entry]) -> None:
         with self._lock:
             for key, entry in new.items():
@@ -57,7 +85,7 @@ class Cache(Generic[Key, Entry]):
 
 
 class ColumnCache:
-    """Columns of groups of documents by key, up to a number of bytes. Threads may share it.
+    """Columns of groups of documents, each under a key, up to a number of bytes. Threads may share it.
 
     Any of them goes where there is no room: a question goes through all groups in turn, so that of a library that does
     not fit, the one used least recently would always be the next that is asked for.
@@ -65,43 +93,59 @@ class ColumnCache:
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
-        self._total = 0
-        self._entries: dict[Hashable, tuple[int, Any]] = {}
-        self._keys: list[Hashable] = []
+        self.total = 0
+        """About how many bytes there are."""
+
+        self._groups: dict[Hashable, dict[Hashable, tuple[int, Any]]] = {}
         self._lock = threading.Lock()
         self._random = random.Random(1)
 
-    def get(self, key: Hashable, make: Callable[[], Entry], size: Callable[[Entry], int]) -> Entry:
-        """The entry of a key. make: makes it where it is not kept. size: about how many bytes it takes."""
-        held = self._entries.get(key)
+    def get(self, group: Hashable, key: Hashable, make: Callable[[], Entry], size: Callable[[Entry], int]) -> Entry:
+        """A column of a group. make: makes it where it is not kept. size: about how many bytes it takes."""
+        held = self._groups.get(group, _NONE).get(key)
         if held is not None:
             entry: Entry = held[1]
             return entry
         entry = make()
-        self._keep(key, entry, size(entry) + OVERHEAD)
+        self._keep(group, key, entry, size(entry) + OVERHEAD)
         return entry
 
-    def find(self, key: Hashable) -> Any | None:
-        """The entry, None where there is none now."""
-        held = self._entries.get(key)
+    def find(self, group: Hashable, key: Hashable) -> Any | None:
+        """The column, None where there is none now."""
+        held = self._groups.get(group, _NONE).get(key)
         return None if held is None else held[1]
 
-    def holds(self, key: Hashable) -> bool:
-        """Whether there is an entry now."""
-        return key in self._entries
+    def holds(self, group: Hashable, key: Hashable) -> bool:
+        """Whether there is a column now."""
+        return key in self._groups.get(group, _NONE)
 
     def takes(self, size: int) -> bool:
-        """Whether an entry of so many bytes is kept."""
+        """Whether a column of so many bytes is kept."""
         return size <= self._limit // 4
 
-    def _keep(self, key: Hashable, entry: object, size: int) -> None:
+    def forget(self, held: Container[Hashable]) -> None:
+        """Let the columns of all other groups go."""
         with self._lock:
-            if key in self._entries or not self.takes(size):
+            for group in [group for group in self._groups if group not in held]:
+                self.total -= sum(size for size, _ in self._groups.pop(group).values())
+
+    def _keep(self, group: Hashable, key: Hashable, entry: object, size: int) -> None:
+        with self._lock:
+            columns = self._groups.setdefault(group, {})
+            if key in columns or not self.takes(size):
                 return
-            self._entries[key] = size, entry
-            self._keys.append(key)
-            self._total += size
-            while self._total > self._limit:
-                place = self._random.randrange(len(self._keys))
-                self._keys[place], self._keys[-1] = self._keys[-1], self._keys[place]
-                self._total -= self._entries.pop(self._keys.pop())[0]
+            columns[key] = size, entry
+            self.total += size
+            if self.total > self._limit:
+                self._make_room()
+
+    def _make_room(self) -> None:
+        """Somewhat more than is needed now: to look for it takes longer than to keep a column."""
+        kept = [(columns, key) for columns in self._groups.values() for key in columns]
+        self._random.shuffle(kept)
+        while self.total > self._limit * ROOM:
+            columns, key = kept.pop()
+            self.total -= columns.pop(key)[0]
+
+
+_NONE: dict[Hashable, tuple[int, Any]] = {}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
+from itertools import count
 from typing import Generic, Protocol, TypeVar
 
 from service.clips.bodies import Body, read_bodies
@@ -10,9 +11,10 @@ from service.storage.blocks import Block
 from service.storage.columns import Listed
 from service.storage.transaction import Transaction
 from service.xpath.library.cache import OVERHEAD, Cache, ColumnCache
+from service.xpath.library.groups import Group
 from service.xpath.library.head_parts import Heads
 from service.xpath.library.likeness import Poses
-from service.xpath.library.listing import Listing
+from service.xpath.library.listing import LISTING, Listing
 from service.xpath.library.sidecar import Sidecar
 from service.xpath.library.tracks import BlockKey, Tracks
 from service.xpath.library.zones import Zones, read_zones
@@ -44,6 +46,10 @@ class DocumentCache(Generic[Entry]):
         """Whether the entries of all of them are kept now."""
         return self._kept.holds([(listed.key, listed.revision) for listed in documents])
 
+    def forget(self, held: Container[tuple[int, int]]) -> None:
+        """Let the entries of all other documents go (key, revision)."""
+        self._kept.forget(held.__contains__)
+
     def read(self, tx: Transaction, documents: Sequence[Listed]) -> list[Entry]:
         """The entry of each document. tx: one that only reads, for a revision that may yet be taken back is none."""
         wanted = {(listed.key, listed.revision): listed for listed in documents}
@@ -58,6 +64,9 @@ class DocumentCache(Generic[Entry]):
 COLUMNS = 512 << 20
 """Bytes, if nothing else is said."""
 
+SOME_CHANGES = 16
+"""Of the store. To look through all that is kept of documents takes some milliseconds where there are many."""
+
 
 class Caches:
     """What a process keeps. limit: bytes of columns: half for what documents are made of and their zone maps, half for
@@ -71,7 +80,8 @@ class Caches:
     def __init__(self, limit: int = COLUMNS, sidecar: Sidecar | None = None) -> None:
         small = min(8 << 20, limit // 16)
         self.sidecar = sidecar
-        self.listing = Listing(sidecar)
+        self._changes = count(1)
+        self.listing = Listing(sidecar, self._forget)
         self.heads = Heads(small)
         self.layouts = DocumentCache[Layout](read_layouts, 2 * small)
         self.labels = DocumentCache[Labels](read_labels, small)
@@ -83,6 +93,20 @@ class Caches:
         self.poses = DocumentCache[Poses](self._read_poses, 8 * small)
         self.tracks = Tracks(4 * small, 5 * small)
         self.blocks = Cache[BlockKey, Block](3 * small, lambda block: block.values.nbytes + OVERHEAD)
+
+    def _forget(self, groups: set[Group]) -> None:
+        """What belongs to groups that nobody asks any more goes at once, what to documents some changes later."""
+        for columns in (self.columns, self.samples):
+            columns.forget(groups)
+        if self.sidecar is not None:
+            self.sidecar.forget({LISTING[0], *(group.fingerprint for group in groups if group.lasting)})
+        if next(self._changes) % SOME_CHANGES:
+            return
+        held = frozenset[tuple[int, int]]().union(*(group.versions for group in groups))
+        for entries in (self.layouts, self.labels, self.ids, self.zones, self.bodies, self.poses, self.heads):
+            entries.forget(held)
+        self.blocks.forget(lambda key: key[:2] in held)
+        self.tracks.forget({key for key, _ in held})
 
     def _read_poses(self, tx: Transaction, documents: Sequence[Listed]) -> Mapping[int, Poses]:
         bodies = self.bodies.read(tx, documents)

@@ -98,7 +98,7 @@ class Forest:
 
         asked: of how many documents tracks are wanted. Where that is most of several, the next question will be, too.
         """
-        if self.caches.columns.holds((self.documents.number, "tracks")):
+        if self.caches.columns.holds(self.documents, "tracks"):
             return True
         frames = int(self.frames.sum())
         if frames <= FEW_FRAMES or (frames <= MANY_FRAMES and 1 < len(self) < 2 * asked):
@@ -132,7 +132,7 @@ class Forest:
         """What the samples of every bone lie between, None where it is not kept on disk."""
         if self._disk is None:
             return None
-        known: BoneEnds | None = self.caches.columns.find((self.documents.number, "ends"))
+        known: BoneEnds | None = self.caches.columns.find(self.documents, "ends")
         if known is not None:
             return known
         found = self._disk.read(self.tx, self._key("ends"))
@@ -179,7 +179,7 @@ class Forest:
     def has_samples(self, lead: str | None, name: str | None, channel: int) -> bool:
         """Whether they are at hand, or were kept on disk and are now."""
         what = lead, name, channel
-        if what in self._from_disk or self.caches.samples.holds((self.documents.number, what)):
+        if what in self._from_disk or self.caches.samples.holds(self.documents, what):
             return True
         found = None if self._disk is None else self._disk.read(self.tx, self._samples(what))
         if found is not None:
@@ -188,7 +188,7 @@ class Forest:
 
     def reads_bone(self, name: str | None) -> bool:
         """Whether they are read."""
-        return self.caches.columns.holds((self.documents.number, ("bone", name)))
+        return self.caches.columns.holds(self.documents, ("bone", name))
 
     @cached_property
     def stacks(self) -> Stacks:
@@ -211,7 +211,7 @@ class Forest:
     def body_facts(self, make: Callable[[], BodyFacts] | None) -> BodyFacts | None:
         """What is known of the bodies, kept in memory and on disk. make: gathers it; None: only where it is kept."""
         what = "body facts"
-        known: BodyFacts | None = self.caches.columns.find((self.documents.number, what))
+        known: BodyFacts | None = self.caches.columns.find(self.documents, what)
         if known is None and (make is not None or self._disk is not None):
             found = None if self._disk is None else self._disk.read(self.tx, self._key(what))
             if found is not None:
@@ -255,7 +255,7 @@ class Forest:
         return source, (documents[source] << DOCUMENT_SHIFT) | ((position + 1) << FRAME_SHIFT)
 
     def _sampled(self, what: object, make: Callable[[], Column]) -> Column:
-        return self.caches.samples.get((self.documents.number, what), make, lambda column: column.nbytes)
+        return self.caches.samples.get(self.documents, what, make, lambda column: column.nbytes)
 
     @cached_property
     def _disk(self) -> Sidecar | None:
@@ -286,7 +286,7 @@ class Forest:
         return self._kept(what, lambda: self._on_disk(what, lambda: kind(read()), kind.stored, kind.restored))
 
     def _kept(self, what: object, make: Callable[[], Column]) -> Column:
-        return self.caches.columns.get((self.documents.number, what), make, lambda column: column.nbytes)
+        return self.caches.columns.get(self.documents, what, make, lambda column: column.nbytes)
 
 
 class Bone:

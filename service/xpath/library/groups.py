@@ -1,10 +1,10 @@
-"""Documents in groups: what is made of the columns of a group is kept as long as none of its documents changes."""
+"""Documents in groups: what is made of the columns of a group is kept as long as somebody may ask for that group."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import threading
+from collections.abc import Hashable, Iterable, Iterator
 from functools import cache, cached_property
-from itertools import count
 from operator import eq
 
 import numpy as np
@@ -27,14 +27,14 @@ MOST_FRAMES = 1 << 19
 LASTING = 32
 """A group of fewer documents is read anew in less time than it takes to look for what is kept of it."""
 
-KNOWN_DOCUMENTS = 200_000
-"""Of all groups that are kept."""
+CHOSEN_DOCUMENTS = 1 << 17
+"""Of all groups of chosen documents that are held; those of a small group count as more."""
+
+VIEWS = 64
+"""Choices of projects of which the groups are kept."""
 
 _SPREAD = 2654435761
 _WORD = (1 << 32) - 1
-
-
-_numbers = count()
 
 
 class Group(list[Listed]):
@@ -44,9 +44,6 @@ class Group(list[Listed]):
 
     def __init__(self, documents: Iterable[Listed]) -> None:
         super().__init__(documents)
-        self.number = next(_numbers)
-        """What is kept of the group is kept under it; no other group of this process has it."""
-
         self.lasting = False
         """Whether it is of a whole library, whose columns are worth being kept on disk."""
 
@@ -56,6 +53,11 @@ class Group(list[Listed]):
     @cached_property
     def keys(self) -> list[int]:
         return [listed.key for listed in self]
+
+    @cached_property
+    def versions(self) -> frozenset[tuple[int, int]]:
+        """Keys and revisions."""
+        return frozenset((listed.key, listed.revision) for listed in self)
 
     @cached_property
     def fingerprint(self) -> bytes:
@@ -76,7 +78,26 @@ class Groups:
     share it."""
 
     def __init__(self) -> None:
-        self._known = Cache[bytes, Group](KNOWN_DOCUMENTS, len)
+        self._known: dict[bytes, Group] = {}
+        self._lock = threading.Lock()
+        self._views = Cache[Hashable, list[Group]](VIEWS, lambda _: 1)
+        self._chosen = Cache[bytes, Group](CHOSEN_DOCUMENTS, lambda group: len(group) + 32)
+
+    def hold_view(self, view: Hashable, groups: list[Group]) -> None:
+        """Hold these until others take their place."""
+        self._views.put(view, groups)
+
+    def hold_chosen(self, group: Group) -> Group:
+        """Hold a group of chosen documents until the same are asked at another revision, or many others."""
+        self._chosen.put(np.array(group.keys, np.int64).tobytes(), group)
+        return group
+
+    def forget(self, others: Iterable[Group]) -> set[Group]:
+        """Forget all groups that are not held here and not one of the others. The ones that are left."""
+        held = set(others).union(*self._views.values(), self._chosen.values())
+        with self._lock:
+            self._known = {key: group for key, group in self._known.items() if group in held}
+        return held
 
     def cut(self, documents: Iterable[Listed]) -> list[Group]:
         """Documents in groups, in their order.
@@ -92,9 +113,12 @@ class Groups:
     def group(self, documents: list[Listed]) -> Group:
         """The group of these documents."""
         key = _numbers_of(documents)
-        (known,) = self._known.get([key], lambda keys: {keys[0]: Group(documents)})
-        # Restored at the same revision, they may have other names.
-        return known if all(map(eq, known, documents)) else Group(documents)
+        with self._lock:
+            known = self._known.get(key)
+            # Restored at the same revision, they may have other names.
+            if known is None or not all(map(eq, known, documents)):
+                known = self._known[key] = Group(documents)
+            return known
 
 
 def _numbers_of(documents: list[Listed]) -> bytes:

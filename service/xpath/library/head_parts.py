@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 
 from service.storage.columns import Listed
 from service.storage.transaction import Transaction
@@ -20,6 +20,10 @@ class Heads:
     def __init__(self, limit: int) -> None:
         self._headers = Cache[tuple[int, int], Subtree](limit, lambda part: part.nbytes)
         self._skeletons = Cache[int, Subtree](4 * limit, lambda part: part.nbytes)
+
+    def forget(self, held: Container[tuple[int, int]]) -> None:
+        """Let the headers of all other documents go (key, revision)."""
+        self._headers.forget(held.__contains__)
 
     def read(self, tx: Transaction, documents: Sequence[Listed], part: HeadPart) -> list[tuple[Subtree, ...]]:
         """The parts of the head of each document, one after the other: document and `mcml`, header, skeleton, motion,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeAlias
@@ -13,7 +13,7 @@ from service.xpath.language.hints import Kind, compared_names, not_found
 from service.xpath.language.tree import Expression
 from service.xpath.library import groups, listing_columns
 from service.xpath.library.cache import Cache
-from service.xpath.library.groups import FEW_DOCUMENTS, Group, Groups
+from service.xpath.library.groups import FEW_DOCUMENTS, VIEWS, Group, Groups
 from service.xpath.library.sidecar import Sidecar
 
 STATES = 4
@@ -21,9 +21,6 @@ STATES = 4
 
 FEW = 100
 """Commits, after which what changed is read in a few milliseconds."""
-
-VIEWS = 64
-"""Choices of projects of which the groups are kept."""
 
 Projects: TypeAlias = frozenset[int]
 """By their keys."""
@@ -52,13 +49,21 @@ class State:
     keys: dict[str, int] = field(default_factory=dict)
     unused: dict[tuple[Kind, str, tuple[int, ...] | None, Projects | None], str | None] = field(default_factory=dict)
 
+    def views(self) -> list[list[Group]]:
+        """All choices of projects."""
+        return list(self.groups.values())
+
 
 class Listing:
     """The documents of the store; after a commit those that it changed are read anew. Threads may share it."""
 
-    def __init__(self, sidecar: Sidecar | None = None) -> None:
-        """sidecar: where the documents are kept on disk."""
+    def __init__(
+        self, sidecar: Sidecar | None = None, on_change: Callable[[set[Group]], None] = lambda groups: None
+    ) -> None:
+        """sidecar: where the documents are kept on disk. on_change: called with the groups that are left when another
+        state of the store is asked: what is kept of others goes."""
         self._sidecar = sidecar
+        self._on_change = on_change
         # By the newest commit as well as the one that is read: a deleted document that comes back was never away.
         self._states = Cache[tuple[int, int], State](STATES, lambda _: 1)
         self._groups = Groups()
@@ -68,7 +73,11 @@ class Listing:
     def state(self, tx: Transaction) -> State:
         """What a transaction sees."""
         newest = tx.newest_commit()
-        return self._states.get([(newest, tx.at)], lambda keys: {keys[0]: State(min(newest, tx.at))})[0]
+        key = newest, tx.at
+        if not self._states.holds([key]):
+            states = self._states.values()
+            self._on_change(self._groups.forget(one for state in states for of in state.views() for one in of))
+        return self._states.get([key], lambda keys: {keys[0]: State(min(newest, tx.at))})[0]
 
     def whole(self, tx: Transaction, state: State) -> list[Listed]:
         """All documents by name, then key, the order of answers."""
@@ -119,15 +128,17 @@ class Listing:
             if len(state.groups) >= VIEWS:
                 state.groups.clear()
             found = state.groups[projects] = self._groups.cut(wanted)
+            if tx.at >= tx.newest_commit():
+                self._groups.hold_view(projects, found)
         return found
 
     def cut(self, documents: list[Listed]) -> list[Group]:
         """Some documents in groups."""
-        return self._groups.cut(documents)
+        return [self._groups.hold_chosen(group) for group in self._groups.cut(documents)]
 
     def group(self, documents: list[Listed]) -> Group:
         """Some documents as one group."""
-        return self._groups.group(documents)
+        return self._groups.hold_chosen(self._groups.group(documents))
 
 
 def _changed(tx: Transaction, whole: list[Listed], commit: int) -> list[Listed]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -103,6 +103,10 @@ class Sidecar:
         view = self._view(tx)
         if view is not None and not self.trouble:
             self._writer.add(key, Waiting(view.mark, view.whole_since, columns, size))
+
+    def forget(self, held: Container[bytes]) -> None:
+        """Write nothing any more of what is asked no more. held: first parts of keys that are."""
+        self._writer.forget(held)
 
     def flush(self) -> None:
         """Wait until all that waits is written."""

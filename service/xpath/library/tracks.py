@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 from service.motion.skeleton import Array
@@ -33,6 +33,18 @@ class Tracks:
     def __init__(self, packed: int = 32 << 20, decoded: int = 40 << 20) -> None:
         self._packed = Cache[Key, Packed](packed, lambda track: len(track[1]) + OVERHEAD)
         self._decoded = Cache[Key, Array](decoded, lambda values: values.nbytes + OVERHEAD)
+
+    def forget(self, documents: Container[int]) -> None:
+        """Let the tracks of all other documents go, and those in whose place newer ones were read."""
+        newest: dict[tuple[int, int, int], int] = {}
+        for document, chunk, bone, commit in (*self._packed, *self._decoded):
+            newest[document, chunk, bone] = max(commit, newest.get((document, chunk, bone), commit))
+
+        def is_held(key: Key) -> bool:
+            return key[0] in documents and newest.get(key[:3], key[3]) == key[3]
+
+        self._packed.forget(is_held)
+        self._decoded.forget(is_held)
 
     def read(self, tx: Transaction, rows: Sequence[Row]) -> list[Array]:
         """The (channels, frames) array of each track."""

@@ -1,4 +1,4 @@
-"""The thread that writes parts beside the store: after questions, a few at a time, and never in their way."""
+"""The thread that writes parts beside the store: some time after questions, a few at a time, and never in their way."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sqlite3
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -20,6 +20,8 @@ AT_ONCE = 16 << 20
 MOST_WAITING = 512 << 20
 """Bytes of columns that wait; what comes then is not kept."""
 NICE = 10
+REST = 2.0
+"""Seconds that parts wait at least: while others write to the store they are of no use a moment later."""
 ROOM = 0.9
 """Of the limit that parts take where some had to go; SQLite needs a little beside them."""
 
@@ -51,6 +53,7 @@ class Writer:
         self._since: int | None = None
         self._changed = threading.Condition()
         self._busy = self._closed = False
+        self._flushing = 0
         self._thread: threading.Thread | None = None
 
     def add(self, key: Key, part: Waiting) -> None:
@@ -61,6 +64,12 @@ class Writer:
                 self._waiting[key] = part
                 self._bytes += part.size - (old.size if old else 0)
                 self._wake()
+
+    def forget(self, held: Container[bytes]) -> None:
+        """Write no part any more that is made of something else."""
+        with self._changed:
+            for key in [key for key in self._waiting if key[0] not in held]:
+                self._bytes -= self._waiting.pop(key).size
 
     def touch(self, key: Key) -> None:
         """Note that a part was used."""
@@ -77,7 +86,10 @@ class Writer:
     def flush(self, seconds: float | None = None) -> None:
         """Wait until nothing waits."""
         with self._changed:
+            self._flushing += 1
+            self._changed.notify_all()
             self._changed.wait_for(lambda: not (self._some or self._busy) or self._closed, seconds)
+            self._flushing -= 1
 
     def close(self, seconds: float) -> None:
         """End; what is not written by then is not kept."""
@@ -127,6 +139,7 @@ class Writer:
             self._busy = False
             self._changed.notify_all()
             self._changed.wait_for(lambda: self._some or self._closed)
+            self._changed.wait_for(lambda: self._flushing or self._closed, REST)
             self._busy = not self._closed
             return self._busy
 
