@@ -9,9 +9,11 @@ from pwdlib import PasswordHash
 from pwdlib.exceptions import PwdlibError
 
 from service.errors import RequestError
+from service.resources import common_passwords_path
 
 LEAST, MOST = 10, 256
-"""Characters of a password. Nothing else is asked of it but that it is not its owner's name (NIST SP 800-63B)."""
+"""Characters of a password. Nothing else is asked of it but that it is neither its owner's name nor one of those that
+are tried first (NIST SP 800-63B)."""
 MOST_OF_A_NAME = 64
 _AT_ONCE = BoundedSemaphore(2)
 """A hash takes 64 MiB while it is made: many logins wait for each other, not for memory."""
@@ -30,6 +32,12 @@ def _nobodys() -> str:
     return _hasher().hash("nobody has this password")
 
 
+@cache
+def _common() -> frozenset[str]:
+    lines = common_passwords_path().read_text(encoding="utf-8").splitlines()
+    return frozenset(line for line in lines if not line.startswith("# "))
+
+
 def checked_name(name: str) -> str:
     """The name of a new account. RequestError."""
     name = name.strip()
@@ -42,10 +50,15 @@ def checked_name(name: str) -> str:
 
 
 def hashed(password: str, name: str) -> str:
-    """The hash that is kept of a new password. RequestError where it is too short, or the name."""
+    """The hash that is kept of a new password. RequestError where it is too short, the name, or common."""
     if not LEAST <= len(password) <= MOST or password.casefold() == name.casefold():
         raise RequestError(
             f"A password has {LEAST} to {MOST} characters, and is not the name.",
+            remedy="A few words in a row are easy to keep in mind.",
+        )
+    if password.casefold() in _common():
+        raise RequestError(
+            "This password is one of the 5,000 that are tried first.",
             remedy="A few words in a row are easy to keep in mind.",
         )
     with _AT_ONCE:

@@ -19,8 +19,9 @@ from schemas.examples import DOCUMENT, JOB, PROJECT
 from schemas.jobs import Job
 from service.actions.analysing.describe_job import job_answer
 from service.actions.reading.read_news import LABELLING, News
+from service.api.doors import Doors
 from service.api.routes import call_of
-from service.errors import QueryError
+from service.errors import AccessError, QueryError
 from service.storage.database import Database
 from service.storage.identifiers import now
 from service.storage.jobs import ENDED
@@ -32,6 +33,12 @@ NEWS_SECONDS = 0.3
 
 SILENCE_SECONDS = 15.0
 """After so long without news a stream says that it is still there, or proxies would close it."""
+
+STREAM_SECONDS = 300.0
+"""After so long a stream ends; whoever follows it asks again, with what they know."""
+
+RIGHTS_SECONDS = 3.0
+"""How often it is looked whether whoever follows a stream may still see the same."""
 
 _EVENTS: dict[int | str, dict[str, Any]] = {
     200: {
@@ -46,14 +53,14 @@ async def follow_job(
     id: Annotated[str, Path(description="Id of the job", examples=[JOB])], http: Request
 ) -> StreamingResponse:
     """The progress of a job as server-sent events, until it has ended."""
-    database = call_of(http).database
+    database, stay = _followed(http), Stay(http)
     first = await run_in_threadpool(_read, database, id)
 
     async def events() -> AsyncIterator[str]:
         job, silent = first, 0.0
         yield _event(job)
         while job.state not in ENDED:
-            if not await _wait(http):
+            if not await stay.goes_on():
                 return
             known, job = job, await run_in_threadpool(_read, database, id)
             silent = 0.0 if job != known else silent + NEWS_SECONDS
@@ -89,7 +96,8 @@ async def follow_events(
         Query(description="Id of the last event that is known", examples=["412@2026-01-31T14:02:11.120Z@4711"]),
     ] = None,
     seconds: Annotated[
-        float | None, Query(ge=0, le=86_400, description="End after so long; default never", examples=[60])
+        float | None,
+        Query(ge=0, le=86_400, description="End after so long; at most five minutes", examples=[60]),
     ] = None,
     last_event_id: Annotated[
         str | None,
@@ -102,9 +110,10 @@ async def follow_events(
 
     `document` and `label` have a revision that was made, `job` a job that is further, `comment` what was done with a
     comment. `ready` comes first, `reset`
-    where so much was missed that lists are to be read anew.
+    where so much was missed that lists are to be read anew. A stream ends after five minutes, and soon when what one
+    may see becomes another: ask again with the id of the last event, as browsers do by themselves.
     """
-    database = call_of(http).database
+    database, stay = _followed(http), Stay(http)
     mark = last_event_id or since
     news = await run_in_threadpool(_begin, database, mark)
     wanted = frozenset(kind or get_args(EventKind))
@@ -123,16 +132,49 @@ async def follow_events(
             if silent >= SILENCE_SECONDS:
                 silent = 0.0
                 yield ": still there\n\n"
-            if not await _wait(http):
+            if not await stay.goes_on():
                 return
 
     return StreamingResponse(events(), media_type="text/event-stream", headers={"cache-control": "no-store"})
 
 
-async def _wait(http: Request) -> bool:
-    """Waits until it is time to look for news; whether anybody listens, and the server does not stop."""
-    await asyncio.sleep(NEWS_SECONDS)
-    return not (http.app.state.stopping.is_set() or await http.is_disconnected())
+def _followed(http: Request) -> Database:
+    """The store as whoever asks sees it. AccessError for who has but a link to documents."""
+    call = call_of(http)
+    if call.share is not None:
+        raise AccessError("A link to documents follows no events.", remedy="Read what it shows again.")
+    return call.database
+
+
+class Stay:
+    """How long a stream goes on: as long as somebody listens, for a bounded time, and with the rights that they had
+    when it began."""
+
+    def __init__(self, http: Request) -> None:
+        self._http = http
+        self._entry = http.scope.get("mcml.entry")
+        began = time.monotonic()
+        self._until, self._next = began + STREAM_SECONDS, began + RIGHTS_SECONDS
+
+    async def goes_on(self) -> bool:
+        """Waits until it is time to look for news."""
+        await asyncio.sleep(NEWS_SECONDS)
+        at = time.monotonic()
+        if self._http.app.state.stopping.is_set() or await self._http.is_disconnected() or at >= self._until:
+            return False
+        if at < self._next:
+            return True
+        self._next = at + RIGHTS_SECONDS
+        return await self._is_let_in()
+
+    async def _is_let_in(self) -> bool:
+        """Whether the same request would be let in now, as the same person with the same rights."""
+        doors: Doors = self._http.app.state.doors
+        scope = {name: value for name, value in self._http.scope.items() if name != "mcml.entry"}
+        headers = self._http.headers
+        if not doors.stand_open(scope, headers) and await run_in_threadpool(doors.refusal, scope, headers) is not None:
+            return False
+        return scope.get("mcml.entry") == self._entry
 
 
 def _begin(database: Database, mark: str | None) -> News:

@@ -15,12 +15,12 @@ from typing import Annotated, Any, TypedDict, cast
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
-from service.api.attempts import Attempts
 from service.api.sessions import LOGIN_PATH, begin_session, join_page, login_page, safe_path
 from service.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
 from service.passwords import checked_name
 from service.settings import Settings
 from service.storage.accounts import Account
+from service.storage.attempts import count_attempt, forget_attempts
 from service.storage.database import Database
 
 START, BACK = f"{LOGIN_PATH}/openid", f"{LOGIN_PATH}/openid/back"
@@ -99,17 +99,16 @@ def back(
     """Where the provider sends the browser with a code, which is exchanged for who it is."""
     settings = _settings(http)
     database: Database = http.app.state.repository.database
-    attempts: Attempts = http.app.state.attempts
     address = http.client.host if http.client else ""
     flow = _flow(http.cookies.get(FLOW_COOKIE))
     try:
-        attempts.require(address, "")
+        count_attempt(database, {"address": address})
         if flow is None or state is None or not secrets.compare_digest(state, flow["state"]):
             raise AccessError("This sign-in was not begun here, or took too long.", remedy="Begin again.")
         if error is not None or code is None:
             raise AccessError(f"{settings.openid_name} signed nobody in.", remedy="Begin again.")
         person = _person(database.for_call(database.view, address), settings, _claims(settings, http, code, flow), flow)
-        attempts.forget(address, "")
+        forget_attempts(database, {"address": address})
     except (AccessError, AttemptsError, RequestError, ConflictError, NotFoundError) as refusal:
         why = f"{refusal.what} {refusal.remedy or ''}"
         if flow is not None and flow["invitation"]:

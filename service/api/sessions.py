@@ -12,12 +12,12 @@ from fastapi.responses import HTMLResponse, RedirectResponse
 
 from schemas.sessions import SessionOpened, SessionRequest
 from schemas.shares import Shared, SharedMotion, SharedRequest
-from service.api.attempts import Attempts
 from service.api.doors import SHARED, cookie_name, share_cookie_name
 from service.api.page import page
 from service.errors import AccessError, AttemptsError, ConflictError, NotFoundError, RequestError
 from service.passwords import checked_name, hashed, opens
 from service.settings import Settings
+from service.storage.attempts import count_attempt, forget_attempts
 from service.storage.database import Database
 from service.storage.visits import SESSION_HOURS
 
@@ -31,7 +31,7 @@ FORM = """<h1>MCML Repository</h1><p>{why}</p>
 <form method="post" action="{path}"><input type="hidden" name="then" value="{then}">
 <p><label>Name <input name="name" autocomplete="username" size="24" autofocus></label></p>
 <p><label>Password <input name="password" type="password" autocomplete="current-password" size="24"></label>
-<button>Log in</button></p></form>
+<button>Log in</button></p></form>{signing}
 <details><summary>With a token</summary><form method="post" action="{path}">
 <input type="hidden" name="then" value="{then}">
 <p><label>Token <input name="token" type="password" autocomplete="off" size="52"></label>
@@ -50,7 +50,7 @@ FOLLOW = """<h1>MCML Repository</h1><p>This link opens the repository once, in t
 <form method="post" action="{path}"><input type="hidden" name="link" value="{link}">
 <button>Open</button></form>"""
 
-SIGN_IN = """<p>Or <a href="{address}">sign in with {name}</a>.</p>"""
+SIGN_IN = """<p class="other"><a href="{address}">Sign in with {name}</a></p>"""
 
 FIRST = "You keep this server: make its first account, an owner's."
 INVITED = "You are invited to this repository."
@@ -95,16 +95,15 @@ def open_shared(http: Request, response: Response, request: SharedRequest) -> Sh
     thumbnails, and exports in the formats that are named; `/api/v1/shared/documents/ID/frames` for example.
     """
     database: Database = http.app.state.repository.database
-    attempts: Attempts = http.app.state.attempts
-    address = http.client.host if http.client else ""
-    attempts.require(address, "")
+    counted = {"address": http.client.host if http.client else ""}
+    count_attempt(database, counted)
     with database.write("session") as tx:
         shown = tx.shares.find(request.secret)
         if shown is None:
             raise AccessError("This link has ended, or was taken back.", remedy="Ask for another one.")
         secret = tx.sessions.open_share(shown)
         view = tx.shares.view(shown)
-    attempts.forget(address, "")
+        tx.attempts.forget(counted)
     with database.for_call(view).read() as tx:
         # What was deleted meanwhile, or is in another project now, is not there.
         motions = [SharedMotion(**vars(one)) for one in tx.shares.motions(shown)]
@@ -162,7 +161,8 @@ def safe_path(then: str) -> str:
 
 def login_page(why: str, *, status: int = 200, then: str = "/", provider: str | None = None) -> HTMLResponse:
     """The page that lets a browser in. provider: with which one signs in, too."""
-    shown = FORM.format(why=html.escape(why), path=LOGIN_PATH, then=html.escape(then)) + _signing(provider, then=then)
+    said = {"why": html.escape(why), "path": LOGIN_PATH, "then": html.escape(then)}
+    shown = FORM.format(**said, signing=_signing(provider, then=then))
     return page("MCML Repository", shown, status=status, forms=True)
 
 
@@ -200,9 +200,10 @@ def _followed(http: Request, link: str) -> str:
 def _opened(http: Request, request: SessionRequest) -> tuple[str, str]:
     """(author, secret of a new session). AccessError for what opens nothing, AttemptsError for who tries too often."""
     database: Database = http.app.state.repository.database
-    attempts: Attempts = http.app.state.attempts
     address, name = http.client.host if http.client else "", (request.name or "").strip()
-    attempts.require(address, name)
+    # Tokens and links have no name, and lock nobody else out.
+    counted = {"address": address} | ({"name": name} if name else {})
+    count_attempt(database, counted)
     if request.invitation is not None or (request.link is not None and request.name is not None):
         opened = _joined(database.for_call(database.view, address), request)
     elif request.link is not None:
@@ -211,7 +212,7 @@ def _opened(http: Request, request: SessionRequest) -> tuple[str, str]:
         opened = _logged_in(database, name, request.password or "")
     else:
         opened = _exchanged(database, request.token)
-    attempts.forget(address, name)
+    forget_attempts(database, counted)
     return opened
 
 

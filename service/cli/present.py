@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from schemas.names import AliasTable
     from schemas.retarget import Mapping
     from schemas.revisions import Difference, FrameRange
+    from schemas.saved import Vocabulary
 
 COLUMNS: dict[str, dict[str, str]] = {
     "DocumentPage": {
@@ -203,6 +204,14 @@ def _aliases(made: AliasTable) -> None:
     console.print(f"project {made.project}, version {made.version}")
 
 
+def _vocabulary(found: Vocabulary) -> None:
+    rows = table("motion name", "colour#", "description")
+    for item in found.items:
+        rows.add_row(item.name, "" if item.colour is None else str(item.colour), item.description)
+    console.print(rows)
+    console.print(f"project {found.project}, version {found.version}")
+
+
 def _calibration(found: Calibration) -> None:
     rows = table("what", "value", "metres#", "origin", "reason")
     for name in ("unit", "up", "floor", "leg", "reference", "leaps"):
@@ -221,6 +230,7 @@ SHOW: dict[str, Callable[[Any], None]] = {
     "Difference": _difference,
     "Mapping": _mapping,
     "AliasTable": _aliases,
+    "Vocabulary": _vocabulary,
     "Calibration": _calibration,
     "Job": show_job,
     "Result": show_result,

@@ -104,6 +104,12 @@ _ROWS = [
               "Say that what a comment asks for is not done.", "comments", "comment reopen ID COMMENT"),
     Operation("delete_comment", "DELETE /documents/{id}/comments/{comment}", WRITES, READ,
               "Delete a comment.", "comments", "comment delete ID COMMENT", status=204),
+    Operation("list_present", "GET /documents/{id}/presence", READS, READ,
+              "Who looks at a document now, or edits it.", "presence"),
+    Operation("keep_presence", "PUT /documents/{id}/presence", WRITES, READ,
+              "Say that one looks at a document, or edits it, and hear who else does.", "presence"),
+    Operation("end_presence", "DELETE /documents/{id}/presence", WRITES, READ,
+              "Say that one looks at a document no more.", "presence", status=204),
 
     # frames
     Operation("get_frames", "GET /documents/{id}/frames", STREAMS, READ,
@@ -210,6 +216,13 @@ _ROWS = [
     Operation("save_colours", "PUT /colours", WRITES, EDIT,
               "Save all colours of motion names of a project.", "saved", status=201,
               unmade="Colours that were there, changed"),
+    Operation("get_vocabulary", "GET /vocabulary", READS, READ,
+              "The motion names that a project agrees on.", "saved", terse=True),
+    Operation("save_vocabulary", "PUT /vocabulary", WRITES, EDIT,
+              "Save all motion names that a project agrees on.", "saved", status=201, terse=True,
+              unmade="A vocabulary that was there, changed"),
+    Operation("delete_vocabulary", "DELETE /vocabulary", WRITES, EDIT,
+              "Take the vocabulary of a project away.", "saved", status=204),
 
     # names of joints
     Operation("list_mappings", "GET /mappings", READS, READ,

@@ -32,6 +32,7 @@ from service.operations.arguments import MOST
 from service.operations.call import Call
 from service.operations.operation import RIGHTS
 from service.storage.accounts import Account
+from service.storage.attempts import count_attempt, forget_attempts
 from service.storage.identifiers import now
 from service.storage.members import PROJECT_ROLES
 from service.storage.views import SCOPES
@@ -83,8 +84,11 @@ def change_password(call: Call, change: PasswordChange) -> None:
         raise RequestError("Only accounts have a password.", remedy="Log in with a name and a password.")
     with call.database.read() as tx:
         kept = tx.accounts.get(call.account).password
+    counted = {"address": call.origin or "", "password": call.account}
+    count_attempt(call.repository.database, counted)
     if not opens(change.current, kept):
         raise AccessError("This is not the password.", remedy="Give the one that you logged in with.")
+    forget_attempts(call.repository.database, counted)
     made = hashed(change.new, call.account)
     with call.database.write(call.author) as tx:
         tx.sessions.end_all(tx.accounts.change(call.account, password=made).key)

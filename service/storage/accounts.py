@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import TYPE_CHECKING, Any, Final
@@ -115,10 +115,13 @@ class Entry:
     share: Share | None = None
 
 
-def entry_of(tx: Transaction, author: str, row: Any) -> Entry | None:
-    """Who comes in by a token or a session, None where their account is closed. row: token (key) and its scope, person
-    (key of the account), account (its name), role and closed; None where there is no token, or it is nobody's. What is
-    damaged opens nothing."""
+def entry_of(tx: Transaction, author: str, rows: Sequence[Any]) -> Entry | None:
+    """Who comes in by a token or a session, None where their account is closed. What is damaged opens nothing.
+
+    rows: one, or one for each project where alone the token opens something, all of one statement: token (key) and its
+    scope, person (key of the account), account (its name), role and closed, project (key); None where there is none.
+    """
+    row = rows[0]
     if row.closed is not None:
         return None
     view = WHOLE
@@ -129,8 +132,7 @@ def entry_of(tx: Transaction, author: str, row: Any) -> Entry | None:
     if row.token is not None:
         if row.scope not in SCOPES:
             return None
-        projects = select(granted_project.c.project).where(granted_project.c.token == row.token)
-        view = view.within(row.scope, frozenset(tx.connection.execute(projects).scalars()) or None)
+        view = view.within(row.scope, frozenset(each.project for each in rows if each.project is not None) or None)
     return Entry(row.account or author, view, row.account)
 
 

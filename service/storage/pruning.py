@@ -31,14 +31,17 @@ class Old:
     bytes: int
 
 
+_WHOLE_SINCE = select(store.c.value).where(store.c.name == WHOLE_SINCE)
+
+
 class Pruning:
     def __init__(self, tx: Transaction) -> None:
         self._tx = tx
 
     def whole_since(self) -> int:
         """The first commit whose state is whole: earlier ones lack what was pruned or purged."""
-        query = select(store.c.value).where(store.c.name == WHOLE_SINCE)
-        return int(self._tx.connection.execute(query).scalar() or 0)
+        rows = self._tx.rows(_WHOLE_SINCE)
+        return int(rows[0][0]) if rows else 0
 
     def require_whole_since(self, commit: int) -> None:
         """NotFoundError where something was pruned or purged since it was so: what is read further would lack it."""

@@ -19,6 +19,7 @@ from sqlalchemy import (
     Text,
     UniqueConstraint,
     and_,
+    bindparam,
     delete,
     func,
     insert,
@@ -29,7 +30,7 @@ from sqlalchemy import (
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.sql import ColumnElement
 
-from service.storage.accounts import Account, Entry, account, entry_of, grant
+from service.storage.accounts import Account, Entry, account, entry_of, grant, granted_project
 from service.storage.identifiers import digest_of, now
 from service.storage.schema import KEY, NAME, metadata
 from service.storage.tables import token
@@ -70,6 +71,29 @@ request = Table(
 """`digest`: of what was asked. `status`: null as long as it is worked on, or for ever, if the server died then."""
 
 _PERSON = func.coalesce(session.c.account, grant.c.account)
+_VISITING = (
+    select(
+        session.c.author,
+        session.c.token,
+        _PERSON.label("person"),
+        token.c.expires.label("until"),
+        grant.c.scope,
+        account.c.name.label("account"),
+        account.c.role,
+        account.c.closed,
+        granted_project.c.project,
+    )
+    .select_from(session)
+    .outerjoin(token, session.c.token == token.c.id)
+    .outerjoin(grant, token.c.id == grant.c.token)
+    .outerjoin(account, account.c.id == _PERSON)
+    .outerjoin(granted_project, granted_project.c.token == token.c.id)
+    .where(
+        session.c.sha256 == bindparam("digest"),
+        session.c.kind == bindparam("of"),
+        session.c.expires >= bindparam("at"),
+    )
+)
 
 SESSION_HOURS, LINK_MINUTES, KEY_HOURS = 12, 15, 24
 
@@ -139,30 +163,15 @@ class Sessions:
         return secret
 
     def _find(self, kind: str, secret: str) -> Entry | None:
-        wanted = (
-            select(
-                session.c.author,
-                session.c.token,
-                _PERSON.label("person"),
-                token.c.expires.label("until"),
-                grant.c.scope,
-                account.c.name.label("account"),
-                account.c.role,
-                account.c.closed,
-            )
-            .select_from(session)
-            .outerjoin(token, session.c.token == token.c.id)
-            .outerjoin(grant, token.c.id == grant.c.token)
-            .outerjoin(account, account.c.id == _PERSON)
-            .where(session.c.sha256 == digest_of(secret), session.c.kind == kind, session.c.expires >= now())
-        )
-        row = self._tx.connection.execute(wanted).one_or_none()
-        if row is None or (row.until is not None and row.until < now()):
+        given = {"digest": digest_of(secret), "of": kind, "at": now()}
+        rows = self._tx.run(_VISITING, given).all()
+        if not rows or (rows[0].until is not None and rows[0].until < given["at"]):
             return None
+        row = rows[0]
         # A token without its rights, or a person who is not there, opens nothing.
         if (row.token is not None and row.scope is None) or (row.person is not None and row.account is None):
             return None
-        return entry_of(self._tx, row.author, row)
+        return entry_of(self._tx, row.author, rows)
 
 
 @dataclass(frozen=True)

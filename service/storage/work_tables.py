@@ -55,7 +55,8 @@ saved = Table(
     Column("content", Text, nullable=False),
     checksum(),
 )
-"""What a project keeps under a name beside documents. `kind`: query, collection, colours. `content`: JSON."""
+"""What a project keeps under a name beside documents. `kind`: query, collection, colours, vocabulary. `content`:
+JSON."""
 
 comment = Table(
     "comment",

@@ -74,6 +74,7 @@ def filled(client: TestClient, database: Database, project: str, word: str) -> T
         ("colours", {"items": {word: "sky"}}),
         (f"mappings/{word}", {"pairs": [{"source": "Root", "target": word}]}),
         ("aliases", {"items": [{"source": word, "name": "Root"}]}),
+        ("vocabulary", {"items": [{"name": word, "description": word}]}),
     ):
         answer = client.put(f"{API}/{path}", params={"project": project}, json=body)
         assert answer.status_code < 300, answer.text
@@ -103,6 +104,7 @@ CHANGING = {
     "split_document": {"at": [3]},
     "add_comment": {"text": "@reader look"},
     "change_comment": {"text": "look again"},
+    "keep_presence": {"doing": "editing"},
 }
 """Bodies of operations on one document."""
 
@@ -114,6 +116,7 @@ NAMED = {
     "save_colours": {"items": {"walk": "sky"}},
     "save_mapping": {"pairs": [{"source": "Root", "target": "Spine"}]},
     "save_aliases": {"items": [{"source": "Hip", "name": "Root"}]},
+    "save_vocabulary": {"items": [{"name": "hop", "colour": 3}]},
     "set_member": {"role": "reader"},
     "invite": {"role": "reader"},
 }
@@ -176,7 +179,7 @@ def request_of(operation: Operation, things: Things, word: str) -> Asked | None:
         return Asked("named", {}, where, {})
     if name == "add_share":
         return Asked("thing", {}, {}, {"json": {"name": "for them", "documents": [one]}})
-    if name in ("get_colours", "get_aliases", "delete_aliases", "list_members"):
+    if name in ("get_colours", "get_aliases", "get_vocabulary", "delete_aliases", "delete_vocabulary", "list_members"):
         return Asked("named", {}, where, {})
     files = {"files": {"file": ("new.bvh", person(9, 4))}}
     csv = {"headers": {"content-type": "text/csv"}}

@@ -11,7 +11,6 @@ from fastapi.testclient import TestClient
 from sqlalchemy import text
 
 from service import passwords
-from service.api import attempts
 from service.app import create_app
 from service.errors import AccessError, ConflictError
 from service.operations import all_operations
@@ -219,25 +218,6 @@ def test_a_new_password_ends_all_sessions(team: dict[str, TestClient], database:
     assert editor.post(f"{API}/session", json={"name": "editor", "password": WORDS}).status_code == 403
     asked = {"name": "editor", "password": "five other words in a row"}
     assert editor.post(f"{API}/session", json=asked).status_code == 201
-
-
-def test_guessing_has_an_end(team: dict[str, TestClient], monkeypatch: pytest.MonkeyPatch) -> None:
-    nobody = team["nobody"]
-    monkeypatch.setattr(nobody.app.state, "attempts", attempts.Attempts())  # type: ignore[attr-defined]
-    asked = {"name": "owner", "password": "wrong words in a row"}
-    codes = [nobody.post(f"{API}/session", json=asked).status_code for _ in range(11)]
-    assert codes == [403] * 10 + [429]
-    refused = nobody.post(f"{API}/session", json={"name": "owner", "password": WORDS})
-    assert refused.status_code == 429
-    assert 1 <= int(refused.headers["retry-after"]) <= 60
-    assert form(nobody, name="owner", password=WORDS).status_code == 429
-
-
-def test_who_gets_in_begins_anew(team: dict[str, TestClient]) -> None:
-    for _ in range(2):
-        for _ in range(8):
-            assert form(team["nobody"], name="owner", password="wrong words in a row").status_code == 403
-        assert form(team["nobody"], name="owner", password=WORDS).status_code == 303
 
 
 def test_a_session_is_another_one_after_a_login(team: dict[str, TestClient]) -> None:

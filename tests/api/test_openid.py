@@ -68,7 +68,7 @@ def signed_in(client: TestClient, subject: str, **given: str) -> Any:
 def test_who_may_come_gets_an_account_and_comes_back_to_it(database: Database, issuer: str) -> None:
     with visitor(database, issuer, openid_role="reader") as client:
         page = client.get("/library", headers={"accept": "text/html"})
-        assert "sign in with the studio" in page.text
+        assert "Sign in with the studio" in page.text
         (way,) = re.findall(r'href="(/login/openid[^"]*)"', page.text)
         assert parse_qs(urlsplit(way).query)["then"] == ["/library"]
         answer = signed_in(client, "kim@studio.example", then="/library")
@@ -112,7 +112,7 @@ def test_the_first_owner_may_sign_in_so(database: Database, issuer: str) -> None
     with database.write() as tx:
         link = tx.sessions.link("local")
     with visitor(database, issuer) as client:
-        assert "sign in with the studio" in client.get("/login", params={"link": link}).text
+        assert "Sign in with the studio" in client.get("/login", params={"link": link}).text
         assert signed_in(client, "kim", link=link).status_code == 303
         assert client.get(f"{API}/account").json()["role"] == "owner"
 
