@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import threading
+import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import cache
@@ -19,7 +19,6 @@ from service.actions.importing.import_pool import ImportPool
 from service.actions.keeping.keep_room import forget_activity
 from service.actions.keeping.purge_documents import finish_purges
 from service.api import description, events, health, openid, page, problems, sessions, studio
-from service.api.attempts import Attempts
 from service.api.doors import Doors
 from service.api.guard import Guard
 from service.api.lanes import Lanes
@@ -86,7 +85,7 @@ def create_app(
         if settings.derive:
             deriver.start()
         sender.start()
-        app.state.stopping.clear()
+        app.state.stopping = asyncio.Event()
         yield {"stopping": app.state.stopping}
         deriver.stop()
         sender.stop()
@@ -114,13 +113,12 @@ def create_app(
     repository.register.patience = 0
     app.state.lanes = Lanes(settings)
     app.state.requests = {}
-    app.state.attempts = Attempts()
     # Streams of events, and requests that wait, look at it; connections set it.
-    app.state.stopping = threading.Event()
+    app.state.stopping = asyncio.Event()
     problems.install(app)
     description.install(app)
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1, exclude_content_types=AS_THEY_ARE)
-    doors = Doors(settings, store, secret)
+    app.state.doors = doors = Doors(settings, store, secret)
     app.add_middleware(Guard, settings=settings, doors=doors, counts=app.state.requests, traffic=traffic)
     if settings.friends:
         # Outside all others: a browser asks first whether it may ask, and sends no token then.

@@ -50,10 +50,20 @@ class McmlError(Exception):
             self.at = replace(self.at or Place(), file=name)
         return self
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Kinds are made of different arguments; between processes an error goes as it is.
+        return _as_it_was, (type(self), self.args, self.__dict__)
+
     def __str__(self) -> str:
         where = f"{self.at}: " if self.at and str(self.at) else ""
         end = "" if self.what.endswith((".", "?", "!")) else "."
         return f"{where}{self.what}" + (f"{end} {self.remedy}" if self.remedy else "")
+
+
+def _as_it_was(kind: type[McmlError], arguments: tuple[Any, ...], state: dict[str, Any]) -> McmlError:
+    error = kind.__new__(kind, *arguments)
+    error.__dict__.update(state)
+    return error
 
 
 class FormatError(McmlError):
@@ -141,10 +151,13 @@ class ShareError(BusyError):
 
 
 class AttemptsError(McmlError):
-    """Somebody tried to log in too often. seconds: until the next attempt."""
+    """Somebody tried too often to log in, or to give the password that they have. seconds: until the next attempt."""
 
     def __init__(self, seconds: int) -> None:
-        super().__init__("There were too many attempts to log in.", remedy=f"Try again in {seconds} seconds.")
+        super().__init__(
+            "There were too many attempts to log in, or to give the password.",
+            remedy=f"Try again in {seconds} seconds.",
+        )
         self.seconds = seconds
 
 

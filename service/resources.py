@@ -33,6 +33,12 @@ def motion_names_path() -> Path:
     return _PACKAGE / "mcml" / "motion_names.csv"
 
 
+@cache
+def common_passwords_path() -> Path:
+    """Passwords that nobody may have, a line each."""
+    return _PACKAGE / "common_passwords.txt"
+
+
 def _find(name: str) -> Path:
     # A wheel carries the files of the top level in service/_data, where pyproject.toml puts them.
     for candidate in (_PACKAGE.parent / name, _PACKAGE / "_data" / name):

@@ -97,9 +97,8 @@ class Doors:
             secret = self._secret()
             if secret is not None and hmac.compare_digest(given.encode(), secret.encode()):
                 return None
-        with self._database.read() as tx:
-            entry = tx.tokens.entry(given) if given else None
-            stale = entry is not None and not tx.tokens.was_used(given)
+        with self._database.look() as tx:
+            entry, is_noted = tx.tokens.came(given) if given else (None, False)
             if visit is not None and entry is None:
                 entry = tx.sessions.entry(visit)
         if visit is not None and entry is not None and _is_foreign(scope, headers):
@@ -107,7 +106,7 @@ class Doors:
         if entry is None:
             otherwise = "This server needs a token, since its store has one." if direct else PASSED_ON
             return plain(401, self._closed or otherwise, LOGIN, {"www-authenticate": "Bearer"})
-        if stale:
+        if given and not is_noted:
             self._note_use(given)
         scope["mcml.entry"] = entry
         return None

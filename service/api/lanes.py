@@ -8,10 +8,10 @@ from __future__ import annotations
 import asyncio
 import ctypes
 import sys
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Coroutine
 from concurrent.futures import Future
-from contextlib import asynccontextmanager
-from typing import TypeVar
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import Any, TypeVar
 
 from anyio import CapacityLimiter, to_thread
 from fastapi import Request
@@ -23,11 +23,23 @@ from service.settings import Settings
 
 Value = TypeVar("Value")
 
+M_ARENA_MAX, M_MMAP_THRESHOLD = -8, -3
+"""As malloc.h of glibc has them."""
+
+HEAPS = 2
+
+APART_BYTES = 1 << 18
+"""Memory of so many bytes and more is no part of a heap: it goes back to the system when it is freed. By itself the C
+library counts ever more as too little for that, up to 32 MiB, and heaps get holes."""
+
 LOOK_SECONDS = 0.25
-"""How often a request that waits, or is worked on, looks whether its client is still there."""
+"""After so long, a request that is worked on ends when its client leaves; most are done before."""
 
 QUIET_SECONDS = 1.0
 """After so long without heavy requests, memory that nothing uses goes back to the system."""
+
+BUSY_SECONDS = 10.0
+"""And at least so often where they never cease."""
 
 
 class Lane:
@@ -64,16 +76,16 @@ class Lane:
                 self._left()
 
     async def _come(self, turn: Future[None], http: Request) -> None:
-        loop = asyncio.get_running_loop()
-        end = loop.time() + self._seconds
-        while not turn.done():
-            await asyncio.wait({asyncio.wrap_future(turn)}, timeout=min(LOOK_SECONDS, end - loop.time()))
-            if turn.done():
-                return
-            if http.app.state.stopping.is_set():
-                raise BusyError("The server stops.")
-            if loop.time() >= end or await http.is_disconnected():
-                raise BusyError(f"No place was free within {self._seconds:g} s.")
+        if turn.done():
+            return
+        coming = asyncio.wrap_future(turn)
+        async with _leaving(http) as leaving, _ending(http.app.state.stopping.wait()) as stopping:
+            await asyncio.wait({coming, leaving, stopping}, timeout=self._seconds, return_when=asyncio.FIRST_COMPLETED)
+        if turn.done():
+            return
+        if http.app.state.stopping.is_set():
+            raise BusyError("The server stops.")
+        raise BusyError(f"No place was free within {self._seconds:g} s.")
 
 
 class Lanes:
@@ -83,19 +95,23 @@ class Lanes:
         places, most, seconds = settings.heavy_at_once, settings.heavy_waiting, settings.heavy_wait_seconds
         self._reads, self._writes = (Lane(places, most, seconds, self._tidy_soon) for _ in range(2))
         self._tidying: asyncio.TimerHandle | None = None
+        self._tidied = 0.0
 
     def of(self, operation: Operation) -> Lane:
         return self._writes if operation.effect is Effect.WRITES else self._reads
 
     def _tidy_soon(self) -> None:
+        loop = asyncio.get_running_loop()
         if self._tidying is not None:
             self._tidying.cancel()
-        self._tidying = asyncio.get_running_loop().call_later(QUIET_SECONDS, self._tidy)
+        self._tidying = loop.call_at(min(loop.time() + QUIET_SECONDS, self._tidied + BUSY_SECONDS), self._tidy)
 
     def _tidy(self) -> None:
+        loop = asyncio.get_running_loop()
         self._tidying = None
-        if self._reads.is_empty and self._writes.is_empty:
-            asyncio.get_running_loop().run_in_executor(None, give_memory_back)
+        if (self._reads.is_empty and self._writes.is_empty) or loop.time() >= self._tidied + BUSY_SECONDS:
+            self._tidied = loop.time()
+            loop.run_in_executor(None, give_memory_back)
 
 
 async def while_connected(
@@ -104,8 +120,11 @@ async def while_connected(
     """Runs something in a thread; cancels it when the client leaves, or the server stops."""
     running = asyncio.ensure_future(to_thread.run_sync(ask, limiter=threads))
     try:
-        while not (await asyncio.wait({running}, timeout=LOOK_SECONDS))[0]:
-            if await http.is_disconnected():
+        await asyncio.wait({running}, timeout=LOOK_SECONDS)
+        if not running.done():
+            async with _leaving(http) as leaving:
+                await asyncio.wait({running, leaving}, return_when=asyncio.FIRST_COMPLETED)
+            if not running.done():
                 cancel()
     except asyncio.CancelledError:
         cancel()
@@ -113,8 +132,42 @@ async def while_connected(
     return await running
 
 
+def _leaving(http: Request) -> AbstractAsyncContextManager[asyncio.Task[None]]:
+    """A task that is done once the client has left. What it sent must have been read."""
+
+    async def left() -> None:
+        while (await http.receive())["type"] != "http.disconnect":
+            pass
+
+    return _ending(left())
+
+
+@asynccontextmanager
+async def _ending(waiting: Coroutine[Any, Any, Any]) -> AsyncIterator[asyncio.Task[Any]]:
+    """A task that ends with the block."""
+    task = asyncio.ensure_future(waiting)
+    try:
+        yield task
+    finally:
+        task.cancel()
+
+
 def give_memory_back() -> None:
     """What is free and the C library keeps: of many threads at once it never gives it back by itself."""
-    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
+    trim = _of_c("malloc_trim")
     if trim is not None:
         trim(0)
+
+
+def share_heaps() -> None:
+    """To be called before there are threads: else each of them has a heap of its own, where what it freed stays while
+    others ask the system for more."""
+    option = _of_c("mallopt")
+    if option is not None:
+        option(M_ARENA_MAX, HEAPS)
+        option(M_MMAP_THRESHOLD, APART_BYTES)
+
+
+def _of_c(name: str) -> Any:
+    """A function of the C library, None where it has none."""
+    return getattr(ctypes.CDLL(None), name, None) if sys.platform == "linux" else None

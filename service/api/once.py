@@ -33,7 +33,9 @@ def creates(operation: Operation) -> bool:
     return operation.method == "POST" and (operation.status == 201 or operation.effect is Effect.STARTS)
 
 
-def done_once(operation: Operation, call: Call, key: str, given: dict[str, Any], do: Callable[[], Any]) -> Response:
+def done_once(
+    operation: Operation, call: Call, key: str, given: dict[str, Any], do: Callable[[], Response]
+) -> Response:
     """The answer of `do`, or that of the same request when it was done.
 
     Raises ConflictError where it is being done, or its end is not known; DocumentError for another request.
@@ -46,20 +48,14 @@ def done_once(operation: Operation, call: Call, key: str, given: dict[str, Any],
         return _again(operation, digest, before)
     try:
         answer = do()
-        status = operation.status if call.made else 200
-        text = answer.model_dump_json(exclude_none=operation.terse, by_alias=True)
     except BaseException:
         # Nothing was done: an operation is whole or absent.
         with database.write(author) as tx:
             tx.requests.forget(author, key)
         raise
-    location = None if call.created is None else f"/api/v1/{call.created}"
     with database.write(author) as tx:
-        tx.requests.end(author, key, status, location, text)
-    answered = _response(status, location, text)
-    if call.tag is not None:
-        answered.headers["etag"] = f'"{call.tag}"'
-    return answered
+        tx.requests.end(author, key, answer.status_code, answer.headers.get("location"), bytes(answer.body).decode())
+    return answer
 
 
 def _again(operation: Operation, digest: str, before: Remembered) -> Response:
@@ -70,14 +66,8 @@ def _again(operation: Operation, digest: str, before: Remembered) -> Response:
             "The request with this Idempotency-Key is being worked on, or the server stopped meanwhile.",
             remedy="Wait, and ask again; if it stays so, look whether it was done before you send it with another key.",
         )
-    return _response(before.status, before.location, before.answer, again=True)
-
-
-def _response(status: int, location: str | None, text: str, *, again: bool = False) -> Response:
-    headers = {} if location is None else {"location": location}
-    if again:
-        headers["idempotency-replayed"] = "true"
-    return Response(text, status, headers, media_type="application/json")
+    headers = {"idempotency-replayed": "true"} | ({} if before.location is None else {"location": before.location})
+    return Response(before.answer, before.status, headers, media_type="application/json")
 
 
 def _digest(operation: Operation, given: dict[str, Any]) -> str:

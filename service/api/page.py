@@ -23,9 +23,10 @@ _REFERENCE = 'SwaggerUIBundle({url:"/openapi.json",dom_id:"#swagger-ui",deepLink
 
 _STYLE = """
 :root { color-scheme: dark light; --bg: #10141A; --panel: #171C24; --text: #E9EDF3; --dim: #97A3B3; --accent: #3FD0BC;
-  --line: #2E3844 }
+  --line: #2E3844; --edge: #6E7C8E }
 @media (prefers-color-scheme: light) {
-  :root { --bg: #F3F5F8; --panel: #fff; --text: #141A22; --dim: #566272; --accent: #0A7568; --line: #D3DAE3 }
+  :root { --bg: #F3F5F8; --panel: #fff; --text: #141A22; --dim: #566272; --accent: #0A7568; --line: #D3DAE3;
+    --edge: #738091 }
 }
 body { margin: 0; background: var(--bg); color: var(--text);
   font: 14px/1.45 system-ui, "Segoe UI", Roboto, "Apple SD Gothic Neo", "Malgun Gothic", "Noto Sans KR", sans-serif }
@@ -41,10 +42,18 @@ th { color: var(--dim); font-weight: 600 }
 input, button { font: inherit; color: var(--text); background: var(--panel); border: 1px solid var(--line);
   border-radius: 6px; padding: 7px 12px }
 button { color: var(--bg); background: var(--accent); border-color: var(--accent); font-weight: 600; cursor: pointer }
-label input { margin: 0 10px; box-sizing: border-box; max-width: calc(100vw - 68px) }
+main:has(form) { max-width: 360px; padding-top: 12vh }
+label { display: block }
+label input { display: block; box-sizing: border-box; width: 100%; margin: 4px 0 0 }
+.other a { display: block; padding: 7px 12px; border: 1px solid var(--edge); border-radius: 6px; color: var(--text);
+  text-align: center; text-decoration: none }
+.other a:hover { background: var(--panel) }
+label + button { margin-top: 16px; width: 100% }
+details { margin: 20px 0; color: var(--dim) }
+summary { cursor: pointer; margin-bottom: 12px }
+input { border-color: var(--edge) }
 @media (max-width: 700px) {
   table { display: block; overflow-x: auto }
-  label input { display: block; margin: 4px 0 8px }
 }
 :focus-visible { outline: 2px solid var(--accent); outline-offset: 2px }
 pre { background: var(--panel); padding: 12px; overflow: auto; border-radius: 6px }

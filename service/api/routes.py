@@ -77,8 +77,8 @@ def _add_route(router: APIRouter, operation: Operation) -> None:
 
 
 def _plain(operation: Operation) -> Callable[..., Any]:
-    def endpoint(http: Request, call: Call, response: Response, **given: Any) -> Any:
-        return respond(operation, call, http, response, given)
+    def endpoint(http: Request, call: Call, **given: Any) -> Response:
+        return respond(operation, call, http, given)
 
     return endpoint
 
@@ -86,9 +86,9 @@ def _plain(operation: Operation) -> Callable[..., Any]:
 def _heavy(operation: Operation) -> Callable[..., Any]:
     """An endpoint that is worked on when it is its turn."""
 
-    async def endpoint(http: Request, call: Call, response: Response, **given: Any) -> Any:
-        def ask() -> Any:
-            return respond(operation, call, http, response, given)
+    async def endpoint(http: Request, call: Call, **given: Any) -> Response:
+        def ask() -> Response:
+            return respond(operation, call, http, given)
 
         if not operation.weighs(given):
             return await run_in_threadpool(ask)
@@ -101,22 +101,22 @@ def _heavy(operation: Operation) -> Callable[..., Any]:
     return endpoint
 
 
-def respond(operation: Operation, call: Call, http: Request, response: Response, given: dict[str, Any]) -> Any:
+def respond(operation: Operation, call: Call, http: Request, given: dict[str, Any]) -> Response:
     """What an operation answers, as HTTP says it."""
     key = given.pop("idempotency_key", None)
     values = {name: _value(value) for name, value in given.items()}
     if key is not None:
-        return done_once(operation, call, key, values, lambda: _tried(operation, call, http, response, values))
-    return _tried(operation, call, http, response, values)
+        return done_once(operation, call, key, values, lambda: _tried(operation, call, http, values))
+    return _tried(operation, call, http, values)
 
 
-def _tried(operation: Operation, call: Call, http: Request, response: Response, values: dict[str, Any]) -> Any:
+def _tried(operation: Operation, call: Call, http: Request, values: dict[str, Any]) -> Response:
     """The answer, asked for anew where the replica went away, or where the database ended a transaction for another's
     sake and nothing was written."""
     for _ in range(TRIES - 1):
         written = call.database.writes
         try:
-            return _answer(operation, call, http, response, values)
+            return _answer(operation, call, http, values)
         except ReplicaError:
             pass
         except ClashError:
@@ -127,10 +127,10 @@ def _tried(operation: Operation, call: Call, http: Request, response: Response, 
             for item in value if isinstance(value, list) else [value]:
                 if isinstance(item, SourceFile):
                     item.stream.seek(0)
-    return _answer(operation, call, http, response, values)
+    return _answer(operation, call, http, values)
 
 
-def _answer(operation: Operation, call: Call, http: Request, response: Response, values: dict[str, Any]) -> Any:
+def _answer(operation: Operation, call: Call, http: Request, values: dict[str, Any]) -> Response:
     with call.held as held:
         try:
             answer = operation.run(call, values)
@@ -149,10 +149,9 @@ def _answer(operation: Operation, call: Call, http: Request, response: Response,
     following = getattr(answer, "next_cursor", None)
     if following is not None and operation.method == "GET":
         headers["link"] = f'<{http.url.include_query_params(cursor=following)}>; rel="next"'
-    response.headers.update(headers)
-    if not call.made:
-        response.status_code = 200
-    return answer
+    # Here, in a thread: FastAPI would make the text of a model on the event loop, where all others wait for it.
+    text = answer.model_dump_json(exclude_none=operation.terse, by_alias=True)
+    return Response(text, operation.status if call.made else 200, headers, media_type="application/json")
 
 
 def _made_again(operation: Operation, call: Call, values: dict[str, Any]) -> Iterator[Bytes]:
@@ -175,7 +174,7 @@ def _value(value: Any) -> Any:
 
 def _signature(operation: Operation) -> inspect.Signature:
     keyword = inspect.Parameter.KEYWORD_ONLY
-    own: dict[str, Any] = {"call": Annotated[Call, Depends(_calling(operation))], "http": Request, "response": Response}
+    own: dict[str, Any] = {"call": Annotated[Call, Depends(_calling(operation))], "http": Request}
     parameters = [inspect.Parameter(name, keyword, annotation=kind) for name, kind in own.items()]
     for argument in operation.arguments:
         default = argument.default

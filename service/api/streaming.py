@@ -27,6 +27,8 @@ Bytes: TypeAlias = bytes | memoryview
 Again: TypeAlias = Callable[[], Iterator[Bytes]]
 
 _RANGE = re.compile(r"bytes=(\d{0,18})-(\d{0,18})")
+_UTF_8 = {"application/xml": "application/xml; charset=utf-8"}
+"""All XML that the service writes is; of text the framework says so."""
 _HEADERS = {"total-count": "x-total-count"}
 """Names of facts that are not the repository's own."""
 
@@ -42,6 +44,7 @@ def answered(
     headers |= {_HEADERS.get(name, f"x-mcml-{name}"): _latin(text) for name, text in content.facts.items()}
     if content.name is not None:
         headers["content-disposition"] = attachment(content.name, "inline" if content.shown else "attachment")
+    media_type = _UTF_8.get(content.media_type, content.media_type)
     wanted = _range(content, headers, http)
     if content.size is not None and "etag" in headers:
         headers["accept-ranges"] = "bytes"
@@ -50,19 +53,19 @@ def answered(
             return _part(content, headers, stack, wanted, again)
         if content.live:
             kept = stack.pop_all()
-            return StreamingResponse(_holding(kept, content.blocks), media_type=content.media_type, headers=headers)
+            return StreamingResponse(_holding(kept, content.blocks), media_type=media_type, headers=headers)
         joined = pieces(content.blocks)
         first = next(joined, b"")
         if content.notices:
             text = " | ".join(notice.what for notice in content.notices)
             headers["x-mcml-notices"] = text.encode("ascii", "replace").decode()[:4000]
         if len(first) < PIECE:
-            return Response(first, media_type=content.media_type, headers=headers)
+            return Response(first, media_type=media_type, headers=headers)
         if content.size is not None:
             headers["content-length"] = str(content.size)
         kept = stack.pop_all()
     others = _resumed(_holding(kept, joined), len(first), again)
-    return StreamingResponse(ahead(others, first), media_type=content.media_type, headers=headers)
+    return StreamingResponse(ahead(others, first), media_type=media_type, headers=headers)
 
 
 def _range(content: Content, headers: dict[str, str], http: Request) -> range | None:

@@ -17,8 +17,12 @@ from service.web import STATIC
 router = APIRouter(include_in_schema=False)
 
 PAGES = (
-    *("/", "/library", "/clips/{id}", "/xpath", "/compose", "/retarget", "/settings"),
-    *(f"/{page}{rest}" for page in ("reach", "dance", "faces", "analyses", "results") for rest in ("", "/{id}")),
+    *("/", "/library", "/clips/{id}", "/xpath", "/compose", "/retarget"),
+    *(
+        f"/{page}{rest}"
+        for page in ("reach", "dance", "faces", "analyses", "results", "settings")
+        for rest in ("", "/{id}")
+    ),
 )
 POLICY = {
     **page_policy(

@@ -87,6 +87,12 @@ class Database:
             yield Transaction(connection, self.dialect, at, view=self.view)
 
     @contextmanager
+    def look(self) -> Iterator[Transaction]:
+        """What is there now, for who asks one statement, and often: two may not see the same."""
+        with in_words(self.dialect), self.dialect.looking() as connection:
+            yield Transaction(connection, self.dialect, view=self.view)
+
+    @contextmanager
     def _reading(self) -> Iterator[Connection]:
         if self._from_replica and self.replica is not None:
             with self.replica.reading() as found:

@@ -1,4 +1,5 @@
-"""What projects keep under names beside documents: queries, collections of documents, colours of motion names."""
+"""What projects keep under names beside documents: queries, collections of documents, colours of motion names, and the
+vocabulary that a project agrees on."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ from service.storage.work_tables import saved
 if TYPE_CHECKING:
     from service.storage.transaction import Transaction
 
-Kind = Literal["query", "collection", "colours"]
+Kind = Literal["query", "collection", "colours", "vocabulary"]
 
 PREFIX = "collection:"
 """How a collection is named where ids of documents are taken: `collection:NAME`, or `collection:PROJECT/NAME`."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 from typing import TYPE_CHECKING
 
-from sqlalchemy import delete, insert, select, update
+from sqlalchemy import bindparam, delete, insert, select, update
 
 from service.errors import ConflictError, NotFoundError
 from service.storage.accounts import Account, Entry, account, entry_of, grant, granted_project
@@ -22,6 +22,22 @@ if TYPE_CHECKING:
 
 _ANY = select(token.c.name).limit(1)
 _GRANTED = token.join(grant).outerjoin(account, grant.c.account == account.c.id)
+_COMING = (
+    select(
+        token.c.id.label("token"),
+        token.c.name,
+        token.c.expires,
+        grant.c.scope,
+        grant.c.used,
+        account.c.id.label("person"),
+        account.c.name.label("account"),
+        account.c.role,
+        account.c.closed,
+        granted_project.c.project,
+    )
+    .select_from(_GRANTED.outerjoin(granted_project, granted_project.c.token == token.c.id))
+    .where(token.c.sha256 == bindparam("digest"))
+)
 USED_HOURS = 1
 """How precisely it is told when a token was used: reading is no writing."""
 
@@ -98,24 +114,20 @@ class Tokens:
 
     def entry(self, secret: str) -> Entry | None:
         """Who comes in by the token with this secret, None where it is unknown or has expired."""
-        whose = account.c.id.label("person"), account.c.name.label("account"), account.c.role, account.c.closed
-        about = token.c.id.label("token"), token.c.name, token.c.expires, grant.c.scope
-        wanted = select(*about, *whose).select_from(_GRANTED)
-        row = self._tx.connection.execute(wanted.where(token.c.sha256 == digest_of(secret))).one_or_none()
-        if row is None or (row.expires is not None and row.expires < now()):
-            return None
-        return entry_of(self._tx, row.name, row)
+        return self.came(secret)[0]
+
+    def came(self, secret: str) -> tuple[Entry | None, bool]:
+        """As `entry`, and whether it is noted that the token was used within the last hour."""
+        rows = self._tx.run(_COMING, {"digest": digest_of(secret)}).all()
+        if not rows or (rows[0].expires is not None and rows[0].expires < now()):
+            return None, False
+        used = rows[0].used
+        return entry_of(self._tx, rows[0].name, rows), used is not None and used >= now(-timedelta(hours=USED_HOURS))
 
     def name(self, secret: str) -> str | None:
         """The name of the token with this secret."""
         wanted = select(token.c.name).where(token.c.sha256 == digest_of(secret))
         return self._tx.connection.execute(wanted).scalar_one_or_none()
-
-    def was_used(self, secret: str) -> bool:
-        """Whether it is noted that it was used within the last hour."""
-        its = select(grant.c.used).join(token).where(token.c.sha256 == digest_of(secret))
-        used = self._tx.connection.execute(its).scalar_one_or_none()
-        return used is not None and used >= now(-timedelta(hours=USED_HOURS))
 
     def note_use(self, secret: str) -> None:
         """Note that it was used now."""

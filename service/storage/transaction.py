@@ -22,6 +22,7 @@ from service.storage import tables
 from service.storage.accounts import Accounts
 from service.storage.activity import COMMAND_LINE, Activity
 from service.storage.aliases import Aliases
+from service.storage.attempts import Attempts
 from service.storage.bodies import Bodies
 from service.storage.columns import Columns
 from service.storage.comments import Comments
@@ -35,6 +36,7 @@ from service.storage.mappings import Mappings
 from service.storage.media import MediaOfDocuments
 from service.storage.members import Members
 from service.storage.moments import valid
+from service.storage.presence import Presence
 from service.storage.projects import Projects
 from service.storage.pruning import Pruning
 from service.storage.purging import Purging
@@ -86,6 +88,7 @@ class Transaction:
         self.origin = origin
         self._author = author
         self._commit: int | None = None
+        self._newest: int | None = None
         self._ordered = False
         self._gathered: dict[tuple[Table, tuple[str, ...]], list[tuple[Any, ...]]] | None = None
 
@@ -119,7 +122,10 @@ class Transaction:
 
     def newest_commit(self) -> int:
         """The number of the last commit that this transaction sees, 0 in an empty store."""
-        return int(self.rows(_NEWEST_COMMIT)[0][0])
+        # What a transaction that reads sees does not change.
+        if self._newest is None or self._author is not None:
+            self._newest = int(self.rows(_NEWEST_COMMIT)[0][0])
+        return self._newest
 
     def valid(self, table: Table) -> ColumnElement[bool]:
         """The condition that a row of a table with `from_commit` and `to_commit` is valid at `self.at`."""
@@ -281,6 +287,10 @@ class Transaction:
         return Comments(self)
 
     @cached_property
+    def presence(self) -> Presence:
+        return Presence(self)
+
+    @cached_property
     def activity(self) -> Activity:
         return Activity(self)
 
@@ -311,6 +321,10 @@ class Transaction:
     @cached_property
     def sessions(self) -> Sessions:
         return Sessions(self)
+
+    @cached_property
+    def attempts(self) -> Attempts:
+        return Attempts(self)
 
     @cached_property
     def requests(self) -> Requests:

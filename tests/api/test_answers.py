@@ -172,3 +172,17 @@ def test_a_weak_tag_changes_nothing(client: TestClient, tag: str) -> None:
     assert client.put("/api/v1/mappings/m", json=pairs).status_code == 201
     assert client.put("/api/v1/mappings/m", json=pairs, headers={"if-match": 'W/"1"'}).status_code == 412
     assert client.delete("/api/v1/mappings/m", headers={"if-match": 'W/"1"'}).status_code == 412
+
+
+@one_kind
+def test_xml_says_its_encoding(client: TestClient) -> None:
+    uuid = upload(client, {"산책.bvh": bvh(300)})["documents"][0]["id"]  # type: ignore[index]
+    place = f"/api/v1/documents/{uuid}"
+    for path in ("export", "elements", "xpath"):
+        asked = {"export": {"format": "mcml"}, "elements": {"xpath": "/mcml/skeleton"}}.get(
+            path, {"q": "//bone", "as": "xml"}
+        )
+        address = f"{place}/{path}" if path != "xpath" else "/api/v1/xpath"
+        answer = client.get(address, params=asked)
+        assert answer.headers["content-type"] == "application/xml; charset=utf-8", answer.text
+        answer.content.decode("utf-8")

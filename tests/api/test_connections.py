@@ -23,6 +23,8 @@ from service.api.connections import BACKLOG, connections_of
 from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
+from service.xpath.limits import Limits
+from service.xpath.queries import Queries
 from tests.actions.test_import_failures import rows
 from tests.api.test_lanes import until
 from tests.builders import SECRET, bvh, one_kind, store
@@ -198,6 +200,59 @@ def test_a_server_that_stops_ends_streams_of_events(database: Database) -> None:
         assert next(lines).startswith("id: ")
         server.should_exit = True
         assert [line for line in lines if line.startswith("event: ")] == ["event: ready"]
+
+
+@pytest.fixture
+def ended(monkeypatch: pytest.MonkeyPatch) -> Iterator[threading.Event]:
+    """Queries last until they are cancelled; told when one was."""
+    told, over = threading.Event(), threading.Event()
+
+    def lasting(queries: Queries, request: Any, limits: Limits) -> Any:
+        until(lambda: limits.over or over.is_set())
+        told.set()
+        limits.check()
+
+    monkeypatch.setattr(Queries, "answer", lasting)
+    yield told
+    over.set()
+
+
+def asks_xpath(port: int) -> socket.socket:
+    headers = f"Host: 127.0.0.1\r\nAuthorization: Bearer {SECRET}\r\n\r\n"
+    return opened(port, f"GET {API}/xpath?q=1 HTTP/1.1\r\n{headers}".encode())
+
+
+@one_kind
+def test_queries_end_when_their_clients_leave(database: Database, ended: threading.Event) -> None:
+    with serving(database, heavy_places=1, query_seconds=600) as (port, server):
+        turns = server.config.app.state.lanes._reads._turns  # type: ignore[union-attr]  # what nobody else asks
+        works = asks_xpath(port)
+        until(lambda: turns.held == 1)
+        waits = asks_xpath(port)
+        until(lambda: turns.waiting.total() == 1)
+        waits.close()
+        until(lambda: turns.waiting.total() == 0)
+        assert not ended.is_set()
+        works.close()
+        assert ended.wait(60)
+        until(lambda: turns.held == 0)
+        assert answers(port)
+
+
+@one_kind
+def test_a_server_that_stops_tells_those_who_wait(database: Database, ended: threading.Event) -> None:
+    with ExitStack() as stack:
+        port, server = stack.enter_context(serving(database, heavy_places=1, query_seconds=600))
+        turns = server.config.app.state.lanes._reads._turns  # type: ignore[union-attr]  # what nobody else asks
+        works = stack.enter_context(asks_xpath(port))
+        until(lambda: turns.held == 1)
+        with asks_xpath(port) as waits:
+            until(lambda: turns.waiting.total() == 1)
+            server.should_exit = True
+            answer = to_the_end(waits)
+        assert answer.startswith(b"HTTP/1.1 503")
+        assert b"The server stops." in answer
+        works.close()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of files are set as Linux does")

@@ -134,6 +134,17 @@ def test_the_time_of_a_query_begins_with_its_turn(
 
 
 @one_kind
+def test_memory_is_given_back_where_it_is_never_quiet(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = threading.Event()
+    monkeypatch.setattr(lanes, "QUIET_SECONDS", 3600.0)
+    monkeypatch.setattr(lanes, "BUSY_SECONDS", 0.01)
+    monkeypatch.setattr(lanes, "give_memory_back", given.set)
+    with served(database) as client:
+        assert client.get(f"{API}/xpath", params={"q": "count(//bone)"}).status_code == 200
+        assert given.wait(30)
+
+
+@one_kind
 def test_memory_is_given_back_when_it_is_quiet(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     given, quiet = threading.Event(), lanes.give_memory_back
 

@@ -205,7 +205,7 @@ def test_synonyms_are_answered_with_a_warning(client: TestClient) -> None:
 def test_xml_answers_hold_the_nodes(client: TestClient) -> None:
     upload(client, {"a.mcml": MCML})
     answer = client.get(f"{API}/xpath", params={"q": "//frame[2] | //@Ty", "as": "xml"})
-    assert answer.headers["content-type"] == "application/xml"
+    assert answer.headers["content-type"] == "application/xml; charset=utf-8"
     root = etree.fromstring(answer.content)
     assert [result.get("address") for result in root][1] == "/mcml/motion/frame[2]"
     assert root[1][0].tag == "frame"

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import asyncio
 import csv
 import io
 import json
-import threading
 from typing import Any
 
 import pytest
@@ -14,11 +12,8 @@ from fastapi.testclient import TestClient
 from lxml import etree
 
 from schemas.queries import QueryRequest
-from service.api.routes import while_connected
-from service.errors import LimitError
 from service.xpath.answer.writing import STREAMS
 from service.xpath.finding import addresses
-from service.xpath.limits import Limits
 from service.xpath.queries import Queries
 from tests.builders import HTR, MCML, bvh, upload
 from tests.conftest import StoreOf
@@ -167,23 +162,3 @@ def test_names_that_reach_nothing_are_answered_with_a_hint(library: TestClient) 
     answer = library.get(f"{API}/xpath", params={"q": "//frame/@Rx"}).json()
     assert answer["items"] == []
     assert answer["warnings"] == ["frame has no attribute @Rx; it is one of frame_bone"]
-
-
-def test_a_query_ends_when_its_client_leaves() -> None:
-    class Gone:
-        async def is_disconnected(self) -> bool:
-            return True
-
-    limits = Limits(60, 1000)
-    ended = threading.Event()
-
-    def ask() -> None:
-        try:
-            while True:
-                limits.check()
-        finally:
-            ended.set()
-
-    with pytest.raises(LimitError, match="cancelled"):
-        asyncio.run(while_connected(Gone(), limits.cancel, ask))  # type: ignore[arg-type]
-    assert ended.is_set()

@@ -9,6 +9,7 @@ from sqlalchemy import create_engine, make_url, text
 
 from service.errors import UnavailableError
 from service.storage.database import Database
+from service.storage.dialects import postgresql
 from tests import postgres
 
 
@@ -40,6 +41,37 @@ def test_who_gets_no_connection_is_told_to_come_again(guest: Database) -> None:
                 pass
     with guest.read() as tx:
         assert tx.projects.find("lab") is None
+
+
+def test_connections_that_ended_while_they_rested_are_not_used(
+    postgres_template: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The server ends them, and nobody hears of it until he asks."""
+    with postgres.new_database(postgres_template, "template_store") as url:
+        database = Database(url)
+        with database.read() as one, database.read() as other:
+            assert one.projects.find("lab") is other.projects.find("lab") is None
+        _end_all(url)
+        # Where it was used just now, nobody looks.
+        monkeypatch.setattr(postgresql, "REST_SECONDS", 3600.0)
+        with pytest.raises(UnavailableError), database.read() as tx:
+            tx.projects.find("lab")
+        with database.read() as one, database.read() as other:
+            assert one.projects.find("lab") is other.projects.find("lab") is None
+        _end_all(url)
+        monkeypatch.setattr(postgresql, "REST_SECONDS", 0.0)
+        with database.read() as tx:
+            assert tx.projects.find("lab") is None
+        database.close()
+
+
+def _end_all(url: str) -> None:
+    owner = create_engine(url, isolation_level="AUTOCOMMIT")
+    with owner.connect() as connection:
+        others = "SELECT pg_terminate_backend(pid, 5000) FROM pg_stat_activity "
+        its = "WHERE datname = current_database() AND pid <> pg_backend_pid()"
+        assert connection.execute(text(others + its)).scalars().all() == [True, True]
+    owner.dispose()
 
 
 def test_who_waits_too_long_for_a_place_is_told(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -95,6 +95,10 @@ class Dialect(ABC):
     def reading(self) -> AbstractContextManager[Connection]:
         """A connection in a read transaction: every statement sees the same snapshot."""
 
+    def looking(self) -> AbstractContextManager[Connection]:
+        """As `reading`, but each statement sees what is there when it is asked: for who asks one, and often."""
+        return self.reading()
+
     @abstractmethod
     def order_commits(self, connection: Connection) -> None:
         """Let no other writer number a commit until this transaction has ended: numbers follow visibility."""

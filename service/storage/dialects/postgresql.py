@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from functools import cache
+from contextlib import AbstractContextManager, contextmanager
+from functools import cache, partial
 from typing import Any
 
 import psycopg
-from sqlalchemy import Connection, Engine, Table, create_engine, insert, text
+from sqlalchemy import Connection, Engine, Table, create_engine, event, insert, text
+from sqlalchemy.exc import DBAPIError, InvalidatePoolError
 from sqlalchemy.sql.dml import ReturningInsert
 
 from service.storage.dialects.base import Compaction, Dialect
@@ -26,6 +28,9 @@ CLASHES = ("40001", "40P01")
 read."""
 CORRUPTED = ("XX001", "XX002")
 """A page, or an index."""
+
+REST_SECONDS = 1.0
+"""After so long without use, a connection is asked whether it is still one."""
 
 _ORDER = text("SELECT pg_advisory_xact_lock(:key)")
 
@@ -51,21 +56,36 @@ class PostgreSQL(Dialect):
 
     @classmethod
     def create_engine(cls, url: str) -> Engine:
-        return create_engine(url, pool_size=16, max_overflow=32, pool_pre_ping=True)
+        # Those that were used last are used first: the others rest, and are looked at before they are used again.
+        engine = create_engine(url, pool_size=16, max_overflow=32, pool_use_lifo=True)
+        event.listen(engine, "checkin", _note_rest)
+        event.listen(engine, "checkout", partial(_look_after_rest, engine))
+        return engine
 
     def as_list(self, values: list[int]) -> list[int]:
         return values
 
-    @contextmanager
-    def writing(self) -> Iterator[Connection]:
-        with self.engine.connect() as connection, connection.begin():
-            yield connection
+    def writing(self) -> AbstractContextManager[Connection]:
+        return self._connected()
+
+    def reading(self) -> AbstractContextManager[Connection]:
+        return self._connected(isolation_level="REPEATABLE READ", postgresql_readonly=True)
+
+    def looking(self) -> AbstractContextManager[Connection]:
+        # Begin and commit would be two more questions to the server.
+        return self._connected(isolation_level="AUTOCOMMIT")
 
     @contextmanager
-    def reading(self) -> Iterator[Connection]:
-        options = {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
-        with self.engine.connect().execution_options(**options) as connection, connection.begin():
-            yield connection
+    def _connected(self, **options: Any) -> Iterator[Connection]:
+        with self.engine.connect().execution_options(**options) as connection:
+            try:
+                with connection.begin():
+                    yield connection
+            except (DBAPIError, psycopg.Error) as error:
+                if self.is_away(error.orig if isinstance(error, DBAPIError) else error):
+                    # What the others of the pool were connected to went as well.
+                    self.engine.dispose()
+                raise
 
     def order_commits(self, connection: Connection) -> None:
         connection.execute(_ORDER, {"key": COMMIT_LOCK})
@@ -143,6 +163,21 @@ class PostgreSQL(Dialect):
                         f'GREATEST((SELECT MAX({key.name}) FROM "{table.name}"), 1))'
                     )
                 )
+
+
+def _note_rest(_: Any, record: Any) -> None:
+    record.info["rests since"] = time.monotonic()
+
+
+def _look_after_rest(engine: Engine, connection: Any, record: Any, _: Any) -> None:
+    """That the server did not end a connection meanwhile costs a question: not where it was used just now."""
+    since = record.info.get("rests since")
+    if since is None or time.monotonic() - since < REST_SECONDS:
+        return
+    try:
+        engine.dialect.do_ping(connection)
+    except psycopg.Error as error:
+        raise InvalidatePoolError from error
 
 
 @cache
