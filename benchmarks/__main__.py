@@ -11,12 +11,14 @@ from pathlib import Path
 
 BENCHMARKS = {
     "beside": "a library of thousands of clips, beside BaseX",
+    "cluster": "a graph of 2,000 bars by one and by two workers of Dask",
     "bodies": "bodies of a library: deriving, room, questions beside channels, what is most alike",
     "dance": "beats of an hour, a graph of 500 bars, three minutes of dance",
     "edits": "one value, difference, undo, label, cut in a document of 100,000 frames",
     "expression": "expression spaces: all stages, operations, 96,000 frames",
     "formats": "reading and writing BVH, against pybvh, simdjson, numpy.savetxt",
     "imports": "imports of thousands of short clips: in one call, file by file, over HTTP",
+    "load": "a hundred people read and ten write for ten minutes",
     "layouts": "ways to lay frames out in SQLite, against each other",
     "library": "libraries of thousands of clips, over HTTP",
     "lists": "lists of 100,000 documents: pages, searches, orders, facets, the feed",

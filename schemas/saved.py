@@ -1,4 +1,4 @@
-"""What projects keep under names: queries, collections of documents, colours of motion names."""
+"""What projects keep under names: queries, collections of documents, colours of motion names, vocabularies."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ _QUERY = {"q": QUERY, "description": "Frames in which the leg is bent."}
 _COLLECTION = {"documents": [DOCUMENT], "description": "The calm takes."}
 _KEPT = {"project": PROJECT, "name": "bent legs", "version": 1, "author": "kim", "changed": TIME}
 _COLOURS = {"items": {MOTION_NAME: "sky", "walk": "#CE5A04"}}
+
+_WORDS = {"items": [{"name": MOTION_NAME, "description": "away from the body", "colour": 2}]}
 
 _SHORT = Field(None, max_length=1024)
 
@@ -122,3 +124,35 @@ class Colours(ColoursToSave):
     version: int
     author: str
     changed: str
+
+
+class VocabularyWord(BaseModel):
+    """A motion name that a project agrees on. description: what it means there. colour: of the eight of the studio."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_WORDS["items"][0]))
+
+    name: str = Field(min_length=1, max_length=1024)
+    description: str = Field("", max_length=4096)
+    colour: int | None = Field(None, ge=0, le=7)
+
+
+class VocabularyToSave(BaseModel):
+    """All motion names that a project agrees on, in the order in which they are offered."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_WORDS))
+
+    items: list[VocabularyWord] = Field(min_length=1, max_length=10_000)
+
+
+class Vocabulary(BaseModel):
+    """version: counts the changes from 1, 0 where there are none. author, changed: of the last one."""
+
+    model_config = ConfigDict(
+        json_schema_extra=shown({**_WORDS, "project": PROJECT, "version": 2, "author": "kim", "changed": TIME})
+    )
+
+    project: str
+    version: int
+    author: str
+    changed: str
+    items: list[VocabularyWord]

@@ -179,6 +179,7 @@ class Analysis:
     cannot grow.
     check: (parameters, ids of the documents) raises AnalysisError for what is wrong on sight, before there is a job.
     rules: the versions of its rules, by name, which results record: a rule whose results change gets a new one.
+    spreads: whether it does pieces of its work by `pieces.each` and `pieces.spread_of`, so that several workers can.
     pictures: by name, the first is the one that is meant where none is named. Where there are none, each part is drawn
     as its kind says.
     """
@@ -195,6 +196,7 @@ class Analysis:
     extend: Callable[[Parts, Sequence[Motion], Any, Progress], Parts] | None = None
     check: Callable[[Any, Sequence[str]], None] = lambda parameters, documents: None
     rules: Mapping[str, str] = field(default_factory=dict)
+    spreads: bool = False
     pictures: Mapping[str, Picture] = field(default_factory=dict)
     fewest: int = 1
     most: int = 2000

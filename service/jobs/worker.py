@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import partial
 from typing import Any
 
 from service.actions.analysing.save_results import load_parts
 from service.actions.analysing.start_analysis import EXTENDS, LEFT_OUT, SKELETON, checked_parameters, find_analysis
 from service.actions.checking.describe_problem import problem_of
-from service.actions.composing.load_motions import load_motions
-from service.analysis.interface import Parts, Progress
+from service.actions.composing.load_motions import Input, load_motions
+from service.analysis.interface import Motion, Parts, Progress
 from service.errors import McmlError
+from service.jobs.apart import StoredMotions, Urls, database_of
 from service.storage.database import Database
 from service.storage.views import WHOLE
 
@@ -38,10 +40,16 @@ class CancelledError(Exception):
 
 
 def perform(
-    database: Database, analysis: str, inputs: list[dict[str, Any]], parameters: dict[str, Any], progress: Progress
+    database: Database,
+    analysis: str,
+    inputs: list[dict[str, Any]],
+    parameters: dict[str, Any],
+    progress: Progress,
+    apart: Callable[[list[Input], Input | None], Sequence[Motion]] | None = None,
 ) -> Outcome:
     """The parts of the result; or why there is none.
 
+    apart: gives the clips, by inputs and skeleton, to an analysis that spreads its work; None: it does it here.
     Raises whatever `progress` raises.
     """
     chosen = find_analysis(analysis)
@@ -50,7 +58,11 @@ def perform(
         def loading(stage: str, share: float) -> None:
             progress(stage, LOADING * share)
 
-        motions = database.ask(lambda tx: load_motions(tx, inputs, loading, parameters.get(SKELETON)))
+        motions: Sequence[Motion]
+        if apart is not None and chosen.spreads:
+            motions = apart(inputs, parameters.get(SKELETON))
+        else:
+            motions = database.ask(lambda tx: load_motions(tx, inputs, loading, parameters.get(SKELETON)))
         given = {name: value for name, value in parameters.items() if name not in (EXTENDS, LEFT_OUT, SKELETON)}
         # A job may have waited while the program, and with it what parameters may be, became another.
         checked = chosen.parameters.model_validate(checked_parameters(chosen.parameters, given))
@@ -66,16 +78,14 @@ def perform(
         return Refused(problem_of(error).model_dump(exclude_none=True))
 
 
-def on_dask(
-    urls: tuple[str, str | None], uuid: str, analysis: str, inputs: list[dict[str, Any]], parameters: dict[str, Any]
-) -> Outcome:
+def on_dask(urls: Urls, uuid: str, analysis: str, inputs: list[dict[str, Any]], parameters: dict[str, Any]) -> Outcome:
     """`perform` in a worker of Dask: news go to the topic `uuid`; whether to go on stands in the row of the job.
 
     urls: of the store, and of its replica.
     """
     from distributed import get_worker
 
-    database, worker = _database(*urls), get_worker()
+    database, worker = database_of(*urls), get_worker()
     told = 0.0
 
     def progress(stage: str, share: float) -> None:
@@ -88,9 +98,5 @@ def on_dask(
             if tx.jobs.get(uuid).cancel:
                 raise CancelledError
 
-    return perform(database.for_call(WHOLE, from_replica=True), analysis, inputs, parameters, progress)
-
-
-@lru_cache(maxsize=4)
-def _database(url: str, read_url: str | None) -> Database:
-    return Database(url, read_url)
+    reader = database.for_call(WHOLE, from_replica=True)
+    return perform(reader, analysis, inputs, parameters, progress, partial(StoredMotions, urls))

@@ -1,4 +1,5 @@
-"""What projects keep under names: queries, collections of documents, colours of motion names."""
+"""What projects keep under names: queries, collections of documents, colours of motion names; and the vocabulary that a
+project agrees on."""
 
 from __future__ import annotations
 
@@ -16,8 +17,12 @@ from schemas.saved import (
     QueryToSave,
     SavedQuery,
     SavedQueryPage,
+    Vocabulary,
+    VocabularyToSave,
+    VocabularyWord,
 )
 from service.actions.checking.preconditions import check_match
+from service.errors import DocumentError
 from service.operations.arguments import IfMatch, InProject, Page
 from service.operations.call import Call
 from service.storage.saved import Kind, StoredThing, filter_of
@@ -30,7 +35,7 @@ Name = Annotated[
     str, Field(min_length=1, max_length=1024, pattern=r"^[^/]+$", description="Its name", examples=["bent legs"])
 ]
 ALL = ""
-"""The name under which the colours of a project are kept: it has one table of them."""
+"""The name under which the colours and the vocabulary of a project are kept: it has one table of each."""
 
 
 def list_saved_queries(call: Call, page: Page, project: InProject = None) -> SavedQueryPage:
@@ -106,6 +111,44 @@ def save_colours(call: Call, colours: ColoursToSave, project: Keeper = "default"
     return _colours(_put(call, "colours", project, ALL, colours.model_dump(), if_match))
 
 
+def get_vocabulary(call: Call, project: Keeper = "default") -> Vocabulary:
+    """Other names are allowed there, too."""
+    with call.database.read() as tx:
+        thing = tx.saved.find("vocabulary", project, ALL)
+    found = thing or StoredThing(project, ALL, 0, "", "", {"items": []})
+    call.tag = str(found.version)
+    return _vocabulary(found)
+
+
+def save_vocabulary(
+    call: Call, vocabulary: VocabularyToSave, project: Keeper = "default", if_match: IfMatch = None
+) -> Vocabulary:
+    """All of the project, each name in the form in which documents keep it. A present one is changed with `If-Match`,
+    its version."""
+    items = _agreed(vocabulary.items)
+    return _vocabulary(_put(call, "vocabulary", project, ALL, {"items": items}, if_match))
+
+
+def delete_vocabulary(call: Call, project: Keeper = "default", if_match: IfMatch = None) -> None:
+    """Documents keep the names that they have."""
+    _delete(call, "vocabulary", project, ALL, if_match)
+
+
+def _agreed(words: list[VocabularyWord]) -> list[dict[str, object]]:
+    """As they are kept. VocabularyError for names that cannot be, DocumentError for one that is there twice."""
+    from service.mcml.motion_names import canonical
+
+    items: dict[str, dict[str, object]] = {}
+    for word in words:
+        name = canonical(word.name)
+        if name in items:
+            raise DocumentError(
+                f"{name!r} is there twice.", remedy="Say each name once; synonyms of a movement are one name."
+            )
+        items[name] = word.model_copy(update={"name": name}).model_dump(exclude_none=True)
+    return list(items.values())
+
+
 def _page(call: Call, kind: Kind, page: Page, project: str | None) -> tuple[list[StoredThing], str | None]:
     after = page.after(str, str)
     with call.database.read() as tx:
@@ -153,6 +196,11 @@ def _collection(thing: StoredThing, members: list[str] | None = None) -> Collect
 def _colours(thing: StoredThing) -> Colours:
     facts = {name: value for name, value in _about(thing).items() if name != "name"}
     return Colours(**facts, items=thing.content["items"])
+
+
+def _vocabulary(thing: StoredThing) -> Vocabulary:
+    facts = {name: value for name, value in _about(thing).items() if name != "name"}
+    return Vocabulary(**facts, items=thing.content["items"])
 
 
 def _about(thing: StoredThing) -> dict[str, object]:

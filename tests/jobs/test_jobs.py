@@ -9,9 +9,10 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import cloudpickle
+import httpx
 import numpy as np
 import pytest
 from fastapi.testclient import TestClient
@@ -27,6 +28,7 @@ from service.storage.jobs import ENDED
 from tests.builders import one_kind, served
 
 API = "/api/v1"
+Client: TypeAlias = TestClient | httpx.Client
 SETTINGS = Settings(job_workers=1)
 
 
@@ -49,7 +51,7 @@ def server(lent_cluster: None, own_server: TestClient) -> TestClient:
     return own_server
 
 
-def start(server: TestClient, **parameters: Any) -> dict[str, Any]:
+def start(server: Client, **parameters: Any) -> dict[str, Any]:
     body = {"inputs": {"project": REACHES}, "parameters": {"components": 4, **parameters}, "name": "a model"}
     answer = server.post(f"{API}/analyses/reach", json=body)
     assert answer.status_code == 202, answer.text
@@ -58,9 +60,7 @@ def start(server: TestClient, **parameters: Any) -> dict[str, Any]:
     return job
 
 
-def wait(
-    server: TestClient, job: dict[str, Any], until: Callable[[dict[str, Any]], bool] | None = None
-) -> dict[str, Any]:
+def wait(server: Client, job: dict[str, Any], until: Callable[[dict[str, Any]], bool] | None = None) -> dict[str, Any]:
     """The job once it has ended, or earlier; the test's time limit ends what never comes."""
     while True:
         found: dict[str, Any] = server.get(f"{API}/jobs/{job['id']}").json()

@@ -226,7 +226,7 @@ def _unpacked(files: list[SourceFile], settings: Settings, stack: ExitStack, res
 
 def _members(file: SourceFile, settings: Settings, stack: ExitStack) -> list[SourceFile]:
     archive = stack.enter_context(zipfile.ZipFile(file.stream))
-    names = [info for info in archive.infolist() if not info.is_dir() and not _is_litter(info.filename)]
+    names = [info for info in archive.infolist() if not info.is_dir() and not _is_litter(_path(info))]
     if len(names) > settings.max_zip_files:
         raise LimitError(
             f"The zip holds {len(names)} files, the limit is {settings.max_zip_files}.",
@@ -250,8 +250,13 @@ def _members(file: SourceFile, settings: Settings, stack: ExitStack) -> list[Sou
                     )
                 spool.write(block)
         spool.seek(0)
-        members.append(SourceFile(info.filename, spool))
+        members.append(SourceFile(_path(info), spool))
     return members
+
+
+def _path(info: zipfile.ZipInfo) -> str:
+    """Some programs of Windows write backslashes between folders."""
+    return info.filename.replace("\\", "/")
 
 
 def _is_litter(name: str) -> bool:

@@ -20,7 +20,7 @@ from service.analysis.dance.motion_graph import strong_components
 from service.analysis.dance.music import check_bpm, music_grid
 from service.analysis.dance.pictures import BEATS_PICTURES, DANCE_PICTURES, GRAPH_PICTURES
 from service.analysis.dance.sources import Clip, Search, channels_of, on_one_skeleton, read_clip, upright_clip
-from service.analysis.dance.tempo import tempo_of
+from service.analysis.dance.tempo import Tempo, tempo_of
 from service.analysis.dance.time_warp import even_grid
 from service.analysis.interface import (
     Analysis,
@@ -34,6 +34,7 @@ from service.analysis.interface import (
     Progress,
     ResultUse,
 )
+from service.analysis.pieces import each, spread_of
 from service.motion.skeleton import Array
 
 
@@ -64,16 +65,24 @@ def _search(parameters: BeatsParameters, document: str) -> Search:
 
 
 def _read(motions: Sequence[Motion], parameters: BeatsParameters, progress: Progress, share: float) -> list[Clip]:
-    motions = sorted(motions, key=lambda motion: motion.document)
     shared = None
     if parameters.shared_music and parameters.tempo == "robust":
-        progress("tempo", 0.0)
-        shared = tempo_of([channels_of(upright_clip(motion)) for motion in motions])
-    clips = []
-    for number, motion in enumerate(motions):
-        progress("speed and beats", share * number / len(motions))
-        clips.append(read_clip(motion, _search(parameters, motion.document), shared))
-    return clips
+        shared = tempo_of(each(motions, _channels, told=lambda done: progress("tempo", 0.1 * share * done)))
+    begun = 0.0 if shared is None else 0.1 * share
+    return each(
+        motions,
+        _clip,
+        (parameters, shared),
+        lambda done: progress("speed and beats", begun + (share - begun) * done),
+    )
+
+
+def _channels(motion: Motion) -> Array:
+    return channels_of(upright_clip(motion))
+
+
+def _clip(motion: Motion, parameters: BeatsParameters, shared: Tempo | None) -> Clip:
+    return read_clip(motion, _search(parameters, motion.document), shared)
 
 
 def run_beats(motions: Sequence[Motion], parameters: BeatsParameters, progress: Progress) -> Parts:
@@ -105,6 +114,7 @@ def _graph(
         parameters.allow_repeat,
         parameters.cloud_at,
         lambda done: progress("distances of bars", read_share + graph_share * done),
+        spread_of(motions),
     )
     return clips, graph, [*warnings, *tables.graph_warnings(clips, graph)]
 
@@ -329,6 +339,7 @@ BEATS = Analysis(
         "labels": _LABELS,
     },
     run=run_beats,
+    spreads=True,
     check=_check,
     rules=_RULES,
     pictures=BEATS_PICTURES,
@@ -342,6 +353,7 @@ MOTION_GRAPH = Analysis(
     parameters=GraphParameters,
     parts={"clips": _CLIPS, "bars": _BARS, "graph": _GRAPH, "warnings": _WARNINGS, "labels": _LABELS},
     run=run_graph,
+    spreads=True,
     check=_check,
     rules=_RULES,
     pictures=GRAPH_PICTURES,
@@ -367,6 +379,7 @@ DANCE = Analysis(
         "warnings": _WARNINGS,
     },
     run=run_dance,
+    spreads=True,
     check=_check,
     rules=_RULES,
     pictures=DANCE_PICTURES,

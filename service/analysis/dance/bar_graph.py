@@ -26,6 +26,7 @@ from service.analysis.dance.motion_graph import (
 )
 from service.analysis.dance.sources import Clip
 from service.analysis.interface import AnalysisError
+from service.analysis.pieces import Spread
 from service.motion.skeleton import Array
 
 CloudAt = Literal["entry", "first beat"]
@@ -125,6 +126,7 @@ def bar_graph(
     allow_repeat: bool = False,
     cloud_at: CloudAt = "entry",
     told: Told = lambda share: None,
+    spread: Spread | None = None,
 ) -> BarGraph:
     """Edges between the bars of clips on one skeleton, and the component that is kept. Dance.md 7, 8."""
     bars = all_bars(clips)
@@ -133,7 +135,9 @@ def bar_graph(
     middles = bars.entries if cloud_at == "entry" else bars.frames[:, 0]
     ends, starts = _clouds(clips, figures, bars, bars.frames[:, 3]), _clouds(clips, figures, bars, middles)
     weights, size = cloud_weights(points), clips[0].figure.size or 1.0
-    edges, level, jumps = connect(ends, starts, weights, size, bars.natural, threshold, coverage, allow_repeat, told)
+    edges, level, jumps = connect(
+        ends, starts, weights, size, bars.natural, threshold, coverage, allow_repeat, told, spread
+    )
     kept = largest_component(len(bars), edges.first, edges.second)
     return BarGraph(bars, edges, level, kept, size, ends, starts, weights, jumps)
 

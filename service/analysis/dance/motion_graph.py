@@ -13,12 +13,16 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from service.analysis.pieces import Spread
 from service.motion.skeleton import Array
 
 Indices = NDArray[np.intp]
 Told = Callable[[float], None]
 _ROUNDING = 1e-9
 """Of the mean square of coordinates: what rounding may do to `rough_squares`, with a wide margin."""
+MOST_PIECES = 16
+LEAST_ROWS = 50
+"""Of the bars from which jumps are looked for in a piece of the work: fewer would not pay for the way there."""
 REACH = 3
 """Samples at a thirtieth of a second on either side of a cloud's middle."""
 
@@ -134,6 +138,7 @@ def nearest_jumps(
     keep: int,
     within: float = np.inf,
     told: Told = lambda share: None,
+    spread: Spread | None = None,
 ) -> Pairs:
     """The `keep` nearest pairs of bars that are jumps, and those as near as the last of them, row by row.
 
@@ -141,11 +146,38 @@ def nearest_jumps(
     which distances are given. within: distances above it are left out. Memory O(B K + keep), never O(B^2).
     Time O(B^2 K); what is surely too far by `rough_squares` is not looked at closely.
     """
+    shared = (ends, starts, weights, natural, (size, allow_repeat, keep, within))
+    if spread is None:
+        found = [_jumps_from(range(len(ends)), *shared, told)]
+    else:
+        step = max(LEAST_ROWS, -(-len(ends) // MOST_PIECES))
+        pieces = [range(at, min(at + step, len(ends))) for at in range(0, len(ends), step)]
+        found = spread(_jumps_from, pieces, shared, told)
+    first, second, distances, complete = zip(*found, strict=True)
+    rows = [(np.concatenate(first), np.concatenate(second), np.concatenate(distances))]
+    held, whole = len(rows[0][0]), all(complete)
+    if held > keep:
+        rows, _ = _nearest(rows, keep)
+        whole = whole and len(rows[0][0]) == held
+    return Pairs(*rows[0], whole)
+
+
+def _jumps_from(
+    bars: range,
+    ends: Array,
+    starts: Array,
+    weights: Array,
+    natural: NDArray[np.intp],
+    options: tuple[float, bool, int, float],
+    told: Told = lambda share: None,
+) -> tuple[Indices, Indices, Array, bool]:
+    """`nearest_jumps` from some of the bars: first, second, distances, and whether no pair was left out."""
+    size, allow_repeat, keep, within = options
     planes = np.ascontiguousarray(np.moveaxis(starts, -1, 0))
     norms = np.einsum("cbk,cbk,k->b", planes, planes, weights)
     rows: list[tuple[Indices, Indices, Array]] = []
     held, complete, limit = 0, True, within
-    for bar in range(len(ends)):
+    for bar in bars:
         allowed = np.ones(len(starts), dtype=bool)
         if np.isfinite(limit):
             slack = _ROUNDING * (norms + float(weights @ np.einsum("kc,kc->k", ends[bar], ends[bar])))
@@ -163,12 +195,9 @@ def nearest_jumps(
         if held > 2 * keep:
             rows, limit = _nearest(rows, keep)
             held, complete = len(rows[0][0]), False
-        told((bar + 1) / len(ends))
-    if held > keep:
-        rows, _ = _nearest(rows, keep)
-        complete = complete and len(rows[0][0]) == held
+        told((bar + 1 - bars.start) / len(bars))
     first, second, distances = (np.concatenate(part) for part in zip(*rows, strict=True))
-    return Pairs(first, second, distances, complete)
+    return first, second, distances, complete
 
 
 def _nearest(
@@ -228,6 +257,7 @@ def connect(
     coverage: float = 0.8,
     allow_repeat: bool = False,
     told: Told = lambda share: None,
+    spread: Spread | None = None,
 ) -> tuple[Edges, float, Pairs]:
     """Edges between bars, the threshold, and all jumps that were found, also beyond it. Dance.md 7.
 
@@ -238,11 +268,12 @@ def connect(
     count = len(ends)
     everything = count * count
     if threshold is not None:
-        pairs = nearest_jumps(ends, starts, weights, size, natural, allow_repeat, everything, threshold, told)
+        pairs = nearest_jumps(ends, starts, weights, size, natural, allow_repeat, everything, threshold, told, spread)
         return _edges(ends, starts, weights, size, natural, pairs), threshold, pairs
     wanted, keep = max(2, int(np.ceil(coverage * count - 1e-9))), max(4096, 32 * count)
     while True:
-        pairs = nearest_jumps(ends, starts, weights, size, natural, allow_repeat, min(keep, everything), told=told)
+        most = min(keep, everything)
+        pairs = nearest_jumps(ends, starts, weights, size, natural, allow_repeat, most, told=told, spread=spread)
         found = least_threshold(count, pairs, wanted)
         if found is not None or pairs.complete:
             break
