@@ -61,6 +61,7 @@ BY_HAND = {
     "project quota": "moving:quota",
     "project export": "moving:export",
     "project import": "moving:import_",
+    "project vocabulary": "names:vocabulary",
     "project add": "accounts:add_member",
     "share add": "accounts:share",
     "webhook add": "webhooks:add",

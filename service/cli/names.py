@@ -1,4 +1,4 @@
-"""`mcml names apply`, `mcml mapping save` and `alias`: what joints are called."""
+"""What joints and motions are called: `mcml names apply`, `mcml mapping save`, `alias`, `mcml project vocabulary`."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ from mcml.choosing import choose_documents, id_of
 from schemas.documents import DocumentSummary
 from schemas.names import Alias, AppliedNames, SavedAliases
 from schemas.retarget import JointPair, RetargetRequest, SavedMapping
+from schemas.saved import VocabularyToSave, VocabularyWord
 from service.cli.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, for_each
 from service.cli.present import present
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, write_to_the_end
 from service.errors import NotFoundError
 from service.operations import OPERATIONS
+
+MOST_COLOURS = 7
+"""The last of the studio's colours of names."""
 
 JointsOption = Annotated[
     list[str] | None, typer.Option("--joint", help="SOURCE=TARGET, for all that shall move; may be repeated")
@@ -84,6 +88,46 @@ def alias(
         return
     made = client.call("save_aliases", aliases=SavedAliases(items=items), project=project, if_match=match)
     present(OPERATIONS["save_aliases"], made, as_json)
+
+
+def vocabulary(
+    project: Annotated[str, typer.Argument(help="Name of the project")],
+    words: Annotated[list[str] | None, typer.Argument(help="NAME or NAME=DESCRIPTION, to be added or changed")] = None,
+    colour: Annotated[
+        list[str] | None, typer.Option("--colour", metavar="NAME=0..7", help="Show it so in the studio")
+    ] = None,
+    remove: Annotated[list[str] | None, typer.Option("--remove", help="Take this one away; may be repeated")] = None,
+    database: DatabaseOption = None,
+    server: ServerOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """The motion names that a project agrees on, which the studio offers first; with names, change them."""
+    from service.mcml.motion_names import canonical
+
+    client = opened(database, server)
+    kept = client.call("get_vocabulary", project=project)
+    if not (words or colour or remove):
+        present(OPERATIONS["get_vocabulary"], kept, as_json)
+        return
+    items = {word.name: word for word in kept.items}
+    for text in words or ():
+        name, said, description = text.partition("=")
+        before = items.get(canonical(name), VocabularyWord(name=canonical(name)))
+        items[before.name] = before.model_copy(update={"description": description} if said else {})
+    for text in colour or ():
+        name, _, number = text.rpartition("=")
+        if name == "" or canonical(name) not in items or not (number.isdigit() and int(number) <= MOST_COLOURS):
+            raise typer.BadParameter("NAME=0..7, of a name of the vocabulary", param_hint="--colour")
+        items[canonical(name)] = items[canonical(name)].model_copy(update={"colour": int(number)})
+    for name in remove or ():
+        items.pop(canonical(name), None)
+    match = f'"{kept.version}"' if kept.version else None
+    if not items:
+        client.call("delete_vocabulary", project=project, if_match=match)
+        return
+    asked = VocabularyToSave(items=list(items.values()))
+    made = client.call("save_vocabulary", vocabulary=asked, project=project, if_match=match)
+    present(OPERATIONS["save_vocabulary"], made, as_json)
 
 
 def save(

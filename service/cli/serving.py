@@ -23,6 +23,10 @@ from service.storage.filtering import DocumentFilter
 
 OPEN = "Open to everything on this machine, a proxy included, until the first account or token is made"
 
+KEPT_SECONDS = 75
+"""How long a connection may rest. Longer than proxies and clients let it (60 s is usual): who asks just as it is closed
+gets no answer. Where there are too many, the one that has rested longest makes room."""
+
 
 def serve(
     host: Annotated[
@@ -39,6 +43,7 @@ def serve(
 
     from service.api.connections import BACKLOG, connections_of
     from service.api.doors import why_closed
+    from service.api.lanes import share_heaps
     from service.api.logs import keep_log
 
     settings = chosen_settings(database, port=port)
@@ -68,6 +73,7 @@ def serve(
     os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
     os.environ["MCML_DATABASE"] = settings.database_url
     keep_log(settings)
+    share_heaps()
     if workers > 1:
         os.environ["MCML_JOB_WORKERS"] = str(max(1, settings.jobs_at_a_time // workers))
         os.environ["MCML_HEAVY_PLACES"] = str(max(2, settings.heavy_at_once // workers))
@@ -83,6 +89,7 @@ def serve(
         log_config=None,
         access_log=False,
         timeout_graceful_shutdown=settings.stop_seconds,
+        timeout_keep_alive=KEPT_SECONDS,
         # The service reads such headers itself, of proxies that it trusts.
         proxy_headers=False,
     )
@@ -90,9 +97,11 @@ def serve(
 
 def app_of_a_worker() -> Any:
     """The service in one of several processes, each of which keeps the log."""
+    from service.api.lanes import share_heaps
     from service.api.logs import keep_log
     from service.app import app_from_environment
 
+    share_heaps()
     keep_log(chosen_settings())
     return app_from_environment()
 

@@ -68,6 +68,7 @@ export function App() {
         { id: "goD", word: "goDance", keys: ["G then D"], run: () => go("/dance") },
         { id: "goF", word: "goFaces", keys: ["G then F"], run: () => go("/faces") },
         { id: "goS", word: "goSettings", keys: ["G then S"], run: () => go("/settings") },
+        { id: "goA", word: "goActivity", keys: ["G then A"], run: () => go("/settings/activity") },
       ]),
     [],
   );

@@ -1,6 +1,7 @@
 /** Files over the window cover it with what will happen to them. */
 import { useEffect, useState } from "preact/hooks";
 import { addFiles, filesOf } from "../state/uploads";
+import { dropHere } from "../state/drop";
 import { lookFirst } from "../state/inspect";
 import { Icon } from "../ui/icons";
 import { w } from "../words";
@@ -31,7 +32,8 @@ export function DropTarget() {
       depth = 0;
       setOver("");
       const files = await filesOf(event.dataTransfer!);
-      if (look) void lookFirst(files);
+      if (dropHere.value) dropHere.value.take(files);
+      else if (look) void lookFirst(files);
       else addFiles(files);
     };
     const escape = (event: KeyboardEvent) => event.key === "Escape" && setOver("");
@@ -49,6 +51,8 @@ export function DropTarget() {
     };
   }, []);
   if (!over) return null;
+  const own = dropHere.value;
+  if (own) return <div class="drop-cover alone"><div class="drop-field over"><Icon name="upload" /><h2>{own.title}</h2><p>{own.help}</p></div></div>;
   return (
     <div class="drop-cover">
       <div class={`drop-field ${over === "add" ? "over" : ""}`} data-drop="add"><Icon name="upload" /><h2>{w("dropTitle")}</h2><p>{w("dropHelp")}</p></div>

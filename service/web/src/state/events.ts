@@ -31,13 +31,18 @@ const tell = (heard: Heard): void => {
   else commented.value = heard.commented;
 };
 
+/** After so long a stream that was refused is asked for again. */
+const AGAIN = 30_000;
+
 export function followEvents(): void {
   const channel = "BroadcastChannel" in window ? new BroadcastChannel("mcml.events") : null;
   if (channel) channel.onmessage = (event: MessageEvent<Heard>) => tell(event.data);
+  let last = "";
   const listen = () => {
-    const source = new EventSource("/api/v1/events");
+    const source = new EventSource(`/api/v1/events${last && `?since=${encodeURIComponent(last)}`}`);
     const hear = (kind: string, as: "news" | "commented") =>
       source.addEventListener(kind, ((event: MessageEvent<string>) => {
+        last = event.lastEventId;
         const heard = { [as]: JSON.parse(event.data) as unknown } as Heard;
         tell(heard);
         channel?.postMessage(heard);
@@ -45,6 +50,13 @@ export function followEvents(): void {
     hear("document", "news");
     hear("label", "news");
     hear("comment", "commented");
+    source.addEventListener("ready", ((event: MessageEvent<string>) => {
+      last = event.lastEventId;
+    }) as EventListener);
+    // A stream that ends is asked for again by the browser; one that was refused is not, as while a server starts again.
+    source.onerror = () => {
+      if (source.readyState === EventSource.CLOSED) setTimeout(listen, AGAIN);
+    };
   };
   // Held for as long as this tab lives.
   if (navigator.locks) void navigator.locks.request("mcml.events", () => (listen(), new Promise<never>(() => undefined)));

@@ -28,6 +28,10 @@ export function Menu({ label, items, children, className = "button", side = "lef
 
   useEffect(() => {
     if (!open) return;
+    // Near the window's edge it moves inwards.
+    const shown = box.current?.querySelector<HTMLElement>(".menu-list");
+    const beyond = (shown?.getBoundingClientRect().right ?? 0) + 8 - innerWidth;
+    if (shown && beyond > 0) shown.style.transform = `translateX(${-beyond}px)`;
     box.current?.querySelector<HTMLElement>("[role^=menuitem]:not([aria-disabled=true])")?.focus();
     const outside = (event: PointerEvent) => {
       if (!box.current?.contains(event.target as Node)) setOpen(false);

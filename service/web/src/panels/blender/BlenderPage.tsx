@@ -56,7 +56,6 @@ function Ready({ model: made }: { model: Model }) {
       <h1 class="unseen">{`${w("blender")}: ${model.result.name}`}</h1>
       <div class="row reach-head">
         <Tabs label={w("blender")} open={tab} onOpen={open} tabs={TABS.map((one) => ({ id: one, text: one === "fit" ? b("fitTab") : one === "examples" && count ? `${b(one)} · ${b("corrections", { n: count })}` : b(one) }))} />
-        <span class="grow" />
         <a class="button quiet" href="/reach">{b("otherModels")}</a>
       </div>
       <div id={`panel-${tab}`} class="reach-tab" role="tabpanel" aria-labelledby={`tab-${tab}`}>

@@ -12,6 +12,7 @@ import { w } from "../../words";
 import { clipActions } from "./actions";
 import { exportItems } from "../../ui/exports";
 import { CompareButton } from "./Compare";
+import { OthersEdit, People } from "./People";
 import { ConflictBanner } from "./ConflictBanner";
 import { saveClip } from "./keys";
 import { note, refuse } from "../../state/notes";
@@ -45,6 +46,7 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
           </>
         ) : null}
         <span class="grow" />
+        <People />
         <button type="button" class="button quiet icon" aria-label={w("undo")} title={`${w("undo")} (Ctrl+Z)`} disabled={!clip.canUndo && (detail.revision <= 1 || clip.pinned !== null)} onClick={() => { if (!clip.undo()) void clipActions.undoStored(clip, reload); }}><Icon name="undo" /></button>
         <button type="button" class="button quiet icon" aria-label={w("redo")} title={`${w("redo")} (Ctrl+Shift+Z)`} disabled={!clip.canRedo} onClick={() => clip.redo()}><Icon name="redo" /></button>
         <CompareButton clip={clip} />
@@ -58,6 +60,7 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
           { text: w("retarget"), icon: "retarget", run: () => go(`/retarget?from=${clip.id}`) },
         ]}>{w("exportWord")}<Icon name="down" /></Menu>
       </div>
+      {clip.pinned === null && <OthersEdit />}
       {sharing && <ShareDialog ids={[clip.id]} onClose={() => setSharing(false)} />}
       {conflict ? (
         <ConflictBanner clip={clip} reload={reload} />

@@ -5,8 +5,10 @@ import { subject } from "../../shell/Bar";
 import { openClip, type Clip } from "../../state/clip";
 import { news } from "../../state/events";
 import { note } from "../../state/notes";
+import { bePresent, editing } from "../../state/presence";
 import { dockWide, rightFolded, timelineTall } from "../../state/panes";
 import { param, route } from "../../state/route";
+import { followProject } from "../../state/vocabulary";
 import { Splitter } from "../../ui/Splitter";
 import { Trouble } from "../../ui/Trouble";
 import { w } from "../../words";
@@ -45,6 +47,12 @@ export function ClipPage({ id, revision }: { id: string; revision: string | null
     };
   }, [id, revision, turn]);
   useEffect(() => () => void (subject.value = null), []);
+  useEffect(() => (clip ? bePresent(clip.id) : undefined), [clip?.id]);
+  const project = clip?.detail.project ?? null;
+  useEffect(() => {
+    void followProject(project);
+    return () => void followProject(null);
+  }, [project]);
   if (error) return <Trouble error={error} retry={() => setTurn((before) => before + 1)} />;
   if (!clip) return <div class="busy" role="presentation" />;
   return <OpenClip key={clip.detail.revision} clip={clip} reload={() => setTurn((before) => before + 1)} />;
@@ -53,6 +61,7 @@ export function ClipPage({ id, revision }: { id: string; revision: string | null
 function OpenClip({ clip, reload }: { clip: Clip; reload: () => void }) {
   useAddress(clip);
   useClipKeys(clip, reload);
+  useEffect(() => effect(() => void (editing.value = clip.changed.value && clip.pinned === null)), [clip]);
   // Somebody else saved: said, not imposed.
   useEffect(() => effect(() => {
     const one = news.value;
@@ -85,7 +94,7 @@ function OpenClip({ clip, reload }: { clip: Clip; reload: () => void }) {
       </div>
       {!rightFolded.value && (
         <>
-          {!under && <Splitter size={dockWide} least={300} most={900} initial={400} label={w("dock")} />}
+          {!under && <Splitter size={dockWide} least={300} most={900} initial={420} label={w("dock")} />}
           <aside class="dock" aria-label={w("dock")} style={under ? {} : { width: `${dockWide.value}px` }}>{dock}</aside>
         </>
       )}

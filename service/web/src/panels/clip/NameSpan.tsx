@@ -1,7 +1,7 @@
 /** Name a stretch, with completion from the vocabulary; its frames as numbers; splitting and deleting. */
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Clip } from "../../state/clip";
-import { loadVocabulary, namesLike } from "../../state/vocabulary";
+import { agreed, loadVocabulary, namesLike } from "../../state/vocabulary";
 import { nameColour } from "../../motion/colours";
 import { w } from "../../words";
 import { clipActions, naming } from "./actions";
@@ -45,7 +45,7 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
         <button type="submit" class="button dense primary" disabled={!name.trim()}>{w(fresh ? "add" : "apply")}</button>
       </span>
       <ul id="span-names" role="listbox" aria-label={w("motionName")}>
-        {names.map((one) => <li key={one} role="option" aria-selected={one === name} onPointerDown={(event) => { event.preventDefault(); done(one); }}><span class="swatch" style={{ background: nameColour(one) }} />{one}</li>)}
+        {names.map((one) => <li key={one} role="option" aria-selected={one === name} onPointerDown={(event) => { event.preventDefault(); done(one); }}><span class="swatch" style={{ background: nameColour(one) }} />{one}<span class="dim cut">{agreed.value.find((word) => word.name === one)?.description}</span></li>)}
       </ul>
     </form>
   );

@@ -193,7 +193,7 @@ export function Timeline({ clip }: { clip: Clip }) {
         })}
       </div>
       {snapLine.value !== null && <span class="snap-line" style={{ left: `${HEAD + toX(snapLine.value, range, wide)}px` }} />}
-      {naming.value && <NameSpan clip={clip} left={HEAD + Math.max(0, Math.min(wide - 300, toX(naming.value.span.first - 1, range, wide)))} />}
+      {naming.value && <NameSpan clip={clip} left={HEAD + Math.max(0, Math.min(wide - 350, toX(naming.value.span.first - 1, range, wide)))} />}
     </section>
   );
 }

@@ -4,6 +4,7 @@ import { get } from "../../api/client";
 import { subject } from "../../shell/Bar";
 import { lazy } from "../../shell/lazy";
 import { offer } from "../../state/keys";
+import { mayEdit } from "../../state/me";
 import * as library from "../../state/library";
 import { facetsWide, leftFolded, previewOpen, previewWide } from "../../state/panes";
 import { go, param, setParams } from "../../state/route";
@@ -33,12 +34,13 @@ export function LibraryPage() {
     return offer("library", [
       { id: "open", word: "openClip", keys: ["Enter"], run: () => library.current.value && go(`/clips/${library.current.value}`), when: () => library.current.value !== null },
       { id: "preview", word: "preview", keys: ["Space"], run: () => (previewOpen.value = !previewOpen.value) },
-      { id: "delete", word: "delete", keys: ["Del"], run: () => void library.removeDocuments([...library.picked.value]), when: () => library.picked.value.size > 0 },
+      { id: "delete", word: "delete", keys: ["Del"], run: () => void library.removeDocuments([...library.picked.value]), when: () => library.picked.value.size > 0 && mayEdit() },
       { id: "compose", word: "moveToComposer", keys: ["M"], run: () => go(`/compose?s=${[...library.picked.value].join(",")}`), when: () => library.picked.value.size > 0 },
       { id: "none", word: "pickNone", keys: ["Esc"], run: () => (library.picked.value = new Set()), when: () => library.picked.value.size > 0 },
     ]);
   }, []);
   const filtered = Object.keys(library.filter.value).length > 0;
+  const newProject = Object.keys(library.filter.value).join() === "project" && param("project");
   // Asked only where it may matter: until it was closed, and again when clips come.
   const asks = !welcomed.value && !filtered && total !== null && total > 0;
   const projects = useAsync(async (signal) => (asks ? (await get("/projects", { signal })).items : null), [asks, asks && total]);
@@ -67,7 +69,9 @@ export function LibraryPage() {
         <PickedBar />
         <Trouble error={library.trouble.value} retry={library.refresh} />
         {total === 0 && !library.trouble.value ? (
-          filtered ? (
+          newProject ? (
+            <div class="empty"><h2>{w("emptyProject", { name: newProject })}</h2><p>{w("emptyProjectHelp")}</p><p><button type="button" class="button primary" onClick={() => chooseFiles()}>{w("chooseFiles")}</button></p></div>
+          ) : filtered ? (
             <div class="empty"><h2>{w("noneMatch")}</h2><p>{w("noneMatchHelp")}</p><p><a class="button" href="/library">{w("clearFilters")}</a></p></div>
           ) : (
             <div class="empty"><h2>{w("emptyLibrary")}</h2><p>{w("emptyLibraryHelp")}</p><p><button type="button" class="button primary" onClick={() => chooseFiles()}>{w("chooseFiles")}</button></p></div>

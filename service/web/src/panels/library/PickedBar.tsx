@@ -1,8 +1,9 @@
 /** What can be done with the clips that are picked. */
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { ask, fetched, address } from "../../api/client";
 import { saveBlob } from "../../ui/saveBlob";
 import * as library from "../../state/library";
+import { askMe, mayEdit } from "../../state/me";
 import { note, refuse } from "../../state/notes";
 import { collectionsChanged } from "../../state/collections";
 import { go } from "../../state/route";
@@ -14,6 +15,7 @@ import { askWritable, unwritable } from "../../ui/exports";
 import { Menu } from "../../ui/Menu";
 import { ShareDialog } from "../../ui/ShareDialog";
 import { w } from "../../words";
+import { ToProject } from "./ToProject";
 
 const FORMATS = ["mcml", "bvh", "asf-amc", "htr", "c3d", "trc", "glb", "usd", "mot"];
 
@@ -21,8 +23,11 @@ export function PickedBar() {
   const [naming, setNaming] = useState(false);
   const [collecting, setCollecting] = useState(false);
   const [sharing, setSharing] = useState(false);
+  const [going, setGoing] = useState<"" | "copy" | "move">("");
+  useEffect(() => void askMe(), []);
   const ids = [...library.picked.value];
   if (!ids.length) return null;
+  const edits = mayEdit();
   const exportAll = async (format: string) => {
     try {
       const answer = await fetched(address("/exports"), { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ selection: { documents: ids }, format }) });
@@ -34,14 +39,16 @@ export function PickedBar() {
   return (
     <div class="picked-bar" role="toolbar" aria-label={w("picked", { n: ids.length })}>
       <strong>{w("picked", { n: ids.length })}</strong>
-      <button type="button" class="button dense" onClick={() => setNaming(true)}><Icon name="label" />{w("nameThese")}</button>
+      {edits && <button type="button" class="button dense" onClick={() => setNaming(true)}><Icon name="label" />{w("nameThese")}</button>}
       <button type="button" class="button dense" onClick={() => go(`/compose?s=${ids.join(",")}`)}><Icon name="compose" />{w("composeThese")}</button>
       <Menu label={w("exportWord")} className="button dense" items={() => { askWritable(); return FORMATS.filter((format) => !unwritable.value.has(format)).map((format) => ({ text: w("exportAs", { format }), run: () => void exportAll(format) })); }}><Icon name="export" />{w("exportWord")}<Icon name="down" /></Menu>
-      <button type="button" class="button dense" onClick={() => setCollecting(true)}><Icon name="list" />{w("collect")}</button>
-      <button type="button" class="button dense" onClick={() => setSharing(true)}><Icon name="eye" />{w("shareLink")}</button>
-      <button type="button" class="button dense" onClick={() => void library.removeDocuments(ids)}><Icon name="trash" />{w("delete")}</button>
+      {edits && <button type="button" class="button dense" onClick={() => setCollecting(true)}><Icon name="list" />{w("collect")}</button>}
+      {edits && <button type="button" class="button dense" onClick={() => setSharing(true)}><Icon name="eye" />{w("shareLink")}</button>}
+      {edits && <Menu label={w("project")} className="button dense" items={[{ text: w("copyToProject"), run: () => setGoing("copy") }, { text: w("moveToProject"), run: () => setGoing("move") }]}><Icon name="layer" />{w("project")}<Icon name="down" /></Menu>}
+      {edits && <button type="button" class="button dense" onClick={() => void library.removeDocuments(ids)}><Icon name="trash" />{w("delete")}</button>}
       <span class="grow" />
       <button type="button" class="button quiet dense" onClick={() => (library.picked.value = new Set())}>{w("pickNone")}</button>
+      {going && <ToProject ids={ids} move={going === "move"} onClose={() => setGoing("")} />}
       {sharing && <ShareDialog ids={ids} onClose={() => setSharing(false)} />}
       {collecting && <Collect ids={ids} onClose={() => setCollecting(false)} />}
       {naming && <NameAll ids={ids} onClose={() => setNaming(false)} />}

@@ -17,7 +17,7 @@ export function Options({ choices, fitted, onChange }: { choices: Choices; /** T
       {check("clean_feet", "cleanFeet", "cleanFeetHelp")}
       {check("match_rest", "matchRest", "matchRestHelp")}
       <div class="option">
-        <input type="checkbox" id="own-scale" checked={choices.scale !== null} onChange={(event) => onChange({ ...choices, scale: event.currentTarget.checked ? Number((fitted ?? 1).toPrecision(4)) : null })} />
+        <input type="checkbox" id="own-scale" checked={choices.scale !== null} disabled={choices.scale === null && fitted === undefined} onChange={(event) => onChange({ ...choices, scale: event.currentTarget.checked ? Number((fitted ?? 1).toPrecision(4)) : null })} />
         <span><label for="own-scale">{w("ownScale")}</label>
           {choices.scale !== null && <NumberField label={w("ownScale")} least={0.0001} value={choices.scale} onChange={(scale) => scale !== null && scale > 0 && onChange({ ...choices, scale })} />}
           <span class="dim block">{w("ownScaleHelp")}</span></span>

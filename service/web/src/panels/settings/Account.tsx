@@ -6,7 +6,6 @@ import { AskName } from "../../ui/AskName";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when, type Word } from "../../words";
-import { Links, Projects } from "./Projects";
 import { day, ROLE_WORDS, Secret, Table } from "./tables";
 
 const ROLES = ["member", "reader", "editor", "owner"] as const;
@@ -26,8 +25,6 @@ export function Account() {
       {projects.length > 0 && <p class="dim">{projects.map((one) => `${one.project}: ${w(ROLE_WORDS[one.role])}`).join(" · ")}</p>}
       <Tokens scopes={SCOPES.filter((scope) => rights.includes(scope))} />
       {rights.includes("operate") && <People me={name} />}
-      <Projects decides={rights.includes("own")} />
-      {rights.includes("edit") && <Links />}
     </>
   );
 }

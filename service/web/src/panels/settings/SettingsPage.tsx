@@ -1,11 +1,23 @@
-/** What a person sets once for this browser. */
+/** What a person sets: for this browser, for their account; and what those who keep projects look after. */
 import type { Signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { get } from "../../api/client";
 import { subject } from "../../shell/Bar";
+import { lazy } from "../../shell/lazy";
+import { route } from "../../state/route";
 import { language, singleKeys, swapSides, theme, timeAs } from "../../state/settings";
-import { w } from "../../words";
+import { useAsync } from "../../ui/useAsync";
+import { w, type Word } from "../../words";
 import { Account } from "./Account";
 import "../../styles/settings.css";
+
+const ProjectPage = lazy(async () => (await import("./ProjectPage")).ProjectPage);
+const Activity = lazy(async () => (await import("./Activity")).Activity);
+const Webhooks = lazy(async () => (await import("./Webhooks")).Webhooks);
+
+const PAGES: { id: string; word: Word; right?: string }[] = [
+  { id: "", word: "general" }, { id: "projects", word: "projects" }, { id: "activity", word: "activity" }, { id: "webhooks", word: "webhooks", right: "own" },
+];
 
 export function Segments<T extends string | boolean>({ value, options, label }: { value: Signal<T>; options: [T, string][]; label: string }) {
   return (
@@ -19,22 +31,38 @@ export function Segments<T extends string | boolean>({ value, options, label }: 
 
 export function SettingsPage() {
   useEffect(() => { subject.value = null; }, []);
+  const me = useAsync((signal) => get("/account", { signal }), []);
+  const open = PAGES.find((one) => one.id === route.value.id)?.id ?? "";
   return (
     <div class="page-pad">
       <h1>{w("settings")}</h1>
-      <div class="form">
-        <span>{w("theme")}</span>
-        <Segments label={w("theme")} value={theme} options={[["dark", w("dark")], ["light", w("light")], ["system", w("system")]]} />
-        <span>{w("language")}</span>
-        <Segments label={w("language")} value={language} options={[["en", "English"], ["ko", "한국어"]]} />
-        <span>{w("sides")}</span>
-        <Segments label={w("sides")} value={swapSides} options={[[false, w("sidesUsual")], [true, w("sidesSwapped")]]} />
-        <span>{w("timeAs")}</span>
-        <Segments label={w("timeAs")} value={timeAs} options={[["frame", w("frameNumbers")], ["seconds", w("seconds")], ["timecode", w("timecode")]]} />
-        <label for="single">{w("singleKeys")}</label>
-        <span class="row"><input id="single" type="checkbox" checked={singleKeys.value} onChange={(event) => (singleKeys.value = event.currentTarget.checked)} /><span class="dim">{w("singleKeysHelp")}</span></span>
-      </div>
-      <Account />
+      <nav class="tabs settings-pages" aria-label={w("settings")}>
+        {PAGES.filter((one) => !one.right || one.id === open || me.value?.rights.includes(one.right)).map((one) => (
+          <a key={one.id} href={`/settings${one.id && "/"}${one.id}`} aria-current={one.id === open ? "page" : undefined}>{w(one.word)}</a>
+        ))}
+      </nav>
+      {open === "" && <><Browser /><Account /></>}
+      {open === "projects" && <ProjectPage />}
+      {open === "activity" && <Activity />}
+      {open === "webhooks" && <Webhooks />}
+    </div>
+  );
+}
+
+/** For this browser alone. */
+function Browser() {
+  return (
+    <div class="form">
+      <span>{w("theme")}</span>
+      <Segments label={w("theme")} value={theme} options={[["dark", w("dark")], ["light", w("light")], ["system", w("system")]]} />
+      <span>{w("language")}</span>
+      <Segments label={w("language")} value={language} options={[["en", "English"], ["ko", "한국어"]]} />
+      <span>{w("sides")}</span>
+      <Segments label={w("sides")} value={swapSides} options={[[false, w("sidesUsual")], [true, w("sidesSwapped")]]} />
+      <span>{w("timeAs")}</span>
+      <Segments label={w("timeAs")} value={timeAs} options={[["frame", w("frameNumbers")], ["seconds", w("seconds")], ["timecode", w("timecode")]]} />
+      <label for="single">{w("singleKeys")}</label>
+      <span class="row"><input id="single" type="checkbox" checked={singleKeys.value} onChange={(event) => (singleKeys.value = event.currentTarget.checked)} /><span class="dim">{w("singleKeysHelp")}</span></span>
     </div>
   );
 }

@@ -1,5 +1,5 @@
-/** Who belongs to which project, and the links that were given away. */
-import { useEffect, useState } from "preact/hooks";
+/** Who belongs to a project, and the links into it that were given away. */
+import { useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
 import { note, refuse } from "../../state/notes";
 import { Trouble } from "../../ui/Trouble";
@@ -10,22 +10,7 @@ import { day, ROLE_WORDS, Secret, Table } from "./tables";
 const ROLES = ["reader", "editor", "owner"] as const;
 type Role = (typeof ROLES)[number];
 
-export function Projects({ decides }: { decides: boolean }) {
-  const projects = useAsync((signal) => get("/projects", { signal }), []);
-  const [project, setProject] = useState("");
-  const names = projects.value?.items ?? [];
-  useEffect(() => { if (!names.includes(project)) setProject(names[0] ?? ""); }, [projects.value]);
-  if (!names.length) return <Trouble error={projects.error} retry={projects.again} />;
-  return (
-    <section>
-      <h3>{w("projectMembers")}</h3>
-      <p class="row wrap"><select class="field" aria-label={w("project")} value={project} onChange={(event) => setProject(event.currentTarget.value)}>{names.map((one) => <option key={one}>{one}</option>)}</select></p>
-      {project && <Members key={project} project={project} decides={decides} />}
-    </section>
-  );
-}
-
-function Members({ project, decides }: { project: string; decides: boolean }) {
+export function Members({ project, decides }: { project: string; decides: boolean }) {
   const members = useAsync((signal) => get("/members", { query: { project }, signal }), [project]);
   const [name, setName] = useState("");
   const [link, setLink] = useState("");
@@ -52,25 +37,26 @@ function Members({ project, decides }: { project: string; decides: boolean }) {
     : w(ROLE_WORDS[one.role]);
   const items = members.value?.items ?? [];
   return (
-    <>
+    <section>
+      <h3>{w("projectMembers")}</h3>
       <Trouble error={members.error} retry={members.again} />
       {members.value && !items.length && <p class="dim">{w("noMembers")}</p>}
       <Table head={[w("name"), w("role"), ""]} rows={items.map((one) => [
         one.name, role(one), one.everywhere ? <span key="e" class="dim">{w("inAllProjects")}</span> : decides && <button key="b" type="button" class="button dense" onClick={() => remove(one.name)}>{w("removeMember")}</button>,
       ])} />
       {decides && (
-        <form class="row wrap" onSubmit={(event) => { event.preventDefault(); if (name.trim()) void put(name.trim(), "editor"); }}>
+        <form class="row wrap" aria-label={w("projectMembers")} onSubmit={(event) => { event.preventDefault(); if (name.trim()) void put(name.trim(), "editor"); }}>
           <input class="field" aria-label={w("accountName")} placeholder={w("accountName")} value={name} onInput={(event) => setName(event.currentTarget.value)} />
           <button class="button" disabled={!name.trim()}>{w("addMember")}</button><button type="button" class="button" onClick={() => void invite()}>{w("inviteHere")}</button><span class="dim">{w("addMemberHelp")}</span>
         </form>
       )}
       {link && <Secret text={link} label={w("invitationMade")} />}
-    </>
+    </section>
   );
 }
 
-export function Links() {
-  const links = useAsync((signal) => get("/shares", { signal }), []);
+export function Links({ project }: { project: string }) {
+  const links = useAsync((signal) => get("/shares", { query: { project }, signal }), [project]);
   const items = links.value?.items ?? [];
   if (!items.length) return <Trouble error={links.error} retry={links.again} />;
   const end = (number: number) => void ask("delete", "/shares/{number}", { path: { number } }).then(links.again, refuse);
@@ -78,8 +64,8 @@ export function Links() {
     <section>
       <h3>{w("links")}</h3>
       <p class="dim">{w("linksHelp")}</p>
-      <Table head={[w("name"), w("project"), w("since"), w("expires"), ""]} rows={items.map((one) => [
-        <span key="n">{one.name} <span class="dim">{w("sharedCount", { n: one.documents.length })} · {one.author}</span></span>, one.project, when(one.created), day(one.expires),
+      <Table head={[w("name"), w("since"), w("expires"), ""]} rows={items.map((one) => [
+        <span key="n">{one.name} <span class="dim">{w("sharedCount", { n: one.documents.length })} · {one.author}</span></span>, when(one.created), day(one.expires),
         <button key="b" type="button" class="button dense" onClick={() => end(one.number)}>{w("revoke")}</button>,
       ])} />
     </section>
