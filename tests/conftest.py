@@ -33,7 +33,7 @@ StoreOf: TypeAlias = Callable[[str, Callable[[TestClient], Any]], tuple[TestClie
 settings.register_profile(
     "default",
     deadline=None,
-    max_examples=30,
+    max_examples=20,
     derandomize=True,
     suppress_health_check=list(HealthCheck),
     print_blob=True,
@@ -227,7 +227,7 @@ def lent_cluster(cluster: Any) -> Iterator[None]:
 
 @pytest.fixture
 def quick_hashes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Hashes that take no second, and as many attempts as tests like."""
+    """Hashes that take no second."""
     from pwdlib import PasswordHash
     from pwdlib.hashers.argon2 import Argon2Hasher
 

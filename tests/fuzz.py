@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import os
 import secrets
+from collections.abc import Iterable
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -34,6 +36,14 @@ def asked_for(config: pytest.Config) -> bool:
 def examples(few: int) -> settings:
     """For property tests that take long: so few in `make test`."""
     return settings(max_examples=few * (MORE if settings.get_current_profile_name() == "fuzz" else 1))
+
+
+def share(values: Iterable[Any], every: int) -> list[Any]:
+    """Parameters of a test, of which `make test` has one in so many, and `make fuzz` the others."""
+    return [
+        value if place % every == 0 else pytest.param(value, marks=pytest.mark.fuzz)
+        for place, value in enumerate(values)
+    ]
 
 
 def seeds(test: str, count: int) -> list[int]:

@@ -162,7 +162,7 @@ def _run(kind: str, request: pytest.FixtureRequest, examples: int, steps: int, n
 
 
 def test_stories_of_edits(kind: str, request: pytest.FixtureRequest) -> None:
-    _run(kind, request, 12 if kind == "sqlite" else 6, 12)
+    _run(kind, request, 8 if kind == "sqlite" else 4, 12)
 
 
 @pytest.mark.fuzz(seeds=1)

@@ -16,6 +16,7 @@ from service.storage.database import Database
 from service.storage.documents import Documents
 from service.storage.filtering import DocumentFilter
 from service.storage.transaction import Transaction
+from tests import fuzz
 from tests.actions.test_kill import run
 from tests.builders import ASF, bvh, read_by, source
 
@@ -99,7 +100,7 @@ def test_what_was_read_before_the_import_was_stopped_is_stored(database: Databas
 
 
 @pytest.mark.parametrize("processes", [2], indirect=True)
-@pytest.mark.parametrize("point", [5, 20, 40, 60])
+@pytest.mark.parametrize("point", fuzz.share([20, 5, 60, 40], 2))
 def test_killed_among_them_leaves_each_whole_or_absent(
     database: Database, database_url: str, tmp_path: Path, point: int
 ) -> None:

@@ -142,6 +142,8 @@ def test_a_project_goes_to_another_store_and_back(database: Database, tmp_path: 
         named = tx.mappings.page("mine again", None, 10)
         assert [one.name for one in named] == ["wombat"]
         assert tx.aliases.of("mine again").pairs == (("wombat", "Root"),)
+        words = tx.saved.get("vocabulary", "mine again", "").content["items"]
+        assert words == [{"name": "wombat", "description": "wombat"}]
         assert tx.projects.name(key) == "mine again"
     # Work goes on in it.
     store(other, {"after.bvh": bvh(3)}, project="mine")

@@ -22,6 +22,7 @@ from service.mcml.dtd import violations
 from service.motion.clip import ClipStream, FrameBlock
 from service.settings import Settings
 from service.storage.database import Database
+from tests import fuzz
 from tests.builders import ASF, HTR, MCML, TRC, amc, bvh, c3d_file, store
 from tests.conftest import shared_folder
 from tests.edits import change_element, delete_element
@@ -183,7 +184,7 @@ REAL = real_files()
 
 
 @pytest.mark.skipif(not REAL, reason="the real capture files are not here (set MCML_SHARED to their folder)")
-@pytest.mark.parametrize("sample", REAL, ids=lambda sample: sample[1][-1].name)
+@pytest.mark.parametrize("sample", fuzz.share(REAL, 2), ids=lambda sample: sample[1][-1].name)
 def test_real_files(sqlite_template: Path, tmp_path: Path, sample: tuple[str, list[Path]]) -> None:
     # One database suffices: what differs between them is below the rows, and tested on small files.
     import shutil

@@ -106,6 +106,19 @@ def test_a_range_to_compose_is_no_xpath_expression(run: Run, walk: str) -> None:
     assert "is not ID:FIRST-LAST" in run("compose", f"{walk}:5", "--name", "part", code=2)
 
 
+def test_names_that_a_project_agrees_on(run: Run) -> None:
+    assert "version 0" in run("project", "vocabulary", "default")
+    said = run("project", "vocabulary", "default", "walk=on both feet", "turn", "--colour", "turn=3")
+    assert "version 1" in said
+    run("project", "vocabulary", "default", "turn=on the spot", "hop", "--remove", "walk")
+    items = json.loads(run("project", "vocabulary", "default", "--json"))["items"]
+    assert items == [{"name": "turn", "description": "on the spot", "colour": 3}, {"name": "hop", "description": ""}]
+    assert "NAME=0..7" in run("project", "vocabulary", "default", "--colour", "hop=8", code=2)
+    assert "version 0" not in run("project", "vocabulary", "default")
+    run("project", "vocabulary", "default", "--remove", "turn", "--remove", "hop")
+    assert "version 0" in run("project", "vocabulary", "default")
+
+
 def test_names_of_joints(run: Run) -> None:
     Path("walk.bvh").write_bytes(bvh(5, names=("Hüfte", "Wirbel", "LeftUpLeg")))
     walk = json.loads(run("import", "walk.bvh", "--json"))["documents"][0]["id"]

@@ -33,7 +33,7 @@ def cut(block: FrameBlock, first: int, end: int) -> FrameBlock:
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-@fuzz.examples(30)
+@fuzz.examples(20)
 @given(seed=st.integers(0, 10_000), cuts=st.lists(st.integers(1, 19), max_size=4), transition=st.integers(0, 3))
 def test_pieces_in_order_are_the_clip(convention: Convention, seed: int, cuts: list[int], transition: int) -> None:
     clip = random_clip(convention, seed, moving=True)
@@ -140,7 +140,7 @@ def smooth_clip(seed: int, convention: Convention = Convention.LISTED) -> tuple[
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-@fuzz.examples(12)
+@fuzz.examples(8)
 @given(seed=st.integers(0, 10_000), transition=st.integers(1, 9))
 def test_seams_of_generated_clips(convention: Convention, seed: int, transition: int) -> None:
     skeleton, blocks, reading = smooth_clip(seed, convention)
@@ -279,7 +279,7 @@ def test_what_cannot_be_composed_is_refused() -> None:
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-@fuzz.examples(12)
+@fuzz.examples(8)
 @given(seed=st.integers(0, 10_000))
 def test_layers_take_bones_of_another_clip(convention: Convention, seed: int) -> None:
     clip: ClipStream = random_clip(convention, seed, moving=True)

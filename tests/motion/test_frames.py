@@ -134,7 +134,7 @@ def test_places_of_another_rate() -> None:
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
-@fuzz.examples(40)
+@fuzz.examples(20)
 @given(seed=st.integers(0, 10_000), rate=st.sampled_from([(0.01, 0.005), (0.01, 0.02), (0.03, 0.02), (0.01, 0.0123)]))
 def test_resampling_is_scipys_slerp(convention: Convention, seed: int, rate: tuple[float, float]) -> None:
     clip = random_clip(convention, seed, moving=convention is not Convention.FIXED, partial=False)

@@ -248,7 +248,7 @@ def tree(seed: int) -> tuple[Skeleton, Skeleton]:
     return made(), made()
 
 
-@fuzz.examples(60)
+@fuzz.examples(30)
 @given(seed=st.integers(0, 100_000))
 def test_chains_of_any_rest_pose_point_alike(seed: int) -> None:
     source, target = tree(seed)

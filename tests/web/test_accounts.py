@@ -73,10 +73,9 @@ def test_a_project_gets_a_member_and_a_clip_a_link(visit: Visit, studio: Served)
         f"{studio.url}/api/v1/documents", multipart={"file": files, "project": "gait"}, headers=sent
     )
     document = made.json()["documents"][0]["id"]
-    page.goto(f"{studio.url}/settings")
-    page.get_by_label("Project", exact=True).last.select_option("gait")
+    page.goto(f"{studio.url}/settings/projects?project=gait")
     page.get_by_label("Name of the account").fill("lee")
-    page.get_by_role("button", name="Add", exact=True).click()
+    page.get_by_role("form", name="Members").get_by_role("button", name="Add").click()
     role = page.locator("section", has=page.get_by_role("heading", name="Members")).get_by_label("Role of lee")
     expect(role).to_have_value("editor")
     role.select_option("reader")
@@ -108,7 +107,7 @@ def test_a_project_gets_a_member_and_a_clip_a_link(visit: Visit, studio: Served)
         assert saved.value.suggested_filename == "walk.bvh"
         assert guest.request.get(f"{studio.url}/api/v1/documents").status == 401
 
-        page.goto(f"{studio.url}/settings")
+        page.goto(f"{studio.url}/settings/projects?project=gait")
         links = page.locator("section", has=page.get_by_role("heading", name="Links for others"))
         expect(links.get_by_text("the client")).to_be_visible()
         links.get_by_role("button", name="Revoke").click()

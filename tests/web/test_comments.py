@@ -37,3 +37,23 @@ def test_a_comment_leads_to_its_frame_and_joint(visit: Visit, studio: Served) ->
     expect(page.get_by_text("and here")).to_be_visible()
     page.get_by_role("listitem").filter(has_text="and here").get_by_role("button", name="Delete").click()
     expect(page.get_by_text("and here")).to_have_count(0)
+
+
+def test_tabs_that_do_not_fit_are_in_a_menu(visit: Visit, studio: Served) -> None:
+    page = visit.open(f"/clips/{studio.upload('slide.bvh', walk())}")
+    ready(page)
+    tabs = page.get_by_role("tablist", name="Panels")
+    assert tabs.evaluate("box => box.scrollWidth <= box.clientWidth")
+    page.get_by_role("button", name="More:").click()
+    page.get_by_role("menuitem", name="Info").click()
+    info = tabs.get_by_role("tab", name="Info")
+    expect(info).to_be_focused()
+    expect(page.get_by_role("tabpanel", name="Info")).to_be_visible()
+    # Arrows reach those in the menu, too.
+    info.press("ArrowLeft")
+    expect(tabs.get_by_role("tab", name="Comments")).to_be_focused()
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    page.get_by_role("separator", name="Panels").focus()
+    for _ in range(12):
+        page.keyboard.press("ArrowLeft")
+    expect(tabs.get_by_role("tab")).to_have_count(8)

@@ -330,7 +330,7 @@ def test_music_is_danced_to_and_kept_with_the_dance(open_studio: Served, bench: 
         {"name": "song.wav", "mimeType": "audio/wav", "buffer": song(120, 20)}
     )
     slider = bench.get_by_role("slider", name="Sound from")
-    expect(slider).to_be_visible(timeout=60_000)
+    expect(slider).to_be_visible(timeout=120_000)
     bench.keyboard.press("Shift+>")
     bench.keyboard.press("Shift+Period")
     bench.wait_for_url("**offset=0.02*")

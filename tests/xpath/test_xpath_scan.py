@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from random import Random
 
@@ -27,7 +28,7 @@ from service.xpath.language.parse import parse
 from service.xpath.language.rules import normal
 from service.xpath.language.tree import Expression
 from service.xpath.library import forest, groups, track_values
-from service.xpath.library.caches import Caches
+from service.xpath.library.caches import SOME_CHANGES, Caches
 from service.xpath.nodes.node import Node
 from service.xpath.queries import Queries
 from tests.builders import HTR, MCML, bvh, store
@@ -155,7 +156,7 @@ def test_tracks_answer_as_columns_do(engine: Queries, monkeypatch: pytest.Monkey
     maker = Maker(Random(8), bones)
     scanned = found = 0
     # What a database has to do with it is asked sooner than what the engine has.
-    asked = 400 if engine.database.dialect.personal else 120
+    asked = 200 if engine.database.dialect.personal else 80
     for _ in range(asked):
         text = maker.question()
         tree = normal(parse(text).tree)
@@ -298,6 +299,31 @@ def test_limits_of_what_is_kept_change_no_answer(engine: Queries, monkeypatch: p
             if first[1]:
                 found = streamed(forgetful, request)
                 assert [(node.stored.uuid, node.address, node.value) for node in found] == first[1]
+
+
+@pytest.mark.parametrize("chosen", ["all", "a project", "one document"])
+def test_what_a_write_has_made_old_is_not_kept(engine: Queries, chosen: str) -> None:
+    with engine.database.read() as tx:
+        uuid = tx.documents.page(DocumentFilter(), after=None, limit=1)[0].uuid
+    scope: dict[str, dict[str, object]] = {"a project": {"project": ""}, "one document": {"document": [uuid]}}
+    request = QueryRequest.model_validate(
+        {"q": "//frame[sum(frame_bone/@Rx) > 3]/frame_bone[1]/@Rx", **scope.get(chosen, {})}
+    )
+    caches, kept = engine.caches, []
+    for number in range(40):
+        with engine.database.write() as tx:
+            change_element(
+                tx, tx.documents.get(uuid), "/mcml/motion/frame[2]/frame_bone[1]", Change({"Rx": f"{number}"})
+            )
+        engine.answer(request)
+        kept.append(caches.columns.total + caches.samples.total)
+    assert kept[0]
+    assert max(kept[20:]) == max(kept[:20])
+    assert kept[-1] <= 8 * kept[0]
+    versions = Counter(key for key, _ in caches.zones._kept)
+    tracks = Counter(key[:3] for key in caches.tracks._decoded)
+    assert max(versions.values(), default=0) <= SOME_CHANGES + 1
+    assert max(tracks.values(), default=0) <= SOME_CHANGES + 1
 
 
 def streamed(queries: Queries, request: QueryRequest) -> list[Node]:

@@ -135,7 +135,7 @@ def campaign(processor: Any, made: Library, seed: int, count: int) -> Tally:
 
 
 def test_answers_are_saxons(processor: Any, documents: Library) -> None:
-    campaign(processor, documents, seed_of(documents, 0), 500).judge()
+    campaign(processor, documents, seed_of(documents, 0), 400).judge()
 
 
 @pytest.mark.parametrize(
