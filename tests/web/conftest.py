@@ -3,7 +3,9 @@ fail."""
 
 from __future__ import annotations
 
+import asyncio
 import os
+import random
 import shutil
 import socket
 import threading
@@ -29,6 +31,8 @@ WATCH = """window.violations = [];
 addEventListener("securitypolicyviolation", event => {
   violations.push(event.violatedDirective + " " + event.blockedURI);
 });"""
+LAG = float(os.environ.get("MCML_TEST_LAG", "0"))
+"""Seconds that an answer may be late, drawn for each: what a page does that does not wait shows then (CONTRIBUTING)."""
 NAMES = ("Hips", "LeftUpLeg", "LeftLeg", "LeftFoot")
 
 
@@ -81,6 +85,18 @@ class Served:
             return answer.json()
 
 
+def late(app: Any) -> Any:
+    """The application behind a slow and uneven line: requests reach it late, and not in the order of asking."""
+    drawn = random.Random()
+
+    async def answering(scope: Any, receive: Any, send: Any) -> None:
+        if scope["type"] == "http" and scope["path"].startswith("/api/"):
+            await asyncio.sleep(drawn.random() * LAG)
+        await app(scope, receive, send)
+
+    return answering
+
+
 def serve(store: Path, folder: Path, *, closed: bool) -> Iterator[Served]:
     """A server on a copy of an SQLite store in a folder. closed: it asks everybody for a token."""
     assert (STATIC / "index.html").is_file(), "the studio is not built: make web"
@@ -94,9 +110,8 @@ def serve(store: Path, folder: Path, *, closed: bool) -> Iterator[Served]:
     # Named as TCP, or asyncio lets each answer wait 40 ms for an acknowledgement.
     listener = socket.socket(proto=socket.IPPROTO_TCP)
     listener.bind(("127.0.0.1", 0))
-    server = uvicorn.Server(
-        uvicorn.Config(create_app(settings, database), log_level="error", timeout_graceful_shutdown=1)
-    )
+    app = late(create_app(settings, database)) if LAG else create_app(settings, database)
+    server = uvicorn.Server(uvicorn.Config(app, log_level="error", timeout_graceful_shutdown=1))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
     thread.start()
     served = Served(f"http://127.0.0.1:{listener.getsockname()[1]}", database, token)

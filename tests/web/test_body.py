@@ -104,7 +104,6 @@ def test_the_floor_is_set_and_taken_back(visit: Visit, studio: Served) -> None:
     floor.press("Enter")
     expect(page.get_by_text("revision 2")).to_be_visible()
     assert studio.get(f"/documents/{uuid}/calibration")["floor"]["value"] == 2.5
-    page.get_by_text("What these numbers rest on").click()
     expect(page.get_by_label("Floor")).to_have_value("2.5")
     page.get_by_label("Floor").fill("")
     page.get_by_label("Floor").press("Enter")

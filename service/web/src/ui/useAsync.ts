@@ -6,6 +6,8 @@ export interface Loaded<T> {
   error: unknown;
   busy: boolean;
   again: () => void;
+  /** What a write answered is the value from now on. */
+  set: (value: T) => void;
 }
 
 /** Ask whenever `keys` change; the request before is aborted. The value of before stays until the next is there. */
@@ -23,5 +25,5 @@ export function useAsync<T>(ask: (signal: AbortSignal) => Promise<T>, keys: unkn
     );
     return () => stop.abort();
   }, [...keys, turn]);
-  return { value: state.value, error: state.error, busy: state.busy, again: () => setTurn((before) => before + 1) };
+  return { value: state.value, error: state.error, busy: state.busy, again: () => setTurn((before) => before + 1), set: (value) => setState({ value, busy: false }) };
 }

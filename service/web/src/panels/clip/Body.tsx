@@ -1,5 +1,5 @@
 /** What can be asked of a body in motion, as a curve over the clip; a threshold on it writes the question. */
-import { effect } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
@@ -151,6 +151,9 @@ function drawLimit(self: uPlot, limit: number | null, above: boolean): void {
   ctx.restore();
 }
 
+/** Each save opens the clip anew: what was unfolded stays so. */
+const calibrationOpen = signal(false);
+
 /** What the numbers rest on; the floor and the leg can be set here, unit and up axis among the facts of the clip. */
 function Calibrated({ clip, reload }: { clip: Clip; reload: () => void }) {
   const found = useAsync((signal) => get("/documents/{id}/calibration", { path: { id: clip.id }, query: { revision: clip.detail.revision }, signal }), [clip]);
@@ -165,7 +168,7 @@ function Calibrated({ clip, reload }: { clip: Clip; reload: () => void }) {
   };
   if (!known) return null;
   return (
-    <details class="calibration">
+    <details class="calibration" open={calibrationOpen.value} onToggle={(event) => (calibrationOpen.value = event.currentTarget.open)}>
       <summary>{w("calibration")}</summary>
       <p class="dim">{w("calibrationHelp")}</p>
       <table aria-label={w("calibration")}><tbody>

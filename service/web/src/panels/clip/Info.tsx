@@ -5,6 +5,7 @@ import { copyText } from "../../shell/App";
 import type { Clip } from "../../state/clip";
 import { refuse } from "../../state/notes";
 import { Icon } from "../../ui/icons";
+import { useTurns } from "../../ui/useTurns";
 import { ReferenceForm } from "./Reference";
 import { duration, number, w, when } from "../../words";
 
@@ -14,9 +15,10 @@ const AXES = ["Y", "Z", "X"];
 export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
   const { detail, skeleton } = clip;
   const [property, setProperty] = useState({ name: "", value: "", unit: "" });
+  const inTurn = useTurns<number>();
   const change = async (body: object) => {
     try {
-      await ask("patch", "/documents/{id}", { path: { id: clip.id }, body: body as never, match: detail.revision });
+      await inTurn(async (match = detail.revision) => (await ask("patch", "/documents/{id}", { path: { id: clip.id }, body: body as never, match })).revision);
       reload();
     } catch (error) {
       refuse(error);

@@ -6,48 +6,59 @@ import { refuse } from "../../state/notes";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
+import { useTurns } from "../../ui/useTurns";
 import { number, w } from "../../words";
 import { Table } from "./tables";
 import { s } from "./words";
 
 type Agreed = Schemas["VocabularyWord"];
+type Kept = Schemas["Vocabulary"];
 const COLOURS = [0, 1, 2, 3, 4, 5, 6, 7];
 
 export function Vocabulary({ project, edits }: { project: string; edits: boolean }) {
   const found = useAsync((signal) => get("/vocabulary", { query: { project }, signal }), [project]);
+  const inTurn = useTurns<Kept>();
   const [name, setName] = useState("");
   const [description, setDescription] = useState("");
   const items = found.value?.items ?? [];
-  const save = async (next: Agreed[]) => {
-    const match = found.value?.version ? { match: found.value.version } : {};
+  /** An edit is made to what the one before left. */
+  const save = async (edit: (items: Agreed[]) => Agreed[]) => {
+    const read = found.value;
+    if (!read) return false;
     try {
-      if (next.length) await ask("put", "/vocabulary", { query: { project }, body: { items: next }, ...match });
-      else await ask("delete", "/vocabulary", { query: { project }, ...match });
+      await inTurn(async (before = read) => {
+        const next = edit(before.items);
+        const match = before.version ? { match: before.version } : {};
+        let kept = { ...before, items: next, version: 0 };
+        if (next.length) kept = await ask("put", "/vocabulary", { query: { project }, body: { items: next }, ...match });
+        else if (before.version) await ask("delete", "/vocabulary", { query: { project }, ...match });
+        found.set(kept);
+        return kept;
+      });
       return true;
     } catch (error) {
       refuse(error);
-      return false;
-    } finally {
       found.again();
+      return false;
     }
   };
   const add = async () => {
-    if (!(await save([...items, { name: name.trim(), description: description.trim() }]))) return;
+    if (!(await save((held) => [...held, { name: name.trim(), description: description.trim() }]))) return;
     setName("");
     setDescription("");
   };
-  const change = (at: number, change: Partial<Agreed>) => void save(items.map((one, place) => (place === at ? { ...one, ...change } : one)));
+  const change = (name: string, change: Partial<Agreed>) => void save((held) => held.map((one) => (one.name === name ? { ...one, ...change } : one)));
   const swatch = (one: Agreed) => <span class="swatch" style={{ background: one.colour === null || one.colour === undefined ? nameColour(one.name) : `var(--name${one.colour})` }} />;
   return (
     <section>
       <h3>{s("vocabulary")}</h3>
       <p class="dim">{s("vocabularyHelp")}</p>
       <Trouble error={found.error} retry={found.again} />
-      <Table head={[w("name"), s("meaning"), s("colour"), ""]} rows={items.map((one, at) => [
+      <Table head={[w("name"), s("meaning"), s("colour"), ""]} rows={items.map((one) => [
         <span key="n" class="row">{swatch(one)}{one.name}</span>,
-        edits ? <input key="d" class="field grow" aria-label={s("meaningOf", { name: one.name })} defaultValue={one.description} onChange={(event) => change(at, { description: event.currentTarget.value.trim() })} /> : one.description,
-        edits && <select key="c" class="field" aria-label={s("colourOf", { name: one.name })} value={one.colour ?? ""} onChange={(event) => change(at, { colour: event.currentTarget.value === "" ? null : Number(event.currentTarget.value) })}><option value="">{s("anyColour")}</option>{COLOURS.map((colour) => <option key={colour} value={colour}>{number(colour + 1)}</option>)}</select>,
-        edits && <button key="r" type="button" class="button dense" aria-label={s("removeName", { name: one.name })} onClick={() => void save(items.filter((other) => other !== one))}><Icon name="close" /></button>,
+        edits ? <input key={`d ${one.name}`} class="field grow" aria-label={s("meaningOf", { name: one.name })} defaultValue={one.description} onChange={(event) => change(one.name, { description: event.currentTarget.value.trim() })} /> : one.description,
+        edits && <select key="c" class="field" aria-label={s("colourOf", { name: one.name })} value={one.colour ?? ""} onChange={(event) => change(one.name, { colour: event.currentTarget.value === "" ? null : Number(event.currentTarget.value) })}><option value="">{s("anyColour")}</option>{COLOURS.map((colour) => <option key={colour} value={colour}>{number(colour + 1)}</option>)}</select>,
+        edits && <button key="r" type="button" class="button dense" aria-label={s("removeName", { name: one.name })} onClick={() => void save((held) => held.filter((other) => other.name !== one.name))}><Icon name="close" /></button>,
       ])} />
       {edits && found.value && (
         <form class="row wrap vocabulary-add" aria-label={s("vocabulary")} onSubmit={(event) => { event.preventDefault(); if (name.trim()) void add(); }}>

@@ -27,8 +27,8 @@ export function Webhooks() {
     try {
       await ask("delete", "/webhooks/{number}", { path: { number: one.number } });
       if (made?.number === one.number) setMade(null);
+      hooks.set((hooks.value ?? []).filter((other) => other.number !== one.number));
       setEnding(null);
-      hooks.again();
     } catch (error) {
       refuse(error);
     }
@@ -39,7 +39,7 @@ export function Webhooks() {
       <Trouble error={me.error ?? hooks.error} retry={me.error ? me.again : hooks.again} />
       {made && <Secret text={made.secret} label={s("hookMade")} />}
       {hooks.value?.length === 0 && <p class="dim">{s("noHooks")}</p>}
-      <ul class="hooks">{hooks.value?.map((one) => <Hook key={one.number} hook={one} onEnd={() => setEnding(one)} />)}</ul>
+      <ul class="hooks">{hooks.value?.map((one) => <Hook key={one.number} hook={one} ending={ending === one} onEnd={() => setEnding(one)} />)}</ul>
       {me.value && <AddHook me={me.value} onMade={(one) => { setMade(one); hooks.again(); }} />}
       {ending && (
         <Dialog title={s("endHook")} onClose={() => setEnding(null)}>
@@ -51,7 +51,7 @@ export function Webhooks() {
   );
 }
 
-function Hook({ hook, onEnd }: { hook: Webhook; onEnd: () => void }) {
+function Hook({ hook, ending, onEnd }: { hook: Webhook; ending: boolean; onEnd: () => void }) {
   const [open, setOpen] = useState(false);
   const about = [hook.project ?? w("allProjects"), hook.kinds.length ? hook.kinds.map((one) => s(`kind_${one}`)).join(", ") : s("anyKind"), hook.author, when(hook.created)];
   return (
@@ -62,7 +62,8 @@ function Hook({ hook, onEnd }: { hook: Webhook; onEnd: () => void }) {
         <button type="button" class="button dense" aria-expanded={open} onClick={() => setOpen(!open)}>{s("sentLog")}</button>
         <button type="button" class="button dense" onClick={onEnd}>{w("delete")}</button>
       </div>
-      {open && <Log number={hook.number} />}
+      {/* One that is about to go is not asked for its log any more. */}
+      {open && !ending && <Log number={hook.number} />}
     </li>
   );
 }
