@@ -102,10 +102,10 @@ def test_the_floor_is_set_and_taken_back(visit: Visit, studio: Served) -> None:
     floor = page.get_by_label("Floor")
     floor.fill("2.5")
     floor.press("Enter")
-    expect(page.get_by_text("revision 2")).to_be_visible()
+    expect(page.get_by_text("revision 2", exact=True)).to_be_visible()
     assert studio.get(f"/documents/{uuid}/calibration")["floor"]["value"] == 2.5
     expect(page.get_by_label("Floor")).to_have_value("2.5")
     page.get_by_label("Floor").fill("")
     page.get_by_label("Floor").press("Enter")
-    expect(page.get_by_text("revision 3")).to_be_visible()
+    expect(page.get_by_text("revision 3", exact=True)).to_be_visible()
     assert studio.get(f"/documents/{uuid}/calibration")["floor"] == guessed

@@ -1,6 +1,6 @@
 /** One clip: viewer, timeline, and the dock with its views of the document. */
 import { effect } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { subject } from "../../shell/Bar";
 import { openClip, type Clip } from "../../state/clip";
 import { news } from "../../state/events";
@@ -25,6 +25,12 @@ export function ClipPage({ id, revision }: { id: string; revision: string | null
   const [clip, setClip] = useState<Clip | null>(null);
   const [error, setError] = useState<unknown>(null);
   const [turn, setTurn] = useState(0);
+  /** Whether the newest is on its way. */
+  const coming = useRef(false);
+  const reload = () => {
+    coming.current = true;
+    setTurn((before) => before + 1);
+  };
   useEffect(() => {
     const stop = new AbortController();
     let opened: Clip | null = null;
@@ -34,6 +40,7 @@ export function ClipPage({ id, revision }: { id: string; revision: string | null
         opened = found;
         if (stop.signal.aborted) return found.close();
         subject.value = { text: found.detail.name, detail: w("revision", { n: found.detail.revision }) };
+        coming.current = false;
         setClip((before) => {
           before?.close();
           return found;
@@ -53,12 +60,12 @@ export function ClipPage({ id, revision }: { id: string; revision: string | null
     void followProject(project);
     return () => void followProject(null);
   }, [project]);
-  if (error) return <Trouble error={error} retry={() => setTurn((before) => before + 1)} />;
+  if (error) return <Trouble error={error} retry={reload} />;
   if (!clip) return <div class="busy" role="presentation" />;
-  return <OpenClip key={clip.detail.revision} clip={clip} reload={() => setTurn((before) => before + 1)} />;
+  return <OpenClip key={clip.detail.revision} clip={clip} coming={coming} reload={reload} />;
 }
 
-function OpenClip({ clip, reload }: { clip: Clip; reload: () => void }) {
+function OpenClip({ clip, coming, reload }: { clip: Clip; coming: { readonly current: boolean }; reload: () => void }) {
   useAddress(clip);
   useClipKeys(clip, reload);
   useEffect(() => effect(() => void (editing.value = clip.changed.value && clip.pinned === null)), [clip]);
@@ -68,7 +75,7 @@ function OpenClip({ clip, reload }: { clip: Clip; reload: () => void }) {
     if (!one || one.document !== clip.id || one.revision <= clip.detail.revision || clip.pinned !== null || clip.saving.peek()) return;
     setTimeout(() => {
       // This window's own save opens the new revision itself.
-      if (subject.peek()?.detail === w("revision", { n: one.revision })) return;
+      if (coming.current || subject.peek()?.detail === w("revision", { n: one.revision })) return;
       note(w("newer", { who: one.author, n: one.revision }), { action: { text: w("openNewest"), run: reload } });
     }, 1500);
   }), [clip]);
