@@ -151,7 +151,7 @@ function drawLimit(self: uPlot, limit: number | null, above: boolean): void {
   ctx.restore();
 }
 
-/** Each save opens the clip anew: what was unfolded stays so. */
+/** Each save opens the clip anew: what was unfolded stays so. Not followed: drawn again, a field would lose what is typed. */
 const calibrationOpen = signal(false);
 
 /** What the numbers rest on; the floor and the leg can be set here, unit and up axis among the facts of the clip. */
@@ -168,7 +168,7 @@ function Calibrated({ clip, reload }: { clip: Clip; reload: () => void }) {
   };
   if (!known) return null;
   return (
-    <details class="calibration" open={calibrationOpen.value} onToggle={(event) => (calibrationOpen.value = event.currentTarget.open)}>
+    <details class="calibration" open={calibrationOpen.peek()} onToggle={(event) => (calibrationOpen.value = event.currentTarget.open)}>
       <summary>{w("calibration")}</summary>
       <p class="dim">{w("calibrationHelp")}</p>
       <table aria-label={w("calibration")}><tbody>
