@@ -64,6 +64,7 @@ def create_app(
     store = database or Database(settings.database_url, settings.database_read_url)
     traffic = Traffic()
     repository = Repository(store, settings)
+    repository.evaluated = "apart"
 
     def index(go_on: Callable[[], bool]) -> None:
         # Imported here: a server starts without mathematics.

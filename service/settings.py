@@ -102,8 +102,10 @@ class Settings(BaseSettings):
     saxon_seconds: float = Field(
         300.0, gt=0, description="The same for the stream of a query that Saxon evaluates, one document after the other"
     )
-    query_memory_mib: int = Field(1024, ge=64, description="Most memory one projected XPath query may take")
-    query_cache_mib: int = Field(512, ge=8, description="Memory for columns that XPath queries keep between them")
+    query_memory_mib: int = Field(512, ge=64, description="Most memory that one XPath query may take")
+    query_cache_mib: int = Field(
+        512, ge=8, description="Memory for columns that each process keeps between the XPath queries it evaluates"
+    )
     cache_dir: str = Field(
         "",
         description="Folder of what queries keep on disk; default: beside an SQLite store, else the user's; none: off",

@@ -62,7 +62,9 @@ def opened(database: str | None, server: str | None) -> Client:
     if server is None:
         from mcml.local import Local
 
-        return Local(open_database(settings), settings)
+        local = Local(open_database(settings), settings)
+        local.repository.evaluated = "bounded"
+        return local
     # Imported late: commands on a store of this machine need no HTTP.
     from mcml.remote import Remote, host_of
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from service.errors import Notice
 from service.settings import Settings
@@ -36,9 +36,20 @@ class Repository:
         """Who alone may run the jobs that are started; None: any server of the store."""
         self.import_pool: ImportPool | None = None
         """Processes that read uploads of many files, of a server."""
+        self.evaluated: Literal["here", "bounded", "apart"] = "here"
+        """Where questions are: in this process, with the limits that its code asks; the same for a command, with limits
+        that the system sets; for a server in processes of their own."""
 
     @cached_property
     def queries(self) -> Queries:
+        if self.evaluated == "apart":
+            from service.xpath.query_pool import PooledQueries
+
+            return PooledQueries(self.database, self.settings)
+        if self.evaluated == "bounded":
+            from service.xpath.bounded_queries import BoundedQueries
+
+            return BoundedQueries(self.database, self.settings)
         from service.xpath.queries import Queries
 
         return Queries(self.database, self.settings)
@@ -155,7 +166,7 @@ class Call:
     @cached_property
     def limits(self) -> Limits:
         """Time and memory of a query of this call; who leaves cancels it."""
-        return self.queries.limits(self.client)
+        return self.queries.limits(self.client, self.author)
 
     def makes(self, document: str | None) -> None:
         """Say which document was made, or None where it was only said what would be."""

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import resource
 import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
 
 GRACE_SECONDS = 5.0
 """More than who watches a program gives it: as long as somebody does, it is ended, and told of, by him."""
@@ -14,6 +18,9 @@ def bound_memory(kind: int, memory: int) -> None:
 
     kind: what counts, resource.RLIMIT_AS or RLIMIT_DATA.
     """
+    # What bounds a process that started this one is no bound of this one.
+    hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
+    resource.setrlimit(resource.RLIMIT_DATA, (hard, hard))
     resource.setrlimit(kind, (memory, memory))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
@@ -22,3 +29,45 @@ def end_after(seconds: float | None) -> None:
     """End this process so many seconds from now, and some; None: no more. It needs nothing of what the process does."""
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.setitimer(signal.ITIMER_REAL, 0 if seconds is None else seconds + GRACE_SECONDS)
+
+
+LOOK_SECONDS = 0.25
+"""How often a process that is bounded for a while looks whether it must end."""
+
+_SIZES = Path("/proc/self/statm")
+_DATA = 5
+"""The place in it of the pages that `resource.RLIMIT_DATA` counts."""
+
+
+@contextmanager
+def bounded(memory: int, late: Callable[[], Exception | None]) -> Iterator[None]:
+    """Work that may take so many bytes more than the process holds now, and must end: MemoryError once it takes more,
+    and once it is late, what `late` gives, raised wherever it is.
+
+    For the main thread. Both hold for all code, whether it asks or not; only one call into C that takes long is waited
+    for. What was worked on then may be half done, so the process should end soon. Memory is bounded on Linux alone.
+    """
+
+    def look(_signal: int, _frame: object) -> None:
+        error = late()
+        if error is not None:
+            raise error
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
+    before = signal.signal(signal.SIGALRM, look)
+    if sys.platform == "linux":
+        most = _held() + memory
+        resource.setrlimit(resource.RLIMIT_DATA, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    signal.setitimer(signal.ITIMER_REAL, LOOK_SECONDS, LOOK_SECONDS)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+        with suppress(ValueError):
+            resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
+
+
+def _held() -> int:
+    """Bytes of this process that the limit of its data counts."""
+    return int(_SIZES.read_text().split()[_DATA]) * resource.getpagesize()

@@ -51,7 +51,7 @@ class Database:
         name = parsed.get_backend_name()
         if name not in DIALECTS:
             raise StoreError(f"Unknown kind of database {name!r}.", remedy=f"Use one of: {', '.join(DIALECTS)}.")
-        self.url = url
+        self.url, self.read_url = url, read_url
         kind = find_dialect(name)
         self.dialect = kind(kind.create_engine(url))
         self.reserve = Reserve(self.dialect.file)
@@ -59,7 +59,7 @@ class Database:
         self.view = WHOLE
         self.writes = 0
         """Write transactions that were committed."""
-        self._from_replica = False
+        self.from_replica = False
         self.origin = COMMAND_LINE
         self._watch: PoolProxiedConnection | None = None
 
@@ -76,7 +76,7 @@ class Database:
         is ready for ReplicaError.
         """
         other = copy(self)
-        other.view, other._from_replica, other.writes = view, from_replica, 0
+        other.view, other.from_replica, other.writes = view, from_replica, 0
         other.origin = self.origin if origin is None else origin
         return other
 
@@ -94,7 +94,7 @@ class Database:
 
     @contextmanager
     def _reading(self) -> Iterator[Connection]:
-        if self._from_replica and self.replica is not None:
+        if self.from_replica and self.replica is not None:
             with self.replica.reading() as found:
                 if found is not None:
                     yield found

@@ -28,6 +28,7 @@ from service.xpath.engine.scan_plan import plan_scan
 from service.xpath.engine.source import Source
 from service.xpath.engine.values import TooLongError
 from service.xpath.engine.whole import Whole
+from service.xpath.language.certain import conditions
 from service.xpath.language.complete import Completion, complete
 from service.xpath.language.hints import unknown_names
 from service.xpath.language.labels import without_index
@@ -38,10 +39,10 @@ from service.xpath.language.tree import Call, Expression
 from service.xpath.language.types import distinct_of, item_type, type_of
 from service.xpath.library.caches import Caches
 from service.xpath.library.listing import Scope
-from service.xpath.library.motion_notes import looked_at, motion_calls, notes, require_saxon, without_guesses
+from service.xpath.library.motion_notes import Looked, motion_calls, require_saxon, without_guesses
 from service.xpath.library.part_file import path_of
 from service.xpath.library.sidecar import Sidecar
-from service.xpath.limits import Limits
+from service.xpath.limits import Limits, Running, no_such_question
 from service.xpath.nodes.node import Node
 from service.xpath.nodes.pairs import TooWideError
 from service.xpath.xml.evaluate import Evaluator
@@ -56,13 +57,17 @@ LAST_SECONDS = 2.0
 
 
 class Queries:
-    """The query engine of one process: the store, the limits, and the pool of evaluating processes."""
+    """The query engine of one process: the store, the limits, and the pools of processes that evaluate XML.
 
-    def __init__(self, database: Database, settings: Settings) -> None:
+    processes: of a pool.
+    """
+
+    def __init__(self, database: Database, settings: Settings, processes: int = 4) -> None:
         self.database = database
         self.settings = settings
-        self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
-        self.saxon = Saxon(seconds=settings.query_seconds, memory_bytes=settings.query_memory_mib << 20)
+        memory = settings.query_memory_mib << 20
+        self.evaluator = Evaluator(seconds=settings.query_seconds, memory_bytes=memory, processes=processes)
+        self.saxon = Saxon(seconds=settings.query_seconds, memory_bytes=memory, processes=processes)
         place = path_of(database, settings.cache_dir)
         sidecar = None if place is None else Sidecar(place, settings.cache_disk_mib << 20)
         self.caches = Caches(settings.query_cache_mib << 20, sidecar)
@@ -112,7 +117,7 @@ class Queries:
             if request.explain:
                 answer.explain = asking.explained((time.perf_counter() - start) * 1000)
             answer.warnings += [*query.warnings, *unknown_names(query.tree), *scope.unused_names(query.tree)]
-            answer.warnings += notes(tx, self.caches, scope, asking.motion)
+            answer.warnings += asking.looked.notes()
         return answer
 
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
@@ -134,7 +139,7 @@ class Queries:
                     nodes = asking.on_xml(request.limit)
                     return Shown([nodes], len(nodes))
                 asking.require_documents_alone()
-                documents = asking.scope.documents()
+                documents = [one for group in asking.looked.known(asking.scope.groups()) for one in group]
             else:
                 return Answer(self.database, self.caches, commit, since, found)
         limits.extend(self.settings.saxon_seconds)
@@ -179,9 +184,17 @@ class Queries:
             scope = Scope(tx, self.caches.listing, documents, project)
             return complete(text, at, lambda: scope.used_counts("span"), lambda: scope.used_counts("bone"))
 
-    def limits(self, client: str = "") -> Limits:
-        """The limits of one query that begins now. client: who asks."""
-        return Limits(self.settings.query_seconds, self.settings.query_elements, client)
+    def limits(self, client: str = "", author: str = "") -> Limits:
+        """The limits of one query that begins now. client: who asks, in fair queues; author: by name."""
+        return Limits(self.settings.query_seconds, self.settings.query_elements, client, author)
+
+    def running(self) -> list[Running]:
+        """The questions that are evaluated for others now, oldest first: none but on a server."""
+        return []
+
+    def end(self, number: int) -> None:
+        """End a question, as if whoever asks it had left. NotFoundError where none of this number is running."""
+        raise no_such_question(number)
 
 
 class _Asking:
@@ -206,6 +219,7 @@ class _Asking:
         self.scope = scope
         self.limits = limits
         self.motion = motion_calls(query.tree)
+        self.looked = Looked(tx, engine.caches, self.motion, conditions(query.tree), limits.check)
         self.explain = Explain(way="columns", plan=[], documents=0, milliseconds=0)
         self._scan: Scan | None = None
         self.is_later = query.needs_xpath2
@@ -272,8 +286,7 @@ class _Asking:
         """How the answer came about."""
         self.explain.milliseconds = milliseconds
         if self.motion:
-            documents = sum(map(len, looked_at(self.tx, self.engine.caches, self.scope)))
-            self.explain.plan += body_steps(self.motion, documents)
+            self.explain.plan += body_steps(self.motion, self.looked.documents)
         if self._scan is not None:
             self.explain.tracks_read = self._scan.tracks_read
             self.explain.tracks_skipped = self._scan.all_tracks() - self._scan.tracks_read
@@ -293,7 +306,7 @@ class _Asking:
 
     def source(self, tree: Expression) -> Scan | ColumnSource:
         """Where the nodes of an expression come from."""
-        plan = plan_scan(tree)
+        plan = None if self.motion else plan_scan(tree)
         if plan is None:
             return self._column_source(tree)
         scan = Scan(self.tx, plan, self.scope, self.engine.caches, self.limits.check)
@@ -304,7 +317,7 @@ class _Asking:
         if self.query.only_saxon:
             raise NotOnColumnsError
         caches = self.engine.caches
-        found = ColumnSource(self.tx, tree, self.scope, caches, self.limits.check, is_later=self.is_later)
+        found = ColumnSource(self.tx, tree, self.scope, caches, self.limits.check, self.looked, is_later=self.is_later)
         indexed = found.start is not None and found.start.indexed
         self._explained("index" if indexed else "columns", found)
         return found
@@ -336,8 +349,8 @@ class _Asking:
         return Projected(self.engine.evaluator, self.tx, self.query, self.scope.documents(), self.limits)
 
     def _sequences(self) -> Sequences:
-        saxon, caches, groups = self.engine.saxon, self.engine.caches, self.scope.groups()
-        return Sequences(saxon, self.tx, caches, self.query, groups, self.limits)
+        groups = list(self.looked.known(self.scope.groups()))
+        return Sequences(self.engine.saxon, self.tx, self.engine.caches, self.query, groups, self.limits)
 
     def _by_saxon(self, page: Page) -> QueryAnswer:
         source = self._sequences()

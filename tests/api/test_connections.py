@@ -24,7 +24,7 @@ from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
 from service.xpath.limits import Limits
-from service.xpath.queries import Queries
+from service.xpath.query_pool import PooledQueries as Queries
 from tests.actions.test_import_failures import rows
 from tests.api.test_lanes import until
 from tests.builders import SECRET, bvh, one_kind, store

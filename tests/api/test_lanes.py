@@ -15,7 +15,7 @@ from service.api import lanes
 from service.operations import OPERATIONS
 from service.settings import Settings
 from service.storage.database import Database
-from service.xpath.queries import Queries
+from service.xpath.query_pool import PooledQueries as Queries
 from tests.builders import bvh, one_kind, served, upload
 
 API = "/api/v1"
@@ -121,9 +121,9 @@ def test_the_time_of_a_query_begins_with_its_turn(
     begun: list[str] = []
     limits = Queries.limits
 
-    def noted(queries: Queries, client: str = "") -> Any:
+    def noted(queries: Queries, client: str = "", author: str = "") -> Any:
         begun.append(client)
-        return limits(queries, client)
+        return limits(queries, client, author)
 
     monkeypatch.setattr(Queries, "limits", noted)
     with served(database, Settings(heavy_places=1)) as client, asked(client, 3) as queries:

@@ -16,7 +16,7 @@ from service.api.logs import Faults, JsonLine, Line
 from service.app import create_app
 from service.settings import Settings
 from service.storage.database import Database
-from service.xpath.queries import Queries
+from service.xpath.query_pool import PooledQueries as Queries
 from tests.builders import SECRET, one_kind
 
 API = "/api/v1"

@@ -135,7 +135,7 @@ class Chance:
             return text, lambda d, i: d.window(i, low, high, by_frames=by_frames)
         kept = self.plain()
         return f"{text}[{kept.text}]", lambda d, i: [
-            other for other in d.window(i, low, high, by_frames=by_frames) if d.all(kept)[other]
+            other for other in d.window(i, low, high, by_frames=by_frames) if d.all(kept)[other] is True
         ]
 
     # -- what holds in a frame -------------------------------------------------------------------------------------
@@ -144,7 +144,7 @@ class Chance:
         kind, number = self.number() if self.random.random() < 0.2 else self.quantity()
         sign = self.random.choice(("<", ">", ">=", "<="))
         bound = round(self.random.uniform(*SCALES[kind]), 3)
-        return Asked(f"{number.text} {sign} {bound}", lambda d, i: _compared(number.of(d, i), sign, bound))
+        return Asked(f"{number.text} {sign} {bound}", lambda d, i: _compared(number, number.of(d, i), sign, bound))
 
     def condition(self, depth: int = 2) -> Asked:
         choice = self.random.random()
@@ -152,19 +152,19 @@ class Chance:
         if depth and choice < 0.2:
             one, other = self.condition(depth - 1), self.condition(depth - 1)
             if pick((True, False)):
-                return Asked(f"({one.text} and {other.text})", lambda d, i: one.of(d, i) and other.of(d, i))
-            return Asked(f"({one.text} or {other.text})", lambda d, i: one.of(d, i) or other.of(d, i))
+                return Asked(f"({one.text} and {other.text})", lambda d, i: both(one.of(d, i), other.of(d, i)))
+            return Asked(f"({one.text} or {other.text})", lambda d, i: either(one.of(d, i), other.of(d, i)))
         if depth and choice < 0.3:
             inner = self.condition(depth - 1)
-            return Asked(f"not({inner.text})", lambda d, i: not inner.of(d, i))
+            return Asked(f"not({inner.text})", lambda d, i: opposite(inner.of(d, i)))
         if choice < 0.38:
             joint, other_joint = pick(JOINTS), pick(JOINTS)
-            touches = Asked(f"mo:contact('{joint}')", lambda d, i: d.quantity("contact", joint)[i] == 1)
+            touches = Asked(f"mo:contact('{joint}')", lambda d, i: truth(d.quantity("contact", joint)[i]))
             if pick((True, False)):
                 return touches
             return Asked(
                 f"{touches.text} != mo:contact('{other_joint}')",
-                lambda d, i: touches.of(d, i) != (d.quantity("contact", other_joint)[i] == 1),
+                lambda d, i: differ(touches.of(d, i), truth(d.quantity("contact", other_joint)[i])),
             )
         if choice < 0.44:
             name = pick(NAMES)
@@ -174,7 +174,7 @@ class Chance:
         kind, number = self.number()
         sign = pick(("<", ">", ">=", "<="))
         bound = round(self.random.uniform(*SCALES[kind]), 3)
-        return Asked(f"{number.text} {sign} {bound}", lambda d, i: _compared(number.of(d, i), sign, bound))
+        return Asked(f"{number.text} {sign} {bound}", lambda d, i: _compared(number, number.of(d, i), sign, bound))
 
     def around(self) -> Asked:
         """What a window says."""
@@ -200,7 +200,7 @@ class Chance:
             held = self.plain()
             return Asked(
                 f"(every $w in {text} satisfies $w[{held.text}])",
-                lambda d, i: all(d.all(held)[o] for o in frames(d, i)),
+                lambda d, i: all(d.all(held)[o] is True for o in frames(d, i)),
             )
         kind, number = self.quantity()
         sign = self.random.choice(("<", ">"))
@@ -208,11 +208,14 @@ class Chance:
         if choice == 5:
             return Asked(
                 f"{number.text} {sign} {text}/{number.text}",
-                lambda d, i: any(_compared(number.of(d, i), sign, d.all(number)[o]) for o in frames(d, i)),
+                lambda d, i: some(
+                    [_compared(number, number.of(d, i), sign, d.all(number)[o]) for o in frames(d, i)]
+                    + [None] * (_compared(number, number.of(d, i), sign, 0.0) is None)
+                ),
             )
         return Asked(
             f"{text}/{number.text} {sign} {bound}",
-            lambda d, i: any(_compared(d.all(number)[o], sign, bound) for o in frames(d, i)),
+            lambda d, i: some([_compared(number, d.all(number)[o], sign, bound) for o in frames(d, i)]),
         )
 
     # -- questions -------------------------------------------------------------------------------------------------
@@ -267,7 +270,9 @@ class Chance:
 
 
 def _where(document: Document, held: Asked) -> list[int]:
-    return [frame for frame, holds in enumerate(document.all(held)) if holds]
+    if document.lacks(held.text):
+        return []
+    return [frame for frame, holds in enumerate(document.all(held)) if holds is True]
 
 
 def _frames(documents: Sequence[Document], of: Callable[[Document], list[int]]) -> list[Node]:
@@ -311,5 +316,36 @@ def _of_all(function: str, values: list[float]) -> float:
     return max(values) if function == "max" else math.fsum(values) / len(values)
 
 
-def _compared(value: Any, sign: str, other: Any) -> bool:
+def _compared(number: Asked, value: Any, sign: str, other: Any) -> bool | None:
+    """None where a number about a body is not known."""
+    if "mo:" in number.text and (value != value or other != other):
+        return None
     return value is not None and other is not None and RELATIONS[sign](value, other)
+
+
+def truth(number: float) -> bool | None:
+    return None if number != number else number == 1
+
+
+def opposite(one: bool | None) -> bool | None:
+    return None if one is None else not one
+
+
+def both(one: bool | None, other: bool | None) -> bool | None:
+    if one is False or other is False:
+        return False
+    return None if one is None or other is None else True
+
+
+def either(one: bool | None, other: bool | None) -> bool | None:
+    return opposite(both(opposite(one), opposite(other)))
+
+
+def differ(one: bool | None, other: bool | None) -> bool | None:
+    return None if one is None or other is None else one != other
+
+
+def some(found: Sequence[bool | None]) -> bool | None:
+    if any(one is True for one in found):
+        return True
+    return None if None in found else False

@@ -21,7 +21,8 @@ from service.actions.exporting.export_motion import ExportOptions, export_docume
 from service.clips.bodies import read_bodies, read_turned
 from service.motion.bodies.local_fit import rate
 from service.motion.bodies.poses import NEEDS, at_rate, motion_distances, pose_distances, pose_features
-from service.motion.bodies.quantities import compute
+from service.motion.bodies.quantities import QUANTITIES, compute
+from service.motion.bodies.stretch import HIPS
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
 
@@ -72,6 +73,26 @@ class Document:
         """Whether none of what a question rests on is a guess."""
         origins = self.body.calibration.origins
         return not any(re.search(asks, question) and origins[name].kind == "guessed" for name, asks in RESTS.items())
+
+    def lacks(self, condition: str) -> bool:
+        """Whether something that a condition asks of the body is not known at all: then it is in no answer."""
+        asked = re.findall(r"mo:([a-z-]+)\(", condition)
+        calibration = self.body.calibration
+        if {"height", "position", "distance", "speed", "acceleration", "leg", "unit"} & set(asked) and (
+            calibration.metres is None
+        ):
+            return True
+        if {"time", "speed", "acceleration", "rate", "contact"} & set(asked) and self.body.frame_time is None:
+            return True
+        if {"height", "contact"} & set(asked) and calibration.floor is None:
+            return True
+        for name, given in re.findall(r"mo:([a-z-]+)\(((?:'[^']*'(?:, )?)+)\)", condition):
+            if name in QUANTITIES and name not in ("leg", "unit", "time"):
+                texts = re.findall("'([^']*)'", given)
+                wanted = set(QUANTITIES[name].joints(texts))
+                if not all(set(one.split("|")) & set(self.body.names) for one in wanted):
+                    return True
+        return "mo:heading(" in condition and not all(set(one.split("|")) & set(self.body.names) for one in HIPS)
 
     @cached_property
     def features(self) -> Any:
@@ -194,7 +215,9 @@ def best_runs(documents: Sequence[Document], frames: Asked, wanted: int, key: As
     """The frames of the best runs, the best run first; of equal ones the one that comes first."""
     found: list[tuple[float, list[Node]]] = []
     for document in documents:
-        chosen = [number for number, holds in enumerate(document.all(frames)) if holds]
+        if document.lacks(frames.text):
+            continue
+        chosen = [number for number, holds in enumerate(document.all(frames)) if holds is True]
         for first, last in document.runs(chosen, 0.0):
             if key is None:
                 score = (last - first + 1) * document.seconds

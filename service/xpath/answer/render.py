@@ -11,7 +11,6 @@ from service.mcml.vocabulary import FRAME_BONE, MOTION_NAME
 from service.mcml.writer import Layout, attribute_bytes, text_bytes, write_document, write_motion
 from service.motion.clip import FrameBlock
 from service.motion.skeleton import CHANNELS
-from service.numerics.runs import find_consecutive
 from service.storage.columns import Listed
 from service.storage.motion_names import names_of_frames
 from service.storage.transaction import Transaction
@@ -72,8 +71,13 @@ def _frames(forest: Forest, nodes: Ints) -> list[str]:
 
 
 def runs_of(nodes: Ints) -> Iterator[tuple[int, int, int]]:
-    """(document, first frame, last frame) of maximal runs of frames that ascending nodes lie in, each frame once."""
-    starts, stops = find_consecutive(np.unique(nodes >> FRAME_SHIFT)).T << FRAME_SHIFT
+    """(document, first frame, last frame) of maximal runs of frames that nodes lie in, in the order of the nodes: each
+    lies in the same frame as the one before it, or in the next one."""
+    frames = nodes >> FRAME_SHIFT
+    step = np.diff(frames)
+    edges = np.flatnonzero((step != 0) & (step != 1)) + 1
+    starts = frames[np.r_[0, edges]] << FRAME_SHIFT if len(frames) else frames
+    stops = frames[np.r_[edges - 1, len(frames) - 1]] << FRAME_SHIFT if len(frames) else frames
     yield from zip(documents_of(starts).tolist(), frames_of(starts).tolist(), frames_of(stops).tolist(), strict=True)
 
 

@@ -45,7 +45,8 @@ class GroupNodes:
 
 
 class Answer:
-    """The nodes of an answer. total: how many. whole_since: which states were whole when they were found."""
+    """The nodes of an answer. total: how many. commit: the state that was asked. whole_since: which states were whole
+    when they were found."""
 
     def __init__(
         self, database: Database, caches: Caches, commit: int, whole_since: int, parts: list[GroupNodes]
@@ -53,23 +54,23 @@ class Answer:
         self.total = sum(len(part.nodes) for part in parts)
         self._database = database
         self._caches = caches
-        self._commit = commit
-        self._whole_since = whole_since
-        self._parts = parts
+        self.commit = commit
+        self.whole_since = whole_since
+        self.parts = parts
 
     def read(self) -> AbstractContextManager[Transaction]:
         """A transaction at the commit that was asked, of the store itself: what it reads is sent meanwhile."""
-        return self._database.for_call(self._database.view).read(self._commit)
+        return self._database.for_call(self._database.view).read(self.commit)
 
     def shown(self, show: Callable[[Forest, Ints], Form]) -> Iterator[Form]:
         """What a function makes of the nodes of some documents, some at a time; a whole document comes alone."""
-        for part in self._parts:
+        for part in self.parts:
             for some in _slices(part.nodes):
                 # Not within the transaction: whoever reads slowly would hold it.
-                yield self._database.ask(partial(self._made, part, some, show), self._commit)
+                yield self._database.ask(partial(self._made, part, some, show), self.commit)
 
     def _made(self, part: GroupNodes, some: Ints, show: Callable[[Forest, Ints], Form], tx: Transaction) -> Form:
-        tx.pruning.require_whole_since(self._whole_since)
+        tx.pruning.require_whole_since(self.whole_since)
         return show(Forest(tx, part.documents, self._caches, head_part=part.head_part), some)
 
 

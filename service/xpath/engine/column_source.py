@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +21,9 @@ from service.xpath.language.rules import after
 from service.xpath.language.tree import Expression, Path, Step
 from service.xpath.library.caches import Caches
 from service.xpath.library.forest import Forest
+from service.xpath.library.groups import Group
 from service.xpath.library.listing import Scope
+from service.xpath.library.motion_notes import Looked
 from service.xpath.nodes.items import Items
 from service.xpath.nodes.nodesets import NodeSets, ordered
 from service.xpath.nodes.numbering import Ints, documents_of, first_of_documents
@@ -39,8 +41,9 @@ ONE_EACH = ((Step("child", MCML),), (Step("child", MCML), Step("child", MOTION))
 class ColumnSource:
     """An expression over the documents of a scope, evaluated on columns.
 
-    check: called often; raises when the query must end. Every method may raise TooWideError or TooLongError where an
-    intermediate result is larger than is held at once.
+    looked: leaves out documents of which what the question asks of bodies is not known. check: called often; raises
+    when the query must end. Every method may raise TooWideError or TooLongError where an intermediate result is larger
+    than is held at once.
     """
 
     def __init__(
@@ -50,6 +53,7 @@ class ColumnSource:
         scope: Scope,
         caches: Caches,
         check: Callable[[], None],
+        looked: Looked | None = None,
         *,
         is_later: bool = False,
     ) -> None:
@@ -58,6 +62,7 @@ class ColumnSource:
         self.start = start_of(tree)
         self.frames = Frames(tx, self.start, scope)
         self._caches = caches
+        self._looked = looked
         self._check = check
         self._is_later = is_later
         self._any = any_attribute(tree)
@@ -66,13 +71,17 @@ class ColumnSource:
     @property
     def documents(self) -> Sequence[Listed]:
         """Those that can hold nodes of the answer, in its order."""
-        return self.frames.documents
+        return [listed for group in self._groups() for listed in group]
+
+    def _groups(self) -> Iterable[Group]:
+        groups = self.frames.groups
+        return groups if self._looked is None else self._looked.known(groups)
 
     def forests(self, *, counted: bool = False) -> Iterator[Forest]:
         """The documents in groups. Of what a question narrows, the first are small: often the first page is all that is
         wanted. counted: only how many nodes there are is asked."""
         head_part = head_of(self.tree, counted=counted)
-        for group in self.frames.groups:
+        for group in self._groups():
             yield Forest(self.tx, group, self._caches, head_part=head_part)
 
     def chunks(self) -> Iterator[tuple[Forest, Ints]]:
@@ -127,7 +136,7 @@ class ColumnSource:
 
     def count(self) -> int:
         """How many nodes the documents have together."""
-        if self.start is not None and self.start.only_frames and not self._narrowed():
+        if self.start is not None and self.start.only_frames and not self._narrowed() and not self._asks_bodies:
             return self.frames.count()
         if self.start is not None and not self.start.indexed and not self.start.predicates:
             bones = _bones_asked(self.start)
@@ -168,6 +177,10 @@ class ColumnSource:
 
     def _columns(self, forest: Forest) -> Columns:
         return Columns(forest, self._check, is_later=self._is_later)
+
+    @property
+    def _asks_bodies(self) -> bool:
+        return self._looked is not None and bool(self._looked.calls)
 
     def _narrowed(self) -> bool:
         return self.start is not None and (self.start.position is not None or self.start.ids is not None)

@@ -15,7 +15,17 @@ from service.motion.bodies.local_fit import rate
 from service.motion.bodies.quantities import QUANTITIES
 from service.xpath.engine.context import Context, Value
 from service.xpath.engine.functions import NotOnColumnsError
-from service.xpath.language.motion_functions import DISTANCES, OF_DOCUMENT, OF_FRAME_SETS, PREFIX, RATE, RUNS, WINDOW
+from service.xpath.language.motion_functions import (
+    CONTACT,
+    DISTANCES,
+    KNOWN,
+    OF_DOCUMENT,
+    OF_FRAME_SETS,
+    PREFIX,
+    RATE,
+    RUNS,
+    WINDOW,
+)
 from service.xpath.language.tree import Call, Expression, Path, Step, free_variables
 from service.xpath.language.types import type_of
 from service.xpath.library.bodies import Bodies
@@ -71,15 +81,28 @@ class Motions:
             return self.runs(self._columns.nodes(arguments[0], context), arguments[1:])
         if name == RATE:
             return self._rate(arguments[0], context)
+        if name == KNOWN:
+            return ~np.isnan(self._asked_number(arguments[0], context))
         if name in DISTANCES:
             return self._distance(call, context)
         if name.removeprefix(PREFIX) not in QUANTITIES:
             raise NotOnColumnsError
+        found = self._number(call, context)
+        return found == 1 if type_of(call) == "boolean" else found
+
+    def _asked_number(self, expression: Expression, context: Context) -> Floats:
+        """What is asked of `mo:known`: a contact is a number as long as nothing is made of it."""
+        if isinstance(expression, Call) and expression.function == CONTACT:
+            return self._number(expression, context)
+        return self._columns.numbers(expression, context)
+
+    def _number(self, call: Call, context: Context) -> Floats:
+        """Of a quantity: NaN where it is unknown, a contact 1 or 0."""
         found = np.full(len(context), np.nan)
-        for which, texts in self._combined([self._name(each, context) for each in arguments], len(context)):
+        for which, texts in self._combined([self._name(each, context) for each in call.arguments], len(context)):
             nodes = context.nodes if which is None else context.nodes[which]
             found[slice(None) if which is None else which] = self._taken(call, texts, nodes)
-        return found == 1 if type_of(call) == "boolean" else found
+        return found
 
     def everywhere(self, key: object, evaluate: Callable[[Context], Kept], nodes: Ints) -> tuple[Kept, Ints, Ints]:
         """What is evaluated of all frames of the documents that nodes are of, these frames, and for each node where the

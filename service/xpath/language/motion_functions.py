@@ -59,6 +59,9 @@ MOTION_FUNCTIONS: Final[Mapping[str, MotionFunction]] = {
         for name, quantity in QUANTITIES.items()
     },
     "mo:rate": MotionFunction(("number",), "number", "per s", "of change of any number of a frame"),
+    "mo:known": MotionFunction(
+        ("number or contact",), "boolean", "", "whether the value of a function of bodies is known here, not NaN"
+    ),
     "mo:window": MotionFunction(
         ("from", "to", "'frames'?"), "nodes", "", "the frames from so many seconds after this one to so many"
     ),
@@ -85,6 +88,9 @@ CONSTANT: Final = frozenset({"from", "to", "'frames'", "least", "gap", "document
 OF_FRAMES: Final = frozenset({"number", "key"})
 """Parameters that are asked of frames which no step has counted."""
 DISTANCES: Final = frozenset({"mo:pose-distance", "mo:motion-distance"})
+CONTACT, KNOWN = "mo:contact", "mo:known"
+OF_NUMBERS: Final = frozenset({"mo:rate", KNOWN})
+"""Functions of any expression that is asked of a frame, not of names."""
 TOP, WINDOW, RUNS, RATE = "mo:top", "mo:window", "mo:runs", "mo:rate"
 OF_FRAME_SETS: Final = frozenset({TOP, WINDOW, RUNS})
 """Functions that give frames."""

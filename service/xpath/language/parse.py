@@ -9,6 +9,7 @@ from difflib import get_close_matches
 
 from service.errors import LimitError, McmlError, Place, QueryError
 from service.motion.bodies.quantities import QUANTITIES
+from service.xpath.language.certain import certain, certain_text
 from service.xpath.language.functions import SAFE_FUNCTIONS
 from service.xpath.language.grammar import ArityError, read
 from service.xpath.language.meaning import bind, from_document, with_stored_names
@@ -83,7 +84,7 @@ def parse(text: str, variables: Mapping[str, str | float | bool] | None = None) 
     try:
         tree = _tree(text, variables or {})
         _bound_depth(tree)
-        tree = from_document(with_stored_names(tree, warnings, in_name=False))
+        tree = certain(from_document(with_stored_names(tree, warnings, in_name=False)))
     except RecursionError:
         raise LimitError("the expression is nested too deeply", remedy="Write it flatter.") from None
     return Query(tree, tuple(dict.fromkeys(warnings)))
@@ -105,6 +106,8 @@ def _read_xpath2(text: str, error: QueryError, variables: Mapping[str, str | flo
         raise error
     try:
         tree = read_xpath2(text, variables)
+        sure = certain_text(text)
+        tree = tree if sure == text else read_xpath2(sure, variables)
     except QueryError as other:
         # The parser that came further is the one that the writer had in mind.
         chosen = max(error, other, key=_column)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from service.errors import LimitError, McmlError, QueryError
 from service.motion.bodies.quantities import QUANTITIES, joints_of
 from service.storage.columns import Listed
 from service.storage.transaction import Transaction
-from service.xpath.language.motion_functions import MOTION_FUNCTIONS, PREFIX, TOP
+from service.xpath.language.motion_functions import CONTACT, MOTION_FUNCTIONS, PREFIX, TOP
 from service.xpath.language.reach import HeadPart
 from service.xpath.language.tree import Call, Expression, Literal, walk
 from service.xpath.library.bodies import Bodies
@@ -18,14 +18,16 @@ from service.xpath.library.body_facts import BodyFacts
 from service.xpath.library.caches import Caches
 from service.xpath.library.forest import Forest
 from service.xpath.library.groups import Group
-from service.xpath.library.listing import Scope
+from service.xpath.nodes.numbering import Bools
 
 OF_LENGTHS = frozenset({"m", "m/s", "m/s2"})
-WITH_FLOOR = frozenset({"mo:height", "mo:contact"})
+WITH_FLOOR = frozenset({"mo:height", CONTACT})
 WITH_UP = WITH_FLOOR | {"mo:tilt", "mo:heading", "mo:pose-distance", "mo:motion-distance"}
 OF_UPRIGHT = frozenset({"trunk", "pelvis"})
 """Parts whose angles are those to the vertical."""
 OF_TIMES = frozenset({"s", "m/s", "m/s2", "per s"})
+WITH_TIMES = frozenset({CONTACT})
+"""Functions that need them beside those whose unit tells."""
 
 
 def motion_calls(tree: Expression) -> list[Call]:
@@ -33,10 +35,56 @@ def motion_calls(tree: Expression) -> list[Call]:
     return [part for part in walk(tree) if isinstance(part, Call) and part.function in MOTION_FUNCTIONS]
 
 
-def notes(tx: Transaction, caches: Caches, scope: Scope, calls: Sequence[Call]) -> list[str]:
-    """Of the documents that were looked at: how many have no unit, no times or not the joints, and how many rest on
-    guesses."""
-    return list(_notes(looked_at(tx, caches, scope), calls)) if calls else []
+class Looked:
+    """What is known of the bodies of the documents that a question looks at.
+
+    calls: of functions of bodies in it. needed: those on which it depends what the answer is, not only what values it
+    shows.
+    """
+
+    def __init__(
+        self,
+        tx: Transaction,
+        caches: Caches,
+        calls: Sequence[Call],
+        needed: Sequence[Call],
+        check: Callable[[], None],
+    ) -> None:
+        self.calls = calls
+        self._needed = needed
+        self._tx = tx
+        self._caches = caches
+        self._check = check
+        self._facts: dict[Group, BodyFacts] = {}
+
+    def known(self, groups: Iterable[Group]) -> Iterator[Group]:
+        """The documents of groups of which all is known that the answer depends on: the others are not in it, whatever
+        stands around a function."""
+        for group in groups:
+            found = self._known(group) if self.calls else group
+            if found:
+                yield found
+
+    def notes(self) -> list[str]:
+        """How many documents were left out and why, and how many rest on guesses."""
+        return list(_notes(list(self._facts.values()), self.calls, self._needed)) if self.calls else []
+
+    @property
+    def documents(self) -> int:
+        """How many were looked at."""
+        return sum(map(len, self._facts.values()))
+
+    def _known(self, group: Group) -> Group:
+        facts = self._facts.get(group)
+        if facts is None:
+            forest = Forest(self._tx, group, self._caches, head_part=HeadPart.MOTION)
+            facts = self._facts[group] = Bodies(forest, self._check).facts()
+        lacks = np.zeros(len(group), bool)
+        for _, which in _reasons(facts, self._needed):
+            lacks |= which
+        if not lacks.any():
+            return group
+        return self._caches.listing.group([listed for listed, out in zip(group, lacks, strict=True) if not out])
 
 
 def require_saxon(calls: Sequence[Call], *, is_later: bool) -> None:
@@ -56,12 +104,6 @@ def require_saxon(calls: Sequence[Call], *, is_later: bool) -> None:
         )
 
 
-def looked_at(tx: Transaction, caches: Caches, scope: Scope) -> list[BodyFacts]:
-    """What is known of the documents whose bodies were looked at."""
-    forests = (Forest(tx, group, caches, head_part=HeadPart.MOTION) for group in scope.groups())
-    return [found for forest in forests if (found := forest.body_facts(None)) is not None]
-
-
 def without_guesses(
     tx: Transaction, caches: Caches, groups: Sequence[Group], calls: Sequence[Call], check: Callable[[], None]
 ) -> list[Listed]:
@@ -78,19 +120,32 @@ def without_guesses(
     return found
 
 
-def _notes(parts: Sequence[BodyFacts], calls: Sequence[Call]) -> Iterator[str]:
-    units = {MOTION_FUNCTIONS[call.function].unit for call in calls}
+def _notes(parts: Sequence[BodyFacts], calls: Sequence[Call], needed: Sequence[Call]) -> Iterator[str]:
     many = f"of {sum(map(len, parts)):,} documents"
-    if units & OF_LENGTHS and (count := sum(int((~part.unit).sum()) for part in parts)):
-        yield f"{count:,} {many} left out: their unit is not known; set it in their header."
-    if units & OF_TIMES and (count := sum(int((~part.times).sum()) for part in parts)):
-        yield f"{count:,} {many} left out: their frame time is not known."
+    shown = [call for call in calls if call not in needed]
+    for some, what in ((needed, "left out"), (shown, "have no value")):
+        counts: dict[str, int] = {}
+        for part in parts:
+            for reason, lacks in _reasons(part, some):
+                counts[reason] = counts.get(reason, 0) + int(lacks.sum())
+        yield from (f"{count:,} {many} {what}: {reason}" for reason, count in counts.items() if count)
+    guesses = rested_on(calls)
+    if count := sum(int(part.rests_on_guesses(guesses).sum()) for part in parts):
+        yield f"{count:,} {many} rest on a guessed {_listed(guesses)}; guesses=no leaves them out."
+
+
+def _reasons(facts: BodyFacts, calls: Sequence[Call]) -> Iterator[tuple[str, Bools]]:
+    """Why something is not known that is asked of a document, and of which documents."""
+    functions = {call.function for call in calls}
+    units = {MOTION_FUNCTIONS[function].unit for function in functions}
+    if units & OF_LENGTHS:
+        yield "their unit is not known; set it in their header.", ~facts.unit
+    if units & OF_TIMES or functions & WITH_TIMES:
+        yield "their frame time is not known.", ~facts.times
+    if functions & WITH_FLOOR:
+        yield "their floor is not known; mcml calibrate sets it.", ~facts.floor
     for call in dict.fromkeys(calls):
-        if count := sum(_lacking(part, call) for part in parts):
-            yield f"{count:,} {many} left out: they lack joints of {_written(call)}."
-    needed = rested_on(calls)
-    if count := sum(int(part.rests_on_guesses(needed).sum()) for part in parts):
-        yield f"{count:,} {many} rest on a guessed {_listed(needed)}; guesses=no leaves them out."
+        yield f"they lack joints of {_written(call)}.", _lacking(facts, call)
 
 
 def rested_on(calls: Sequence[Call]) -> frozenset[str]:
@@ -113,18 +168,18 @@ def _listed(names: Collection[str]) -> str:
     return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
-def _lacking(facts: BodyFacts, call: Call) -> int:
-    """How many documents have not all joints that a quantity is made from."""
+def _lacking(facts: BodyFacts, call: Call) -> Bools:
+    """Which documents have not all joints that a quantity is made from."""
     name = call.function.removeprefix(PREFIX)
     texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
     if name not in QUANTITIES or len(texts) < len(call.arguments):
-        return 0
+        return np.zeros(len(facts), bool)
     try:
         asked = len(dict.fromkeys(QUANTITIES[name].joints(texts)))
         lacks = [len(joints_of(name, texts, names)) < asked for names in facts.names]
     except McmlError:
-        return 0
-    return int(np.array(lacks, bool)[facts.kind].sum()) if lacks else 0
+        return np.zeros(len(facts), bool)
+    return np.array(lacks, bool)[facts.kind]
 
 
 def _written(call: Call) -> str:

@@ -29,11 +29,15 @@ class Run:
 
 
 def join_runs(runs: Iterable[Run]) -> Iterator[Run]:
-    """Runs in their order, those of a document that overlap the one before them, or follow it, as one with it."""
+    """Runs in their order; one that goes on where the one before it ends is one with it.
+
+    An answer may have an order of its own (`mo:top`, a sequence): a run that lies before the one before it is another.
+    """
     waiting: Run | None = None
     for run in runs:
-        if waiting is not None and waiting.stored.key == run.stored.key and run.first <= waiting.last + 1:
-            waiting = Run(run.stored, waiting.first, max(waiting.last, run.last))
+        is_same = waiting is not None and waiting.stored.key == run.stored.key
+        if waiting is not None and is_same and waiting.last <= run.first <= waiting.last + 1:
+            waiting = Run(run.stored, waiting.first, run.last)
             continue
         if waiting is not None:
             yield waiting

@@ -26,7 +26,7 @@ from service.xpath.engine.context import Context
 from service.xpath.engine.functions import NotOnColumnsError
 from service.xpath.engine.motions import most_between
 from service.xpath.language.calls import WrittenCall, written_calls
-from service.xpath.language.motion_functions import ANGLE, JOINTS, MOTION_FUNCTIONS, PREFIX, RATE, RUNS, WINDOW
+from service.xpath.language.motion_functions import ANGLE, JOINTS, MOTION_FUNCTIONS, OF_NUMBERS, PREFIX, RUNS, WINDOW
 from service.xpath.language.reach import HeadPart
 from service.xpath.language.tree import Call, Literal, Written, walk
 from service.xpath.language.types import is_of_variables, type_of
@@ -186,7 +186,7 @@ class _Asked:
             first, last = self._motions.reach(call, self._context.nodes)
             ends = {"first": self._column(call, first), "last": self._column(Call("last", (call,)), last)}
             return f"{self._prefix}window({self._table(ends)}, .)"
-        if call.function == RATE and any(isinstance(part, Written) for part in walk(call)):
+        if call.function in OF_NUMBERS and any(isinstance(part, Written) for part in walk(call)):
             raise _of_rates()
         return self._number(found)
 
@@ -194,7 +194,8 @@ class _Asked:
         """Of a function that has a value in each frame."""
         call = found.call
         # What a rate is of is asked of frames: it is the same wherever it stands.
-        places = [n for n, one in enumerate(call.arguments) if call.function != RATE and not is_of_variables(one)]
+        named = () if call.function in OF_NUMBERS else call.arguments
+        places = [number for number, one in enumerate(named) if not is_of_variables(one)]
         columns = {}
         for names in self._keys(call, places):
             arguments = list(call.arguments)

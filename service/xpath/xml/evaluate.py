@@ -112,7 +112,7 @@ class Evaluator:
         finally:
             self._turns.give(limits.client)
         if answer.get("error") == "memory":
-            raise _out_of_memory(self._memory)
+            raise out_of_memory(self._memory)
         return answer
 
     def close(self) -> None:
@@ -136,7 +136,7 @@ class Evaluator:
                 end_program(process)
         if answer is None:
             limits.check()
-            raise _out_of_memory(self._memory)
+            raise out_of_memory(self._memory)
         read = json.loads(answer)
         if read.get("error") in LAST or watch.is_long:
             end_program(process)
@@ -178,7 +178,8 @@ def _read_answer(answer: dict[str, Any]) -> Scalar | Nodes:
     return Scalar(special[value] if answer["type"] == "number" and isinstance(value, str) else value)
 
 
-def _out_of_memory(memory: int) -> LimitError:
+def out_of_memory(memory: int) -> LimitError:
+    """The error of a query that takes more than so many bytes."""
     return LimitError(
         f"The query needs more than {memory >> 20} MiB of memory.",
         remedy="Ask fewer documents, or narrow the expression by motion name, bone or position.",

@@ -1,0 +1,27 @@
+"""Questions that the server evaluates now."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from schemas.examples import TIME, shown
+
+_RUNNING = {"id": 17, "q": "//frame[mo:speed('right_hand') > 2]", "author": "kim", "began": TIME, "seconds": 3.2}
+
+
+class RunningQuery(BaseModel):
+    """A question that is evaluated now. seconds: for how long."""
+
+    model_config = ConfigDict(json_schema_extra=shown(_RUNNING))
+
+    id: int = Field(description="Its number, while it runs")
+    q: str = Field(description="The expression")
+    author: str = Field(description="Who asks")
+    began: str
+    seconds: float
+
+
+class RunningQueries(BaseModel):
+    model_config = ConfigDict(json_schema_extra=shown({"items": [_RUNNING]}))
+
+    items: list[RunningQuery]

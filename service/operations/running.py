@@ -1,0 +1,33 @@
+"""Questions that the server evaluates now, for the owner of the store."""
+
+from __future__ import annotations
+
+from datetime import timedelta
+from typing import Annotated
+
+from pydantic import Field
+
+from schemas.running import RunningQueries, RunningQuery
+from service.operations.call import Call
+from service.storage.identifiers import now
+
+
+def list_running_queries(call: Call) -> RunningQueries:
+    """The oldest first. There are no more than processes that evaluate."""
+    return RunningQueries(
+        items=[
+            RunningQuery(
+                id=one.id,
+                q=one.text,
+                author=one.limits.author,
+                began=now(timedelta(seconds=-one.seconds)),
+                seconds=round(one.seconds, 3),
+            )
+            for one in call.queries.running()
+        ]
+    )
+
+
+def end_running_query(call: Call, query: Annotated[int, Field(ge=1, description="Its number", examples=[17])]) -> None:
+    """Whoever asked it is told that it was cancelled."""
+    call.queries.end(query)

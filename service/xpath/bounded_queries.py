@@ -1,0 +1,43 @@
+"""Questions of a command, in its own process, which the system bounds while one is evaluated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+from schemas.queries import QueryAnswer, QueryRequest
+from service.processes.bounds import bounded
+from service.xpath.answer.streams import Answer, Shown
+from service.xpath.language.complete import Completion
+from service.xpath.limits import Limits
+from service.xpath.queries import Queries
+from service.xpath.xml.evaluate import out_of_memory
+
+
+class BoundedQueries(Queries):
+    """The query engine of a process that asks in its main thread, and ends soon after."""
+
+    def answer(self, request: QueryRequest, limits: Limits | None = None) -> QueryAnswer:
+        limits = limits or self.limits()
+        with self._bounded(limits):
+            return super().answer(request, limits)
+
+    def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
+        limits = limits or self.limits()
+        with self._bounded(limits):
+            return super().stream(request, limits)
+
+    def completions(
+        self, text: str, at: int, documents: Sequence[str], project: str | None
+    ) -> tuple[int, list[Completion]]:
+        with self._bounded(self.limits()):
+            return super().completions(text, at, documents, project)
+
+    @contextmanager
+    def _bounded(self, limits: Limits) -> Iterator[None]:
+        memory = self.settings.query_memory_mib << 20
+        try:
+            with bounded(memory, limits.overdue):
+                yield
+        except MemoryError:
+            raise out_of_memory(memory) from None
