@@ -16,7 +16,7 @@ from service.xpath.library.forest import Forest
 from service.xpath.nodes.items import Column, Items
 from service.xpath.nodes.nodesets import NodeSets
 from service.xpath.nodes.numbering import Bools, Floats, Ints
-from service.xpath.nodes.pairs import bounded
+from service.xpath.nodes.pairs import MAX_PAIRS, TooWideError, bounded, expand
 from service.xpath.nodes.samples import Samples
 from service.xpath.nodes.texts import Strings, of_numbers, of_texts
 
@@ -231,7 +231,11 @@ def ranges(low: Floats, high: Floats) -> Items:
     ends = np.concatenate([low, high])
     if not (np.isfinite(ends).all() and (ends == np.floor(ends)).all()):
         raise NotOnColumnsError
-    source, within = bounded(np.maximum(0, high - low + 1).astype(np.int64))
+    counts = np.maximum(0.0, high - low + 1)
+    # Beyond these whole numbers are no numbers of arrays.
+    if counts.sum() > MAX_PAIRS or (np.abs(ends) > MOST_WHOLE).any():
+        raise TooWideError(MAX_PAIRS + 1)
+    source, within = expand(counts.astype(np.int64))
     return Items(source, low[source] + within, len(low))
 
 
@@ -255,6 +259,7 @@ def _floats(items: Items) -> Floats:
     return np.asarray(items.column, np.float64)
 
 
+MOST_WHOLE = 2.0**53
 _EXTREMES = frozenset({"min", "max", "avg"})
 _FUNCTIONS: dict[str, Callable[[Forest, Items, Sequence[Value]], Value]] = {
     "count": _count, "exists": _exists, "empty": _empty, "sum": _sum, "avg": _avg,

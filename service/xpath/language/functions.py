@@ -97,7 +97,9 @@ FUNCTIONS = {
     "concat": Signature("string", 2, None, of_texts=lambda *texts: "".join(texts)),
     "starts-with": Signature("boolean", 2, 2, of_texts=str.startswith),
     "contains": Signature("boolean", 2, 2, of_texts=lambda text, part: part in text),
-    "substring-before": Signature("string", 2, 2, of_texts=lambda text, part: text.partition(part)[0] * (part in text)),
+    "substring-before": Signature(
+        "string", 2, 2, of_texts=lambda text, part: text.partition(part)[0] if part and part in text else ""
+    ),
     "substring-after": Signature("string", 2, 2, of_texts=lambda text, part: text.partition(part)[2] if part else text),
     "substring": Signature("string", 2, 3),
     "string-length": Signature("number", 0, 1, is_integer=True, of_texts=lambda text: float(len(text))),

@@ -8,6 +8,7 @@ to Saxon (`written.py`).
 from __future__ import annotations
 
 from service.errors import Place, QueryError
+from service.xpath.language.arity import check_arity
 from service.xpath.language.functions import SAFE_FUNCTIONS
 from service.xpath.language.tokens import Token, tokens
 from service.xpath.language.tree import (
@@ -36,10 +37,6 @@ ANY_NODE = Step("descendant-or-self", "node()")
 _COMPARISONS = frozenset({"=", "!=", "<", "<=", ">", ">=", *VALUE_COMPARISONS})
 _OPERATORS = frozenset(LEVELS) - {"negate", "|", "intersect", "except", "!", "/"}
 _PREFIXES = ("fn", "math", "mo")
-
-
-class ArityError(QueryError):
-    """A function is called with a number of arguments that it does not take."""
 
 
 def read(text: str) -> Expression:
@@ -286,11 +283,30 @@ class _Reader:
         predicates = self._predicates()
         return Step(axis, name, predicates, (begin, self._end()))
 
+    def _local(self) -> str:
+        if self._next.kind != "name":
+            raise self._unexpected("a name is missing")
+        return self._advance().text
+
+    def _qualified(self) -> str:
+        """`Q{}name`, `Q{}*`: of no namespace."""
+        self._advance(), self._advance()
+        if not self._accept("}"):
+            raise QueryError(
+                "MCML has no namespaces",
+                at=Place(column=self._next.start + 1),
+                remedy="Write Q{} before the name, or the name alone.",
+            )
+        return "*" if self._accept("*") else self._local()
+
     def _test(self) -> str:
         if self._accept("*"):
-            return "*"
+            # Of any namespace: MCML has none.
+            return self._local() if self._accept(":") else "*"
         if self._next.kind != "name":
             raise self._unexpected("a node test is missing")
+        if self._next.text == "Q" and self._follows("{"):
+            return self._qualified()
         if not self._follows("("):
             name = self._advance().text
             if self._at(":"):
@@ -382,11 +398,3 @@ def _binds_first(left: str, right: str) -> bool:
 
 def _joined(operator: str, operands: list[Expression], last: Expression) -> Operation:
     return Operation(operator, (*operands, last), (operands[0].span[0], last.span[1]))
-
-
-def check_arity(name: str, count: int, column: int) -> None:
-    """ArityError where a function does not take so many arguments."""
-    signature = SAFE_FUNCTIONS[name]
-    if not signature.takes(count):
-        given = "1 is given" if count == 1 else f"{count} are given"
-        raise ArityError(f"{name}() takes {signature.words}, {given}", at=Place(column=column))

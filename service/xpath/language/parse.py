@@ -9,9 +9,10 @@ from difflib import get_close_matches
 
 from service.errors import LimitError, McmlError, Place, QueryError
 from service.motion.bodies.quantities import QUANTITIES
+from service.xpath.language.arity import ArityError
 from service.xpath.language.certain import certain, certain_text
 from service.xpath.language.functions import SAFE_FUNCTIONS
-from service.xpath.language.grammar import ArityError, read
+from service.xpath.language.grammar import read
 from service.xpath.language.meaning import bind, from_document, with_stored_names
 from service.xpath.language.motion_functions import CONSTANT, MOTION_FUNCTIONS, OF_FRAMES, PREFIX
 from service.xpath.language.tree import (
@@ -29,7 +30,7 @@ from service.xpath.language.tree import (
     children,
     walk,
 )
-from service.xpath.language.types import depends_on_position, is_of_variables, item_type, type_of
+from service.xpath.language.types import depends_on_position, is_of_document, is_of_variables, item_type, type_of
 from service.xpath.language.unparse import unparse
 from service.xpath.language.written import read_xpath2
 
@@ -142,6 +143,11 @@ def _check_types(tree: Expression) -> None:
             needed = (part.start,)
         elif isinstance(part, Operation) and part.operator in OF_NODES:
             needed = part.operands
+        elif isinstance(part, Operation) and part.operator == "to" and len(part.operands) > 2:
+            column = part.operands[2].span[0] + 1
+            raise QueryError(
+                "a range has two ends", at=Place(column=column), remedy="Write (a to b) to c with brackets."
+            )
         elif not is_later and isinstance(part, Filter):
             needed = (part.operand,)
         elif isinstance(part, Call):
@@ -178,6 +184,8 @@ def _check_motion(call: Call) -> None:
         if parameter in CONSTANT and not is_of_variables(argument):
             remedy = "Write a number, a text or a $variable."
             raise QueryError(f"{call.function} takes the same {parameter} in every frame", at=place, remedy=remedy)
+        if parameter == "n" and not is_of_document(argument):
+            raise QueryError("how many runs are wanted depends on a node", at=place, remedy="Write a number.")
         if parameter in OF_FRAMES and depends_on_position(argument):
             remedy = "Ask for mo:time(), or for @id."
             raise QueryError(

@@ -9,20 +9,26 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from elementpath import XPath2Parser
 from elementpath.exceptions import ElementPathError
 from elementpath.tdop import Parser
+from elementpath.xpath31 import XPath31Parser
 
 from service.errors import Place, QueryError
+from service.xpath.language.arity import check_arity
 from service.xpath.language.calls import MOTION_CALL, argument_spans, written_calls
 from service.xpath.language.functions import AGGREGATES, SAFE_FUNCTIONS
-from service.xpath.language.grammar import check_arity
 from service.xpath.language.motion_functions import MOTION_FUNCTIONS, PREFIX, RUNS, WINDOW
 from service.xpath.language.tree import Written
 
 TYPES = frozenset({"string", "double", "decimal", "integer", "boolean", "float"})
 """Types of `xs:` that may be named."""
-_BINDERS = ("for", "some", "every")
+_BINDERS = ("for", "let", "some", "every")
+_REFUSED = {
+    "inline function": "a function cannot stand here",
+    "map": "maps are not offered",
+    "array": "arrays are not offered",
+}
+"""Kinds of tokens in which others are that are not looked at, and why they are refused."""
 _NODE_OPERATORS = ("union", "intersect", "except", "|")
 _STEPS = ("@", "*", ".", "..")
 _KIND_TEST_BEFORE_SIGN = re.compile(
@@ -35,14 +41,14 @@ _UNPREFIXED = "mo-"
 _OF_FRAMES = frozenset(name.replace(PREFIX, _UNPREFIXED) for name in (WINDOW, RUNS))
 
 
-class _XPath2(XPath2Parser):
+class _XPath3(XPath31Parser):
     """XPath 2.0 with functions of bodies in motion."""
 
 
 for _function in MOTION_FUNCTIONS:
     # How many arguments they take is checked here.
-    _XPath2.function(_function.replace(PREFIX, _UNPREFIXED), nargs=(0, None))
-_XPath2.build()
+    _XPath3.function(_function.replace(PREFIX, _UNPREFIXED), nargs=(0, None))
+_XPath3.build()
 
 
 def read_xpath2(text: str, variables: Mapping[str, str | float | bool]) -> Written:
@@ -53,7 +59,7 @@ def read_xpath2(text: str, variables: Mapping[str, str | float | bool]) -> Writt
     """
     text = spell_for_elementpath(text)
     try:
-        root = Parser.parse(_XPath2(), MOTION_CALL.sub(_unprefixed, text))
+        root = Parser.parse(_XPath3(), MOTION_CALL.sub(_unprefixed, text))
     except ElementPathError as error:
         raise _query_error(text, str(error)) from None
     for comment in _COMMENT.finditer(text):
@@ -109,14 +115,25 @@ def _name(token: Any, text: str) -> str:
 
 def _check(token: Any, name: str) -> None:
     column = token.span[0] + 1
+    if token.label in _REFUSED or token.symbol in ("#", "?"):
+        what = _REFUSED.get(token.label, f"{token.symbol} is not offered")
+        raise QueryError(f"{what}, beside what only Saxon evaluates", at=Place(column=column))
+    if token.symbol == "Q{" and token[0].value:
+        raise QueryError("MCML has no namespaces", at=Place(column=column), remedy="Write Q{}, or leave it out.")
+    if token.symbol == "=>" and token[1].symbol in ("(name)", "$", "("):
+        raise QueryError("the function behind => is not offered", at=Place(column=column))
     if token.symbol == ":":
         prefix, local = (getattr(part, "value", None) or part.symbol for part in (token[0], token[1]))
         local = token[1].symbol if token[1].label != "name" else local
-        if (prefix == "fn" and token[1].label == "function") or (prefix == "xs" and local in TYPES):
+        is_function = token[1].label == "function"
+        if (prefix == "fn" and is_function) or (prefix == "xs" and local in TYPES) or prefix == "*":
+            return
+        if prefix == "math" and is_function and f"math:{local}" in SAFE_FUNCTIONS:
             return
         raise QueryError(
             f"{prefix}: cannot be used here", at=Place(column=column), remedy="MCML has no namespaces: leave it out."
         )
+    name = f"math:{name}" if token.label == "function" and f"math:{name}" in SAFE_FUNCTIONS else name
     if token.label == "function" and name not in SAFE_FUNCTIONS:
         raise QueryError(
             f"the function {name}() is not offered",
@@ -147,7 +164,7 @@ def _gives_nodes(token: Any) -> bool:
         return True
     if symbol == "if":
         return all(map(_gives_nodes, operands[1:]))
-    if symbol == "for":
+    if symbol in ("for", "let", "!"):
         return _gives_nodes(operands[-1])
     return symbol in ("(", ",") and bool(operands) and all(map(_gives_nodes, operands))
 
