@@ -13,7 +13,8 @@ from typing import BinaryIO
 
 from service.errors import FormatError, LimitError, Notice
 from service.formats.bvh_hierarchy import LONGEST_SHARED, read_hierarchy, shared_hierarchy, write_hierarchy
-from service.formats.bvh_motion import Motion, guess_translation
+from service.formats.bvh_motion import Motion
+from service.formats.bvh_translation import guess_translation
 from service.formats.format import FileKind, Limits, ReadOptions, SourceFile, need_convention
 from service.formats.lines import Encoding, Lines, Token, Tokens, detect_encoding, encoded, shown
 from service.formats.number_text import detect_style, rows_of_text
@@ -50,7 +51,7 @@ class Bvh:
         frames, frame_time = _read_motion_head(tokens, options.limits, len(skeleton.columns()), notices)
         motion = Motion(stream, tokens.offset(), skeleton, frames, encoding.start)
         sample = motion.sample()
-        skeleton = guess_translation(skeleton, sample.values, options.translation, notices)
+        skeleton = guess_translation(skeleton, lambda: motion.spread(sample), options.translation, notices)
         head = ClipHead(
             format=self.name,
             skeleton=skeleton,
