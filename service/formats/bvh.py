@@ -142,7 +142,7 @@ def _value_behind(tokens: Tokens, words: tuple[str, ...]) -> Token | None:
             raise _expected(title, colon_token, tokens)
         if len(colon_token.text) > 1:
             return Token(colon_token.text[1:], colon_token.line, colon_token.column + 1)
-    if not tokens.words_left_in_line() and tokens.words_in_next_line() != 1:
+    if not tokens.has_words_in_line() and not tokens.next_line_is_a_word():
         return None
     return tokens.next()
 

@@ -136,7 +136,7 @@ def _read_end_site(tokens: Tokens, joint: OpenJoint, limits: Limits) -> None:
 
 
 def _read_triple(tokens: Tokens, what: str) -> Triple:
-    words = tokens.rest_words()
+    words = tokens.rest_words(3)
     if len(words) == 3 and all(map(is_number, words)):
         tokens.skip_line()
         return words[0], words[1], words[2]
@@ -159,7 +159,7 @@ def _read_channels(tokens: Tokens, joint: str) -> tuple[str, ...]:
     if count is None or not (count.text.isascii() and count.text.isdigit()):
         raise _unexpected(count, f"the number of channels of joint {joint!r}", tokens)
     channels: list[str] = []
-    listed = [CHANNEL_OF.get(word.lower(), "") for word in tokens.rest_words()]
+    listed = [CHANNEL_OF.get(word.lower(), "") for word in tokens.rest_words(len(CHANNEL_OF))]
     if all(listed) and len(set(listed)) == len(listed):
         tokens.skip_line()
         channels = listed

@@ -42,6 +42,9 @@ stands, and the legs are taken as stretched."""
 
 _SHOWN: Final = 5
 
+_MOST_CARRIERS: Final = 4
+"""Joints below each other that may carry a body; each takes a walk through the whole skeleton."""
+
 
 @dataclass(frozen=True, slots=True)
 class TranslationReading:
@@ -76,10 +79,13 @@ def read_translations(skeleton: Skeleton, sample: Array) -> tuple[TranslationRea
     carried = _carriers(skeleton)
     readings: list[TranslationReading] = []
     known = _with_modes(skeleton, tuple((joint, ABSOLUTE) for joint in _choices(skeleton)))
+    places = _places(skeleton)
     for joint in _choices(skeleton):
-        reading = _by_height(known, joint, values) if joint in carried else _by_value(known, joint, values)
-        readings.append(reading)
-        if reading.mode == RELATIVE:
+        if joint not in carried:
+            readings.append(_by_value(skeleton, joint, places[joint], values))
+            continue
+        readings.append(_by_height(known, joint, values))
+        if readings[-1].mode == RELATIVE:
             known = _with_modes(known, ((joint, RELATIVE),))
     return tuple(readings)
 
@@ -141,6 +147,16 @@ def _with_modes(skeleton: Skeleton, modes: tuple[tuple[int, str], ...]) -> Skele
 
 
 @once_a_skeleton
+def _places(skeleton: Skeleton) -> dict[int, list[tuple[int, int]]]:
+    """(axis, column) of the position channels of each joint."""
+    found: dict[int, list[tuple[int, int]]] = {}
+    for place, (joint, axis) in enumerate(skeleton.columns()):
+        if axis < 3:
+            found.setdefault(joint, []).append((axis, place))
+    return found
+
+
+@once_a_skeleton
 def _choices(skeleton: Skeleton) -> tuple[int, ...]:
     """Joints with position channels along an axis in which their OFFSET is not 0."""
     return tuple(
@@ -156,7 +172,7 @@ def _choices(skeleton: Skeleton) -> tuple[int, ...]:
 @once_a_skeleton
 def _carriers(skeleton: Skeleton) -> frozenset[int]:
     """The joints that carry a body: each root, and below one that does not branch the first joint that does."""
-    return frozenset(joint for root in skeleton.roots for joint in chain(skeleton, root))
+    return frozenset(joint for root in skeleton.roots for joint in chain(skeleton, root)[:_MOST_CARRIERS])
 
 
 def _by_height(skeleton: Skeleton, joint: int, values: Array) -> TranslationReading:
@@ -175,11 +191,7 @@ def _by_height(skeleton: Skeleton, joint: int, values: Array) -> TranslationRead
     told = far or float(np.linalg.norm(offset)) > _APART * body.size
     allowed = max((_AGREES if far else _AGREES_CLOSELY) * body.size, _AGREES_OF_GAP * gap)
     replaces, adds = (float(np.mean(np.abs(heights - body.rest) <= allowed)) >= 0.5 for heights in (absolute, relative))
-    places = [
-        place
-        for place, (index, axis) in enumerate(skeleton.columns())
-        if index == joint and body.up[axis % 3] and axis < 3
-    ]
+    places = [place for axis, place in _places(skeleton)[joint] if body.up[axis]]
     height = float(np.abs(values[:, places]).mean()) if places else 0.0
     from_offset = float(np.abs(values[:, places] - offset @ np.abs(body.up)).mean()) if places else 0.0
     mode = RELATIVE if told and adds and not replaces and height < from_offset else ABSOLUTE
@@ -255,7 +267,8 @@ def _named(skeleton: Skeleton, joints: list[int], words: tuple[str, ...]) -> lis
 def _rest_positions(skeleton: Skeleton) -> Array:
     """(J, 3) of the rest pose, each root at its OFFSET."""
     still = np.broadcast_to(IDENTITY, (1, len(skeleton), 4))
-    return walked(skeleton, rest_of(skeleton).offsets[None], still)[0][0]
+    positions: Array = walked(skeleton, rest_of(skeleton).offsets[None], still)[0][0]
+    return positions
 
 
 def _branch(skeleton: Skeleton, joint: int) -> list[int]:
@@ -270,9 +283,8 @@ def _branch(skeleton: Skeleton, joint: int) -> list[int]:
     return found
 
 
-def _by_value(skeleton: Skeleton, joint: int, values: Array) -> TranslationReading:
+def _by_value(skeleton: Skeleton, joint: int, places: list[tuple[int, int]], values: Array) -> TranslationReading:
     """Absolute, unless the mean is nearer to 0 than to the OFFSET and agrees with it along no axis."""
-    places = [(axis, place) for place, (index, axis) in enumerate(skeleton.columns()) if index == joint and axis < 3]
     offset = numbers(skeleton.joints[joint].offset)[[axis for axis, _ in places]]
     mean = values[:, [place for _, place in places]].mean(axis=0)
     large = np.abs(offset) >= 0.1 * np.linalg.norm(offset)

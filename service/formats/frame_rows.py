@@ -167,44 +167,40 @@ class FrameRows:
                 current = {}
                 frames.append((opening[1], current))
                 continue
-            frame = f"frame {frames[-1][0].decode('latin-1')}" if frames else "before the first frame"
             if current is None:
-                raise FormatError(f"{frame}: found {self._layout.show(line)}", at=self._place(offset + match.start()))
-            self._add_row(line, frame, current, offset + match.start())
+                what = f"before the first frame: found {self._layout.show(line)}"
+                raise FormatError(what, at=self._place(offset + match.start()))
+            self._add_row(line, frames[-1][0], current, offset + match.start())
         if not frames:
             return None, None
         return _block(self._layout, frames), _Regular.of(self._layout, frames[-1][1], self._spelled)
 
-    def _add_row(self, line: bytes, frame: str, rows: dict[bytes, list[float]], offset: int) -> None:
+    def _add_row(self, line: bytes, frame: bytes, rows: dict[bytes, list[float]], offset: int) -> None:
         words = line.split()
         name = self._layout.find(words[0])
-        shown = self._layout.show(words[0])
         if name is None:
-            raise FormatError(
-                f"{frame}: bone {shown} is not in the {self._layout.names_bones}",
-                at=self._place(offset),
-                remedy=self._layout.remedy,
-            )
+            what = f"is not in the {self._layout.names_bones}"
+            raise self._wrong_row(frame, words[0], f": bone * {what}", offset, self._layout.remedy)
         if name in rows:
-            raise FormatError(f"{frame}: bone {shown} stands twice", at=self._place(offset))
+            raise self._wrong_row(frame, words[0], ": bone * stands twice", offset)
         expected = len(self._layout.channels[name])
         if len(words) - 1 != expected:
             lists = "dof lists" if self._layout.fold_case else "rows have"
-            raise FormatError(
-                f"{frame}: bone {shown} has {len(words) - 1} values, {self._layout.names_bones} {lists} {expected}",
-                at=self._place(offset),
-                remedy=self._layout.remedy,
-            )
+            what = f": bone * has {len(words) - 1} values, {self._layout.names_bones} {lists} {expected}"
+            raise self._wrong_row(frame, words[0], what, offset, self._layout.remedy)
         values = []
         for index, word in enumerate(words[1:], start=1):
             text = word.decode("latin-1")
             if not is_number(text):
-                raise FormatError(
-                    f"{frame}, bone {shown}, value {index}: {what_is_wrong(text)}", at=self._place(offset)
-                )
+                raise self._wrong_row(frame, words[0], f", bone *, value {index}: {what_is_wrong(text)}", offset)
             values.append(float(text))
         rows[name] = values
         self._spelled[name] = words[0]
+
+    def _wrong_row(self, frame: bytes, bone: bytes, what: str, offset: int, remedy: str | None = None) -> FormatError:
+        """The error for a row. what: with a `*` for the bone."""
+        words = f"frame {frame.decode('latin-1')}{what.replace('*', self._layout.show(bone), 1)}"
+        return FormatError(words, at=self._place(offset), remedy=remedy)
 
 
 @dataclass(frozen=True)

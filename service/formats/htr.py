@@ -68,7 +68,8 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     if head.version == 1:
         index = index_segments(stream, head.data, encoding, options.limits)
         _check_index(head, set(index.spans))
-        comments += [comment for comment in index.comments if comment not in comments]
+        known = set(comments)
+        comments += [comment for comment in index.comments if comment not in known]
         missing, has_end = index.missing, index.has_end
         if index.repeated:
             notices.append(

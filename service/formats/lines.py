@@ -9,6 +9,7 @@ import codecs
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import BinaryIO, NamedTuple
 
 from service.errors import FormatError, LimitError, Notice, Place
@@ -240,6 +241,7 @@ class Tokens:
         self._lines = lines
         self._line: Line | None = None
         self._position = 0
+        self._end = 0
         self._ahead: Token | None = None
 
     def peek(self) -> Token | None:
@@ -257,7 +259,8 @@ class Tokens:
             line, position = self._lines.next(), 0
             if line is None:
                 return None
-            self._line, self._position = line, 0
+            # The last character that is no blank, looked for once a line: a file may be one long line.
+            self._line, self._position, self._end = line, 0, len(line.text.rstrip(BLANKS))
 
     def next(self) -> Token | None:
         token, self._ahead = self._ahead or self._find(), None
@@ -265,14 +268,16 @@ class Tokens:
             self._position = token.column - 1 + len(token.text)
         return token
 
-    def rest_words(self) -> list[str]:
-        """The words that the current line still holds; `skip_line` takes them all at once."""
-        return [] if self._line is None else _WORD.findall(self._line.text, self._position)
+    def rest_words(self, most: int) -> list[str]:
+        """The words that the current line still holds, up to one more than `most`; `skip_line` takes them all."""
+        if self._line is None:
+            return []
+        return [match.group() for match in islice(_WORD.finditer(self._line.text, self._position), most + 1)]
 
     def skip_line(self) -> None:
         """Go on behind the current line's last word."""
         if self._line is not None:
-            self._position = len(self._line.text.rstrip(BLANKS))
+            self._position = self._end
             self._ahead = None
 
     def rest_of_line(self) -> Token | None:
@@ -281,7 +286,7 @@ class Tokens:
             return None
         self._ahead = None
         text = self._line.text
-        last = len(text.rstrip(BLANKS)) - 1
+        last = self._end - 1
         end = text.find("{", self._position)
         while end >= 0 and not (end == last or end == self._position or text[end - 1] in BLANKS):
             end = text.find("{", end + 1)
@@ -291,14 +296,14 @@ class Tokens:
         name = rest.strip(BLANKS)
         return Token(name, self._line, start + 1) if name else None
 
-    def words_left_in_line(self) -> int:
-        """How many words the current line still holds."""
-        return len(self.rest_words())
+    def has_words_in_line(self) -> bool:
+        """Whether the current line still holds words."""
+        return bool(self.rest_words(0))
 
-    def words_in_next_line(self) -> int:
-        """How many words the line after the current one holds."""
+    def next_line_is_a_word(self) -> bool:
+        """Whether the line after the current one holds a single word."""
         following = self._lines.peek()
-        return 0 if following is None else len(_WORD.findall(following.text))
+        return following is not None and len(list(islice(_WORD.finditer(following.text), 2))) == 1
 
     def offset(self) -> int:
         """Byte offset behind the last word read, in a line that is ASCII up to there."""

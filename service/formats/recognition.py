@@ -72,7 +72,7 @@ def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes)
 
 
 def _unsupported_content(first_bytes: bytes) -> str | None:
-    if re.search(rb"(?im)^\s*FileType\s+gtr\b", first_bytes):
+    if re.search(rb"(?im)^[ \t]*FileType[ \t]+gtr\b", first_bytes):
         return "gtr"
     return None
 
