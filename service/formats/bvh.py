@@ -15,7 +15,7 @@ from service.errors import FormatError, LimitError, Notice
 from service.formats.bvh_hierarchy import LONGEST_SHARED, read_hierarchy, shared_hierarchy, write_hierarchy
 from service.formats.bvh_motion import Motion
 from service.formats.bvh_translation import guess_translation
-from service.formats.format import FileKind, Limits, ReadOptions, SourceFile, need_convention
+from service.formats.format import FileKind, Limits, ReadOptions, SourceFile, need_convention, need_seconds
 from service.formats.lines import Encoding, Lines, Token, Tokens, detect_encoding, encoded, shown
 from service.formats.number_text import detect_style, rows_of_text
 from service.formats.numbers import is_number, is_whole, what_is_wrong
@@ -26,7 +26,8 @@ from service.motion.skeleton import Convention, Skeleton
 
 _MOTION = re.compile(rb"\bMOTION\s+Frames\b", re.IGNORECASE)
 _MOTION_LINE = re.compile(rb"^MOTION\s+Frames\b", re.IGNORECASE | re.MULTILINE)
-_ASSUMED_FRAME_TIME = "0.00833333"
+_NO_TIME = "0.00833333"
+"""Of a pose, or of a skeleton alone, which take no time, but readers want one."""
 
 
 class Bvh:
@@ -158,8 +159,9 @@ def _expected(what: str, token: Token | None, tokens: Tokens) -> FormatError:
 def _write(clip: ClipStream) -> Iterator[bytes]:
     head = clip.head
     codec = next((source.encoding for source in head.sources if source.part == "bvh"), "utf-8")
-    lines = [*write_hierarchy(head.skeleton, clip.notices), "MOTION", f"Frames: {count_frames(clip)}"]
-    frame_time = _frame_time(clip)
+    frames = count_frames(clip)
+    frame_time = _frame_time(clip, frames)
+    lines = [*write_hierarchy(head.skeleton, clip.notices), "MOTION", f"Frames: {frames}"]
     if frame_time is not None:
         lines.append(f"Frame Time: {frame_time}")
     yield encoded("\n".join(lines) + "\n", codec, clip.notices)
@@ -175,15 +177,11 @@ def _write(clip: ClipStream) -> Iterator[bytes]:
         )
 
 
-def _frame_time(clip: ClipStream) -> str | None:
-    """What to write; None for a BVH file that had none."""
+def _frame_time(clip: ClipStream, frames: int) -> str | None:
+    """What to write; None for a BVH file that had none. Raises ConversionError where nobody knows it."""
     head = clip.head
     if head.frame_time is not None or head.format == "bvh":
         return head.frame_time
-    seconds = head.seconds_per_frame()
-    if seconds is not None:
-        return lexeme(seconds)
-    clip.notices.append(
-        Notice("guess", f"the source states no frame rate; Frame Time {_ASSUMED_FRAME_TIME} (120 a second) was written")
-    )
-    return _ASSUMED_FRAME_TIME
+    if frames < 2 and head.seconds_per_frame() is None:
+        return _NO_TIME
+    return lexeme(need_seconds(head, "BVH"))

@@ -15,7 +15,7 @@ from service.errors import ConversionError, Notice
 from service.formats.c3d_parameters import BLOCK, INTEL
 from service.formats.c3d_points import to_floats
 from service.formats.c3d_quantities import Quantity, kept_quantities, samples_at, units_of
-from service.formats.format import note
+from service.formats.format import need_seconds, note
 from service.motion.clip import ClipHead, ClipStream, FrameBlock
 from service.motion.skeleton import CHANNEL_INDEX, Array, Skeleton
 
@@ -31,9 +31,7 @@ _CAPPED: Final = 0xFFFF
 def write_c3d(clip: ClipStream) -> Iterator[bytes]:
     """The file of a clip. Raises ConversionError without a rate, without frames, or with too many labels."""
     head = clip.head
-    seconds = head.seconds_per_frame()
-    if seconds is None:
-        raise ConversionError("C3D says how fast frames follow, and the document does not", remedy="State it first.")
+    seconds = need_seconds(head, "C3D")
     rate = float(head.fields.get("dataframe_rate") or 1 / seconds)
     if not 1e-38 < rate < 3e38:
         raise ConversionError(f"C3D cannot hold {rate:g} frames a second", remedy="State another frame time first.")

@@ -88,7 +88,8 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     known_facts = _FACTS if rate else _FACTS[1:]
     sections += [(name, text) for name, text in head.facts.items() if name not in known_facts]
     if len(times.seconds) and np.isfinite(times.seconds[0]):
-        sections.append(("Time", f"{times.decimals} {first_time(times, float(rate) if rate else None)!r}"))
+        start = first_time(times, float(rate) if rate else None)
+        sections.append(("Time", f"{times.decimals} {start!r}{_number(_first_row(stream, head.data))}"))
     part = SourcePart(
         part="trc",
         name=file.name.rsplit("/", 1)[-1],
@@ -165,6 +166,12 @@ def _first_row(stream: BinaryIO, start: int) -> list[bytes]:
     stream.seek(start)
     row = re.split(rb"[\r\n]", stream.read(_SAMPLE_BYTES).lstrip(b"\r\n"))[0].rstrip(b"\t ")
     return row.split(b"\t") if b"\t" in row else row.split()
+
+
+def _number(row: list[bytes]) -> str:
+    """The number of the first frame behind a blank; nothing where it has none."""
+    text = row[0].strip().decode("latin-1") if row else ""
+    return f" {int(text)}" if is_whole(text) else ""
 
 
 def _style(stream: BinaryIO, start: int) -> str:
