@@ -13,6 +13,7 @@ from itertools import islice
 from typing import BinaryIO, NamedTuple
 
 from service.errors import FormatError, LimitError, Notice, Place
+from service.formats.plausible_text import EASTERN, plausible_codecs, title_of
 
 BLOCK = 1 << 18
 LONGEST_LINE = 1 << 20
@@ -23,7 +24,6 @@ BLANKS = " \t\v\f\r\n"
 
 _LOOKED_AT = 64
 _UTF8_BOM = codecs.BOM_UTF8
-_HANGUL = re.compile("[\uac00-\ud7a3\u3131-\u318e]")
 _BLANK_FREE = re.compile(r"\S+", re.ASCII)
 LINE_END = re.compile(rb"\r\n|\n|\r")
 
@@ -66,7 +66,7 @@ def utf16_codec(head: bytes) -> str | None:
 
 
 def detect_encoding(stream: BinaryIO, given: str | None, stop: Callable[[bytes], bool] | None = None) -> Encoding:
-    """UTF-8, else the given encoding, else CP949 if that gives Hangul, else Latin-1 (design: Encoding).
+    """UTF-8, else the given encoding, else the one whose letters are most plausible, else Latin-1.
 
     stop: told each block; true ends the look, for files whose rest can hold nothing but numbers.
     Raises FormatError for an unknown codec, UTF-16, and text that the given encoding cannot read.
@@ -85,22 +85,36 @@ def detect_encoding(stream: BinaryIO, given: str | None, stop: Callable[[bytes],
             if stop is not None and stop(block):
                 return
 
-    if _decodes(chunks(), "utf-8")[0]:
+    if _decodes(chunks(), "utf-8"):
         if start:
             notice = Notice("repair", "the file begins with a byte order mark (UTF-8)")
             return Encoding("utf-8-sig", start, (notice,))
         return Encoding("utf-8", 0)
     if given is not None:
-        if not _decodes(chunks(), given)[0]:
+        if not _decodes(chunks(), given):
             raise FormatError(
                 f"the text is not {given}", at=Place(line=1), remedy="Name its encoding, such as latin-1 or cp949."
             )
         return Encoding(codecs.lookup(given).name, start)
-    decodes, has_hangul = _decodes(chunks(), "cp949")
-    if decodes and has_hangul:
-        return Encoding("cp949", start, (Notice("guess", "the text is not UTF-8; read as CP949, it holds Hangul"),))
-    notice = Notice("guess", "the text is not UTF-8; read as Latin-1. Name the encoding if names look wrong")
-    return Encoding("latin-1", start, (notice,))
+    codec = next((codec for codec in _plausible(chunks()) if _decodes(chunks(), codec)), "latin-1")
+    tried = ", ".join(title_of(name) for name in (*EASTERN, "latin-1"))
+    what = (
+        f"the text is not UTF-8; of {tried} it is most plausible as {title_of(codec)}. Name the encoding if it is not"
+    )
+    return Encoding(codec, start, (Notice("guess", what),))
+
+
+def _plausible(chunks: Iterator[bytes]) -> list[str]:
+    """Codecs for which the first lines that are not ASCII are plausible, the best first."""
+    found, size = [], 0
+    for chunk in chunks:
+        if not chunk.isascii():
+            # A line that goes on in the next chunk may end within a character.
+            found.append(chunk[: chunk.rfind(b"\n")] if len(chunk) == BLOCK else chunk)
+            size += len(chunk)
+        if size >= 2 * BLOCK:
+            break
+    return plausible_codecs(b"\n".join(found), "latin-1")
 
 
 def _check_codec(given: str) -> None:
@@ -115,21 +129,20 @@ def _check_codec(given: str) -> None:
         )
 
 
-def _decodes(chunks: Iterator[bytes], codec: str) -> tuple[bool, bool]:
-    """(whether the bytes are text in that codec, whether there is Hangul in it)."""
+def _decodes(chunks: Iterator[bytes], codec: str) -> bool:
+    """Whether the bytes are text in that codec."""
     decoder = codecs.getincrementaldecoder(codec)()
-    pending = has_hangul = False
+    pending = False
     try:
         for chunk in chunks:
             if not pending and chunk.isascii():
                 continue
             pending = True
-            text = decoder.decode(chunk)
-            has_hangul = has_hangul or _HANGUL.search(text) is not None
+            decoder.decode(chunk)
         decoder.decode(b"", final=True)
     except UnicodeError:
-        return False, False
-    return True, has_hangul
+        return False
+    return True
 
 
 def shown(text: str) -> str:

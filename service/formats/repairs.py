@@ -10,6 +10,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from service.errors import LimitError
 from service.formats.format import SourceFile
@@ -96,7 +97,7 @@ def repaired(files: Mapping[str, SourceFile], names: tuple[str, ...]) -> tuple[d
             if name in names:
                 content, words = repair(part, content)
                 told += [words] if words else []
-        found[part] = SourceFile(file.name, io.BytesIO(content))
+        found[part] = replace(file, stream=io.BytesIO(content))
     return found, told
 
 

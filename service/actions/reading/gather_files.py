@@ -15,6 +15,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import BinaryIO, TypeAlias, cast
 
+from service.actions.reading.zip_names import member_names
 from service.errors import FormatError, LimitError, McmlError, Place, SpaceError, is_full
 from service.formats import FORMATS, find_format
 from service.formats.format import SourceFile
@@ -226,7 +227,8 @@ def _unpacked(files: list[SourceFile], settings: Settings, stack: ExitStack, res
 
 def _members(file: SourceFile, settings: Settings, stack: ExitStack) -> list[SourceFile]:
     archive = stack.enter_context(zipfile.ZipFile(file.stream))
-    names = [info for info in archive.infolist() if not info.is_dir() and not _is_litter(_path(info))]
+    paths, notices = member_names(archive.infolist())
+    names = [info for info in archive.infolist() if not info.is_dir() and not _is_litter(paths[info.header_offset])]
     if len(names) > settings.max_zip_files:
         raise LimitError(
             f"The zip holds {len(names)} files, the limit is {settings.max_zip_files}.",
@@ -250,13 +252,8 @@ def _members(file: SourceFile, settings: Settings, stack: ExitStack) -> list[Sou
                     )
                 spool.write(block)
         spool.seek(0)
-        members.append(SourceFile(_path(info), spool))
+        members.append(SourceFile(paths[info.header_offset], spool, notices))
     return members
-
-
-def _path(info: zipfile.ZipInfo) -> str:
-    """Some programs of Windows write backslashes between folders."""
-    return info.filename.replace("\\", "/")
 
 
 def _is_litter(name: str) -> bool:
