@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import BinaryIO, Final
@@ -10,14 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.errors import FormatError, Notice
+from service.formats.format import note
 from service.formats.lines import line_and_column
 from service.formats.numbers import NumberStream, bad_token, count_tokens, parse_numbers, token_bounds, what_is_wrong
-from service.motion.clip import FrameBlock, full_shape
+from service.motion.clip import FrameBlock, Shape, full_shape
 from service.motion.skeleton import CHANNELS, Array, Skeleton
 
 SAMPLE_BYTES: Final = 1 << 16
 SPREAD_FRAMES: Final = 32
 BEGINNING_FRAMES: Final = 8
+MISSING: Final = b"?"
+"""Of a sample that is missing. No program writes it: it is what the repair `missing-samples` makes of `nan`."""
+
+_MISSING_WORD: Final = re.compile(rb"(?<!\S)\?(?!\S)")
+_COMMENT: Final = re.compile(rb"(?:^|(?<=[\r\n]))[ \t]*(?:#|//)[^\r\n]*")
 FRAMES_WITHOUT_CHANNELS: Final = 1 << 14
 """Frames of a block where a skeleton never moves, so that nothing limits its size."""
 
@@ -45,6 +52,8 @@ class Motion:
         self._frames = frames
         self._text_start = text_start
         self._first: Array | None = None
+        self.comments = False
+        """Whether comment lines were seen among the frames."""
 
     def sample(self) -> Sample:
         """The beginning, from which the number style is guessed; empty where it is not all numbers."""
@@ -81,15 +90,28 @@ class Motion:
         """The numbers of the text with which the motion begins, None where one of its words, so many, is none."""
         piece = NumberStream(self._stream, self._start).next()
         # Of a short clip that is all: `blocks` need not parse it again.
-        self._first = None if piece is None else parse_numbers(piece[0])
+        self._first = None if piece is None else self._numbers(piece[0])
         if self._first is None or len(self._first) < count:
-            return parse_numbers(text)
+            return self._numbers(text)
         return self._first[:count]
+
+    def _numbers(self, text: bytes) -> Array | None:
+        """The numbers of a text without comment lines, NaN for missing samples; None where a word is neither."""
+        values = parse_numbers(text)
+        if values is not None or not (MISSING in text or b"#" in text or b"//" in text):
+            return values
+        plain = _COMMENT.sub(b"", text)
+        if len(plain) < len(text):
+            self.comments = True
+        values = parse_numbers(_MISSING_WORD.sub(b"0", plain))
+        if values is not None and MISSING in plain:
+            words = np.array(plain.split())
+            values = np.where(words == MISSING, np.nan, values)
+        return values
 
     def blocks(self, notices: list[Notice]) -> Iterator[FrameBlock]:
         """All frames. Raises FormatError with the place of a bad number, and where the file ends too early."""
         width = len(self._columns)
-        shapes = (full_shape(self._columns),)
         source = NumberStream(self._stream, self._start)
         done, rest = 0, np.empty(0)
         while done < self._frames and width:
@@ -102,19 +124,23 @@ class Motion:
             rest = values[whole * width :].copy()
             if whole:
                 ids = np.arange(done + 1, done + whole + 1, dtype=np.int64)
-                yield FrameBlock(values[: whole * width].reshape(whole, width), self._columns, shapes, ids)
+                yield _block(values[: whole * width].reshape(whole, width), self._columns, ids)
             done += whole
         while done < self._frames:
             count = min(FRAMES_WITHOUT_CHANNELS, self._frames - done)
             ids = np.arange(done + 1, done + count + 1, dtype=np.int64)
-            yield FrameBlock(np.empty((count, 0)), self._columns, shapes, ids)
+            yield _block(np.empty((count, 0)), self._columns, ids)
             done += count
         self._report_surplus(source, len(rest), notices)
+        if self.comments:
+            note(notices, "warning", "comment lines among the frames are not in the document; the kept file has them")
 
     def _parsed(self, text: bytes, offset: int, before: int) -> Array:
-        values = parse_numbers(text) if self._first is None or offset != self._start else self._first
+        values = self._numbers(text) if self._first is None or offset != self._start else self._first
         if values is not None:
             return values
+        # Blanks of the same length keep the places of what is wrong.
+        text = _COMMENT.sub(lambda found: b" " * len(found[0]), _MISSING_WORD.sub(b"0", text))
         bad = bad_token(text)
         if bad is None:
             raise FormatError("a number cannot be read", at=line_and_column(self._stream, offset, self._text_start))
@@ -155,3 +181,18 @@ class Motion:
         notice = Notice("warning", f"MOTION declares {self._frames} frames, the file holds {frames}: left out")
         if notice not in notices:
             notices.append(notice)
+
+
+def _block(values: Array, columns: tuple[tuple[int, int], ...], ids: NDArray[np.int64]) -> FrameBlock:
+    """Frames (n, D) in which NaN is a missing sample."""
+    gone = np.isnan(values)
+    if not gone.any():
+        return FrameBlock(values, columns, (full_shape(columns),), ids)
+    patterns, shape_of = np.unique(gone, axis=0, return_inverse=True)
+    shapes: list[Shape] = []
+    for pattern in patterns:
+        bits = dict.fromkeys((joint for joint, _ in columns), 0)
+        for (joint, channel), missing in zip(columns, pattern.tolist(), strict=True):
+            bits[joint] |= 0 if missing else 1 << channel
+        shapes.append(tuple(bits.items()))
+    return FrameBlock(values, columns, tuple(shapes), ids, shape_of.reshape(-1))

@@ -44,7 +44,7 @@ class Htr:
         for line in re.split(rb"[\r\n]+", first_bytes.removeprefix(b"\xef\xbb\xbf")):
             text = line.partition(b"#")[0].strip().lower()
             if text:
-                return "htr" if text.startswith(b"[header]") else None
+                return "htr" if text.startswith((b"[header]", b"[head]")) else None
         return "htr" if name.lower().endswith((".htr", ".htr2")) and first_bytes.lstrip()[:1] == b"#" else None
 
     def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:

@@ -248,10 +248,16 @@ _WORD = re.compile(r"[{}]|[^\s{}]+", re.ASCII)
 
 
 class Tokens:
-    """Words of a file regardless of lines; braces stand for themselves even where they touch a word."""
+    """Words of a file regardless of lines; braces stand for themselves even where they touch a word.
 
-    def __init__(self, lines: Lines) -> None:
+
+    comments: beginnings of lines that are passed over.
+    """
+
+    def __init__(self, lines: Lines, comments: tuple[str, ...] = ()) -> None:
         self._lines = lines
+        self._comments = comments
+        self.passed_over = 0
         self._line: Line | None = None
         self._position = 0
         self._end = 0
@@ -272,6 +278,10 @@ class Tokens:
             line, position = self._lines.next(), 0
             if line is None:
                 return None
+            if self._comments and line.text.lstrip(BLANKS).startswith(self._comments):
+                self.passed_over += 1
+                line = None
+                continue
             # The last character that is no blank, looked for once a line: a file may be one long line.
             self._line, self._position, self._end = line, 0, len(line.text.rstrip(BLANKS))
 

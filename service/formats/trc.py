@@ -18,6 +18,7 @@ from service.formats.format import FileKind, ReadOptions, SourceFile, need_conve
 from service.formats.lines import Line, Lines, detect_encoding, shown
 from service.formats.number_text import detect_style
 from service.formats.numbers import is_number, is_whole
+from service.formats.separators import tabbed
 from service.formats.trc_columns import find_columns
 from service.formats.trc_rows import Rows
 from service.formats.trc_times import decide_rate, first_time
@@ -67,9 +68,11 @@ class _Head:
 
 
 def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
-    stream, limits = file.stream, options.limits
+    stream, limits = tabbed(file.stream), options.limits
     encoding = detect_encoding(stream, options.encoding)
     notices = list(encoding.notices)
+    if stream is not file.stream:
+        note(notices, "note", "cells are separated by commas or semicolons; they are read as if by tabs")
     head = _read_head(Lines(stream, encoding), notices)
     names, columns = find_columns(head.labels, head.facts, head.axes, _first_row(stream, head.data), limits, notices)
     skeleton = marker_skeleton(names)
