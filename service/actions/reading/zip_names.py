@@ -31,7 +31,7 @@ def member_names(members: Sequence[zipfile.ZipInfo]) -> tuple[dict[int, str], tu
         else:
             names[member.header_offset] = _as_path(stated)
     text = b"\n".join(unsaid.values())
-    codec = _codec(text)
+    codec = codec_of(text)
     names |= {place: _as_path(raw.decode(codec, errors="replace")) for place, raw in unsaid.items()}
     if text.isascii():
         return names, ()
@@ -49,7 +49,7 @@ def _raw(member: zipfile.ZipInfo) -> bytes:
     return member.orig_filename.encode(_DOS)
 
 
-def _codec(text: bytes) -> str:
+def codec_of(text: bytes) -> str:
     """The encoding of names: UTF-8 where they are that, else the most plausible one, else CP437."""
     for codec in ("utf-8", *plausible_codecs(text, _DOS)):
         try:
