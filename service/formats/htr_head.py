@@ -30,9 +30,6 @@ CHANNELS = ("Tx", "Ty", "Tz", "Rx", "Ry", "Rz", "SF")
 GLOBAL = "GLOBAL"
 _ORDERS = frozenset({"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"})
 _SECTION = re.compile(r"\[([^\]]*)\]")
-_SECTION_NAMES = {"head": "header"}
-"""Sections as some programs call them."""
-
 _HIERARCHY = "segmentnames&hierarchy"
 
 
@@ -69,7 +66,9 @@ def read_head(stream: BinaryIO, encoding: Encoding, limits: Limits, notices: lis
         limits.check_text(kept, line.at())
         section = _SECTION.fullmatch(text)
         if section:
-            name = _SECTION_NAMES.get(section[1].strip().lower(), section[1].strip().lower())
+            name = section[1].strip().lower()
+            # Some programs call the first section so; behind it, it is the segment of that name.
+            name = "header" if name == "head" and not sections else name
             if name not in ("header", _HIERARCHY, "baseposition"):
                 break
             if name in sections:

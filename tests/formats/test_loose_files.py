@@ -87,6 +87,13 @@ def test_head_of_htr() -> None:
     assert len(values(read(FORMATS["htr"], {"htr": data}, ReadOptions()))) == 2
 
 
+def test_a_segment_of_htr_may_be_called_head() -> None:
+    for data in (HTR, HTR.replace(b"[Header]", b"[Head]", 1)):
+        clip = read(FORMATS["htr"], {"htr": data.replace(b"m:Hand", b"Head")}, ReadOptions())
+        assert "Head" in clip.head.skeleton.names
+        assert len(values(clip)) == 2
+
+
 @pytest.mark.parametrize("separate", [lambda text: text.replace(b"\t", b","), lambda text: _semicolons(text)])
 def test_trc_between_commas(separate: Callable[[bytes], bytes]) -> None:
     wanted = read(FORMATS["trc"], {"trc": TRC}, ReadOptions())
