@@ -24,6 +24,7 @@ BENCHMARKS = {
     "lists": "lists of 100,000 documents: pages, searches, orders, facets, the feed",
     "panels": "windows of the analyses in the browser: a map of 100,000 faces",
     "reach": "reach models: fit, synthesis, memory, growth",
+    "readers": "readers on inputs that double, with gaps, warnings, repairs and faults",
     "share": "generated XPath expressions answered without projection",
     "store": "loading, sizes, label counts, edits, against BaseX and lxml",
     "studio": "the studio in a browser: start, frames, memory, 30,000 clips",

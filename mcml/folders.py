@@ -13,7 +13,8 @@ from service.actions.checking.describe_problem import UploadError
 from service.errors import UnsupportedError
 from service.formats import FORMATS
 
-EXTENSIONS = {".mcml", ".xml", ".zip"}.union(
+ARCHIVES = {".zip", ".gz", ".tgz", ".tar"}
+EXTENSIONS = {".mcml", ".xml", *ARCHIVES}.union(
     extension for format_ in FORMATS.values() for part in format_.parts for extension in part.extensions
 )
 """Of files that are looked for in folders."""
@@ -100,7 +101,7 @@ def _bounded(files: list[Path], most: int) -> Iterator[list[Path]]:
     group: list[Path] = []
     size = 0
     for file in files:
-        if file.suffix.lower() == ".zip":
+        if file.suffix.lower() in ARCHIVES:
             # Its ASF and AMC files are looked for among all of a call.
             yield [file]
             continue

@@ -11,7 +11,7 @@ import numpy as np
 
 from mcml.files import Files, check_free, opened_files, paths_of, write_file
 from mcml.frames import Frames
-from service.actions.exporting.convert_files import Converted, convert_files, format_of
+from service.actions.exporting.convert_files import Converted, convert_files, files_to_write, format_of
 from service.actions.reading.gather_files import gathered
 from service.actions.reading.import_options import ImportOptions
 from service.actions.reading.open_clip import open_clip
@@ -88,7 +88,7 @@ def convert(
     """Write a motion in another format; the files that were written (ASF/AMC are two).
 
     to: the format, where the name of the target does not say. force: replace files that are there.
-    options: frame_time, encoding, and names (of joints: mcml, bvh1, bvh2, asf or htr).
+    options: frame_time, encoding, unit, up, and names (of joints: mcml, bvh1, bvh2, asf or htr).
     Raises Error: what cannot be read or written, or a file that is there.
 
     >>> convert("walk.bvh", "walk.mcml")
@@ -98,6 +98,8 @@ def convert(
     with ExitStack() as stack:
         sources = stack.enter_context(opened_files(files))
         form = to or format_of(result.name)
+        if result.suffix:
+            files_to_write(result, form)
         done: Converted = stack.enter_context(convert_files(sources, form, Settings(), stem=result.stem, **options))
         paths = []
         for extension, content in done.files.items():

@@ -18,7 +18,7 @@ from mcml.frames import Frames
 from schemas.documents import DocumentChange, DocumentDetail, DocumentSummary, FileProblem, Label, LabelRequest
 from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
 from schemas.skeletons import SkeletonView
-from service.actions.exporting.convert_files import format_of
+from service.actions.exporting.convert_files import files_to_write, format_of
 from service.actions.reading.read_numbers import Space
 from service.operations.call import Content
 
@@ -263,11 +263,13 @@ class Document:
     ) -> Path:
         """Write it as a file; the path. format: where the name does not say. force: replace a file that is there.
 
-        options: first, last, names (of joints: mcml, bvh1, bvh2, asf, htr), unit, up, revision, original.
+        options: first, last, names (of joints: mcml, bvh1, bvh2, asf, htr), unit, up, frame_time, revision, original.
+        A name that ends with .asf or .amc makes both files.
         """
         target = Path(path)
-        content = self._call("export_document", format=format or format_of(target.name), **options)
-        write_file(target, content.blocks, force=force)
+        for part, form in files_to_write(target, format or format_of(target.name)):
+            content = self._call("export_document", format=form, **options)
+            write_file(part, content.blocks, force=force)
         return target
 
     def rename(self, name: str, message: str = "") -> Document:

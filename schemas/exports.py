@@ -22,3 +22,4 @@ class ExportRequest(BaseModel):
     names: str | None = Field(None, description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's")
     unit: str | None = Field(None, description="Scale lengths to this unit; the documents must state their own")
     up: str | None = Field(None, description="Turn so that this axis points up")
+    frame_time: str | None = Field(None, description="Seconds a frame, for documents that do not say")

@@ -20,6 +20,7 @@ from service.actions.keeping.keep_room import forget_activity
 from service.actions.keeping.purge_documents import finish_purges
 from service.api import description, events, health, openid, page, problems, sessions, studio
 from service.api.doors import Doors
+from service.api.file_names import read_names_in_forms
 from service.api.guard import Guard
 from service.api.lanes import Lanes
 from service.api.parameters import known_parameters
@@ -61,6 +62,7 @@ def create_app(
     database: of whoever uses the service in its own process; default from the settings. secret: what is read each time
     that it is asked for; who sends it from this machine may come in as the owner of the store.
     """
+    read_names_in_forms()
     store = database or Database(settings.database_url, settings.database_read_url)
     traffic = Traffic()
     repository = Repository(store, settings)

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from mcml.files import write_file
+from service.actions.exporting.convert_files import files_to_write
 from service.cli.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, chosen, for_each
 from service.cli.shared import DatabaseOption, ForceOption, ServerOption, console, opened, write_to_the_end
 
@@ -30,6 +31,7 @@ def export(
     names: Annotated[str | None, typer.Option(help="Joint names: mcml, bvh1, bvh2, asf or htr")] = None,
     unit: Annotated[str | None, typer.Option(help="Scale lengths to this unit")] = None,
     up: Annotated[str | None, typer.Option(help="Turn so that this axis points up")] = None,
+    frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the document does not say")] = None,
     original: Annotated[bool, typer.Option(help="The kept bytes of documents that were not edited")] = True,
     revision: Annotated[int | None, typer.Option(min=1, help="As this revision left it")] = None,
     database: DatabaseOption = None,
@@ -41,9 +43,15 @@ def export(
     found = chosen(client, ids, project, motion_name, xpath)
     written: set[Path] = set()
     stated: dict[str, Any] = {"first": first, "last": last, "names": names, "unit": unit, "up": up}
+    stated["frame_time"] = frame_time
 
     def export_one(item: Any) -> None:
-        file = client.call("export_document", id=item.id, format=format, revision=revision, original=original, **stated)
+        to_name = output is not None and str(output) != "-" and not output.is_dir() and len(found) == 1
+        for path, form in files_to_write(output, format) if to_name and output is not None else [(output, format)]:
+            write_one(item, path, form)
+
+    def write_one(item: Any, output: Path | None, form: str) -> None:
+        file = client.call("export_document", id=item.id, format=form, revision=revision, original=original, **stated)
         if output is not None and str(output) == "-":
             for block in file.blocks:
                 sys.stdout.buffer.write(block)

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from mcml.files import check_free, opened_files, write_file
-from service.actions.exporting.convert_files import convert_files, format_of
+from service.actions.exporting.convert_files import convert_files, files_to_write, format_of
 from service.actions.reading.import_options import ImportOptions
 from service.actions.reading.inspect_files import inspect_files
 from service.cli.shared import ForceOption, JsonOption, chosen_settings, console, print_json
@@ -23,6 +23,8 @@ def convert(
     frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the files do not say")] = None,
     encoding: Annotated[str | None, typer.Option(help="Text encoding of the input, if it is not UTF-8")] = None,
     names: Annotated[str | None, typer.Option(help="Joint names: mcml, bvh1, bvh2, asf or htr")] = None,
+    unit: Annotated[str | None, typer.Option(help="Unit of length of the input, where it does not say")] = None,
+    up: Annotated[str | None, typer.Option(help="Axis of the input that points up, where it does not say")] = None,
     force: ForceOption = False,
     quiet: Annotated[bool, typer.Option(help="Do not print what was guessed or lost")] = False,
 ) -> None:
@@ -31,12 +33,15 @@ def convert(
         raise typer.BadParameter("give at least one file to read and one to write")
     *sources, result = paths
     target = to or format_of(result.name)
+    if result.suffix:
+        files_to_write(result, target)
     with ExitStack() as stack:
         inputs = [*sources, *([skeleton] if skeleton else [])]
         files = stack.enter_context(opened_files(inputs))
         converted = convert_files(
-            files, target, chosen_settings(), frame_time=frame_time, encoding=encoding, names=names, stem=result.stem
-        )
+            files, target, chosen_settings(), frame_time=frame_time, encoding=encoding, names=names, unit=unit, up=up,
+            stem=result.stem,
+        )  # fmt: skip
         done = stack.enter_context(converted)
         for extension, content in done.files.items():
             path = result if len(done.files) == 1 else result.with_suffix(extension)

@@ -28,7 +28,11 @@ def import_(
     property: Annotated[list[str] | None, typer.Option(help="Property: age=23 or 'age=23 year'")] = None,
     encoding: Annotated[str | None, typer.Option(help="Text encoding, if it is not UTF-8")] = None,
     repair: Annotated[
-        list[str] | None, typer.Option(help="Repair first: split-numbers, whole-frames; may be repeated")
+        list[str] | None,
+        typer.Option(
+            help="Repair first: split-numbers, decimal-commas, missing-samples, stated-dof, three-dof, whole-frames; "
+            "may be repeated"
+        ),
     ] = None,
     translation: Annotated[
         str | None, typer.Option(help="auto, absolute or relative: whether translations stand for offsets or add")

@@ -24,6 +24,10 @@ from service.motion.skeleton import CHANNEL_INDEX, Convention, Skeleton
 SAMPLE_BYTES = 1 << 16
 _OPENING = re.compile(rb"[ \t]*([+-]?[0-9]+)[ \t]*")
 _WRONG_ASF = "Is it the wrong ASF for this AMC?"
+_THREE_VALUES = (
+    "Programs write so with :FORCE-ALL-JOINTS-BE-3DOF. Repair it: `stated-dof` keeps the values of the ASF's dof, "
+    "`three-dof` lets these bones turn about all three axes."
+)
 
 
 class AsfAmc:
@@ -154,7 +158,7 @@ def _layout(skeleton: Skeleton, encoding: Encoding) -> RowLayout:
         name: tuple(CHANNEL_INDEX[channel] for channel in skeleton.joints[index].channels)
         for name, index in joints.items()
     }
-    return RowLayout(_OPENING, 1, joints, channels, True, "ASF", _WRONG_ASF, codec)
+    return RowLayout(_OPENING, 1, joints, channels, True, "ASF", _WRONG_ASF, codec, _THREE_VALUES)
 
 
 class _Watch:

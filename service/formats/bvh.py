@@ -13,8 +13,9 @@ from typing import BinaryIO
 
 from service.errors import FormatError, LimitError, Notice
 from service.formats.bvh_hierarchy import LONGEST_SHARED, read_hierarchy, shared_hierarchy, write_hierarchy
-from service.formats.bvh_motion import Motion, guess_translation
-from service.formats.format import FileKind, Limits, ReadOptions, SourceFile, need_convention
+from service.formats.bvh_motion import Motion
+from service.formats.bvh_translation import guess_translation
+from service.formats.format import FileKind, Limits, ReadOptions, SourceFile, need_convention, need_seconds, note
 from service.formats.lines import Encoding, Lines, Token, Tokens, detect_encoding, encoded, shown
 from service.formats.number_text import detect_style, rows_of_text
 from service.formats.numbers import is_number, is_whole, what_is_wrong
@@ -25,7 +26,9 @@ from service.motion.skeleton import Convention, Skeleton
 
 _MOTION = re.compile(rb"\bMOTION\s+Frames\b", re.IGNORECASE)
 _MOTION_LINE = re.compile(rb"^MOTION\s+Frames\b", re.IGNORECASE | re.MULTILINE)
-_ASSUMED_FRAME_TIME = "0.00833333"
+_COMMENTS = re.compile(rb"\A(?:[ \t]*(?:(?:#|//)[^\r\n]*)?[\r\n]+)+")
+_NO_TIME = "0.00833333"
+"""Of a pose, or of a skeleton alone, which take no time, but readers want one."""
 
 
 class Bvh:
@@ -38,7 +41,7 @@ class Bvh:
     media_type = "text/plain"
 
     def sniff(self, name: str, first_bytes: bytes) -> str | None:
-        words = first_bytes.removeprefix(b"\xef\xbb\xbf").split(None, 1)
+        words = _COMMENTS.sub(b"", first_bytes.removeprefix(b"\xef\xbb\xbf")).split(None, 1)
         return "bvh" if words and words[0].upper() == b"HIERARCHY" else None
 
     def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:
@@ -48,9 +51,12 @@ class Bvh:
         notices = list(encoding.notices)
         skeleton, tokens = _read_skeleton(stream, encoding, options.limits, notices)
         frames, frame_time = _read_motion_head(tokens, options.limits, len(skeleton.columns()), notices)
+        if tokens.passed_over:
+            what = f"{tokens.passed_over} comment lines are not in the document; the kept file has them"
+            note(notices, "warning", what)
         motion = Motion(stream, tokens.offset(), skeleton, frames, encoding.start)
         sample = motion.sample()
-        skeleton = guess_translation(skeleton, sample.values, options.translation, notices)
+        skeleton = guess_translation(skeleton, lambda: motion.spread(sample), options.translation, notices)
         head = ClipHead(
             format=self.name,
             skeleton=skeleton,
@@ -77,15 +83,23 @@ def _read_skeleton(
         with suppress(FormatError, LimitError):
             shared = shared_hierarchy(text[: motion.start()], encoding.codec, limits)
             notices += shared.notices
-            return shared.skeleton, Tokens(Lines(stream, encoding, encoding.start + motion.start(), shared.lines + 1))
-    tokens = Tokens(Lines(stream, encoding))
+            return shared.skeleton, _tokens(Lines(stream, encoding, encoding.start + motion.start(), shared.lines + 1))
+    tokens = _tokens(Lines(stream, encoding))
     return read_hierarchy(tokens, limits, notices), tokens
+
+
+def _tokens(lines: Lines) -> Tokens:
+    """BVH has no comments, and some programs write them."""
+    return Tokens(lines, ("#", "//"))
 
 
 def _read_motion_head(tokens: Tokens, limits: Limits, channels: int, notices: list[Notice]) -> tuple[int, str | None]:
     """(frames, lexeme of the frame time or None) from MOTION on."""
     token = tokens.next()
-    if token is None or token.text.upper() != "MOTION":
+    if token is None:
+        note(notices, "warning", "there is no MOTION: the file is a skeleton alone", at=tokens.here)
+        return 0, None
+    if token.text.upper() != "MOTION":
         raise _expected("MOTION", token, tokens)
     count = _value_behind(tokens, ("frames",))
     if count is None:
@@ -102,12 +116,13 @@ def _read_motion_head(tokens: Tokens, limits: Limits, channels: int, notices: li
 def _read_frame_time(tokens: Tokens, notices: list[Notice]) -> str | None:
     following = tokens.peek()
     missing = Notice("warning", "no Frame Time: the frame rate is unknown", at=tokens.here)
-    if following is None or following.text.lower() != "frame":
+    joined = following is not None and following.text.lower().startswith("frametime")
+    if following is None or (following.text.lower() != "frame" and not joined):
         if following is not None and not is_number(following.text):
             raise _expected("Frame Time:", following, tokens)
         notices.append(missing)
         return None
-    time = _value_behind(tokens, ("frame", "time"))
+    time = _value_behind(tokens, ("frametime",) if joined else ("frame", "time"))
     if time is None:
         notices.append(missing)
         return None
@@ -141,7 +156,7 @@ def _value_behind(tokens: Tokens, words: tuple[str, ...]) -> Token | None:
             raise _expected(title, colon_token, tokens)
         if len(colon_token.text) > 1:
             return Token(colon_token.text[1:], colon_token.line, colon_token.column + 1)
-    if not tokens.words_left_in_line() and tokens.words_in_next_line() != 1:
+    if not tokens.has_words_in_line() and not tokens.next_line_is_a_word():
         return None
     return tokens.next()
 
@@ -157,8 +172,9 @@ def _expected(what: str, token: Token | None, tokens: Tokens) -> FormatError:
 def _write(clip: ClipStream) -> Iterator[bytes]:
     head = clip.head
     codec = next((source.encoding for source in head.sources if source.part == "bvh"), "utf-8")
-    lines = [*write_hierarchy(head.skeleton, clip.notices), "MOTION", f"Frames: {count_frames(clip)}"]
-    frame_time = _frame_time(clip)
+    frames = count_frames(clip)
+    frame_time = _frame_time(clip, frames)
+    lines = [*write_hierarchy(head.skeleton, clip.notices), "MOTION", f"Frames: {frames}"]
     if frame_time is not None:
         lines.append(f"Frame Time: {frame_time}")
     yield encoded("\n".join(lines) + "\n", codec, clip.notices)
@@ -174,15 +190,11 @@ def _write(clip: ClipStream) -> Iterator[bytes]:
         )
 
 
-def _frame_time(clip: ClipStream) -> str | None:
-    """What to write; None for a BVH file that had none."""
+def _frame_time(clip: ClipStream, frames: int) -> str | None:
+    """What to write; None for a BVH file that had none. Raises ConversionError where nobody knows it."""
     head = clip.head
     if head.frame_time is not None or head.format == "bvh":
         return head.frame_time
-    seconds = head.seconds_per_frame()
-    if seconds is not None:
-        return lexeme(seconds)
-    clip.notices.append(
-        Notice("guess", f"the source states no frame rate; Frame Time {_ASSUMED_FRAME_TIME} (120 a second) was written")
-    )
-    return _ASSUMED_FRAME_TIME
+    if frames < 2 and head.seconds_per_frame() is None:
+        return _NO_TIME
+    return lexeme(need_seconds(head, "BVH"))

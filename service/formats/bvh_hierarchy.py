@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,7 +11,7 @@ from typing import Final
 
 from service.errors import FormatError, LimitError, Notice, Place
 from service.formats.bvh_plain import CHANNEL_OF, OpenJoint, read_plain
-from service.formats.format import Limits
+from service.formats.format import Limits, note
 from service.formats.lines import BLANKS, LINE_END, Encoding, Lines, Token, Tokens, shown
 from service.formats.numbers import is_number, what_is_wrong
 from service.motion.skeleton import Convention, EndSite, Joint, Skeleton, Triple, unique_names
@@ -88,8 +89,8 @@ def read_hierarchy(tokens: Tokens, limits: Limits, notices: list[Notice]) -> Ske
             if len(stack) >= limits.depth:
                 raise LimitError(f"joints are nested too deep: more than {limits.depth}", at=token.at)
             stack.append(_open_joint(tokens, "JOINT", stack[-1], joints, limits))
-        elif word == "END":
-            _read_end_site(tokens, joint, limits)
+        elif word == "END" or word.startswith("ENDSITE"):
+            _read_end_site(token, tokens, joint, limits, notices)
         else:
             raise _unexpected(token, "OFFSET, CHANNELS, JOINT, End Site or }", tokens)
 
@@ -119,24 +120,32 @@ def _close(joint: OpenJoint, token: Token) -> None:
         )
 
 
-def _read_end_site(tokens: Tokens, joint: OpenJoint, limits: Limits) -> None:
-    site = tokens.next()
-    if site is None or site.text.upper() != "SITE":
-        raise _unexpected(site, "Site behind End", tokens)
-    name = tokens.rest_of_line()
-    if name is not None:
-        limits.check_name(name.text, name.at)
+def _read_end_site(end: Token, tokens: Tokens, joint: OpenJoint, limits: Limits, notices: list[Notice]) -> None:
+    """An end site: `End Site`, a name behind it, or as some programs write, `End Site4`, `End toe_End`, `EndSite`."""
+    site = end
+    rest = tokens.rest_of_line()
+    text = "" if rest is None else rest.text
+    if end.text.upper() == "END" and re.match(r"site(?!\S)", text, re.IGNORECASE):
+        text = text[4:].strip(BLANKS)
+    else:
+        following = tokens.peek() if rest is None else None
+        if end.text.upper() == "END" and rest is None and (following is None or following.text != "{"):
+            raise _unexpected(following, "Site behind End", tokens)
+        text = end.text[len("EndSite") :] + text if end.text.upper() != "END" else text
+        note(notices, "note", f"{_shown(end)} {text} is read as an End Site".replace("  ", " "), at=end.at)
+    if text:
+        limits.check_name(text, site.at)
     _expect(tokens, "{", f"behind End Site of joint {joint.name!r}")
     _expect(tokens, "OFFSET", f"in End Site of joint {joint.name!r}")
     offset = _read_triple(tokens, f"OFFSET of the End Site of joint {joint.name!r}")
     _expect(tokens, "}", f"to close End Site of joint {joint.name!r}")
     if len(joint.end_sites) >= limits.joints:
         raise LimitError(f"joint {joint.name!r} has more than {limits.joints} end sites", at=site.at)
-    joint.end_sites.append(EndSite(offset, name.text if name else "", joint.children))
+    joint.end_sites.append(EndSite(offset, text, joint.children))
 
 
 def _read_triple(tokens: Tokens, what: str) -> Triple:
-    words = tokens.rest_words()
+    words = tokens.rest_words(3)
     if len(words) == 3 and all(map(is_number, words)):
         tokens.skip_line()
         return words[0], words[1], words[2]
@@ -159,7 +168,7 @@ def _read_channels(tokens: Tokens, joint: str) -> tuple[str, ...]:
     if count is None or not (count.text.isascii() and count.text.isdigit()):
         raise _unexpected(count, f"the number of channels of joint {joint!r}", tokens)
     channels: list[str] = []
-    listed = [CHANNEL_OF.get(word.lower(), "") for word in tokens.rest_words()]
+    listed = [CHANNEL_OF.get(word.lower(), "") for word in tokens.rest_words(len(CHANNEL_OF))]
     if all(listed) and len(set(listed)) == len(listed):
         tokens.skip_line()
         channels = listed

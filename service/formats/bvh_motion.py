@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from service.errors import FormatError, Notice
+from service.formats.format import note
 from service.formats.lines import line_and_column
 from service.formats.numbers import NumberStream, bad_token, count_tokens, parse_numbers, token_bounds, what_is_wrong
-from service.motion.clip import FrameBlock, full_shape
-from service.motion.skeleton import CHANNELS, Array, Skeleton, numbers, once_a_skeleton
+from service.motion.clip import FrameBlock, Shape, full_shape
+from service.motion.skeleton import CHANNELS, Array, Skeleton
 
 SAMPLE_BYTES: Final = 1 << 16
+SPREAD_FRAMES: Final = 32
+BEGINNING_FRAMES: Final = 8
+MISSING: Final = b"?"
+"""Of a sample that is missing. No program writes it: it is what the repair `missing-samples` makes of `nan`."""
+
+_MISSING_WORD: Final = re.compile(rb"(?<!\S)\?(?!\S)")
+_COMMENT: Final = re.compile(rb"(?:^|(?<=[\r\n]))[ \t]*(?:#|//)[^\r\n]*")
 FRAMES_WITHOUT_CHANNELS: Final = 1 << 14
 """Frames of a block where a skeleton never moves, so that nothing limits its size."""
 
@@ -43,9 +52,11 @@ class Motion:
         self._frames = frames
         self._text_start = text_start
         self._first: Array | None = None
+        self.comments = False
+        """Whether comment lines were seen among the frames."""
 
     def sample(self) -> Sample:
-        """What the translation mode and the number style are guessed from; empty where it is not all numbers."""
+        """The beginning, from which the number style is guessed; empty where it is not all numbers."""
         self._stream.seek(self._start)
         text = self._stream.read(SAMPLE_BYTES)
         if len(text) == SAMPLE_BYTES:
@@ -58,19 +69,49 @@ class Motion:
         frames = min(self._frames, len(values) // width)
         return Sample(text, bounds, values[: frames * width].reshape(frames, width))
 
+    def spread(self, sample: Sample) -> Array:
+        """(n, D) frames from the beginning, and from all over the motion where its frames have lines of their own."""
+        width = len(self._columns)
+        if not len(sample.values) or len(sample.values) >= self._frames:
+            return sample.values
+        reach = 4 * max(map(len, sample.text.splitlines()))
+        end = self._stream.seek(0, 2)
+        rows = [sample.values]
+        for start in np.linspace(self._start + len(sample.text), end - reach, SPREAD_FRAMES).astype(np.int64).tolist():
+            self._stream.seek(max(start, self._start))
+            lines = self._stream.read(reach).splitlines()[1:-1]
+            found = [parse_numbers(line) for line in lines[:1]]
+            rows += [values[None] for values in found if values is not None and len(values) == width]
+        # Few from the beginning: programs put poses there that are not those of the motion.
+        first = sample.values[:: -(-len(sample.values) // BEGINNING_FRAMES)] if len(rows) > 1 else sample.values
+        return np.concatenate([first, *rows[1:]])
+
     def _begins(self, text: bytes, count: int) -> Array | None:
         """The numbers of the text with which the motion begins, None where one of its words, so many, is none."""
         piece = NumberStream(self._stream, self._start).next()
         # Of a short clip that is all: `blocks` need not parse it again.
-        self._first = None if piece is None else parse_numbers(piece[0])
+        self._first = None if piece is None else self._numbers(piece[0])
         if self._first is None or len(self._first) < count:
-            return parse_numbers(text)
+            return self._numbers(text)
         return self._first[:count]
+
+    def _numbers(self, text: bytes) -> Array | None:
+        """The numbers of a text without comment lines, NaN for missing samples; None where a word is neither."""
+        values = parse_numbers(text)
+        if values is not None or not (MISSING in text or b"#" in text or b"//" in text):
+            return values
+        plain = _COMMENT.sub(b"", text)
+        if len(plain) < len(text):
+            self.comments = True
+        values = parse_numbers(_MISSING_WORD.sub(b"0", plain))
+        if values is not None and MISSING in plain:
+            words = np.array(plain.split())
+            values = np.where(words == MISSING, np.nan, values)
+        return values
 
     def blocks(self, notices: list[Notice]) -> Iterator[FrameBlock]:
         """All frames. Raises FormatError with the place of a bad number, and where the file ends too early."""
         width = len(self._columns)
-        shapes = (full_shape(self._columns),)
         source = NumberStream(self._stream, self._start)
         done, rest = 0, np.empty(0)
         while done < self._frames and width:
@@ -83,19 +124,23 @@ class Motion:
             rest = values[whole * width :].copy()
             if whole:
                 ids = np.arange(done + 1, done + whole + 1, dtype=np.int64)
-                yield FrameBlock(values[: whole * width].reshape(whole, width), self._columns, shapes, ids)
+                yield _block(values[: whole * width].reshape(whole, width), self._columns, ids)
             done += whole
         while done < self._frames:
             count = min(FRAMES_WITHOUT_CHANNELS, self._frames - done)
             ids = np.arange(done + 1, done + count + 1, dtype=np.int64)
-            yield FrameBlock(np.empty((count, 0)), self._columns, shapes, ids)
+            yield _block(np.empty((count, 0)), self._columns, ids)
             done += count
         self._report_surplus(source, len(rest), notices)
+        if self.comments:
+            note(notices, "warning", "comment lines among the frames are not in the document; the kept file has them")
 
     def _parsed(self, text: bytes, offset: int, before: int) -> Array:
-        values = parse_numbers(text) if self._first is None or offset != self._start else self._first
+        values = self._numbers(text) if self._first is None or offset != self._start else self._first
         if values is not None:
             return values
+        # Blanks of the same length keep the places of what is wrong.
+        text = _COMMENT.sub(lambda found: b" " * len(found[0]), _MISSING_WORD.sub(b"0", text))
         bad = bad_token(text)
         if bad is None:
             raise FormatError("a number cannot be read", at=line_and_column(self._stream, offset, self._text_start))
@@ -138,78 +183,16 @@ class Motion:
             notices.append(notice)
 
 
-def guess_translation(skeleton: Skeleton, sample: Array, wanted: str, notices: list[Notice]) -> Skeleton:
-    """The skeleton with each joint's translation mode: as wanted, or by formats.md 1.3.
-
-    sample: (n, D) first frames. Position channels replace the OFFSET unless their mean lies nearer to 0 than to it
-    and agrees with it along no axis.
-    """
-    if wanted in ("absolute", "relative"):
-        joints = tuple(replace(joint, translation=wanted) if joint.translation else joint for joint in skeleton.joints)
-        return replace(skeleton, joints=joints)
-    relative = _added_to_offset(skeleton, sample)
-    if not relative:
-        return skeleton
-    names = [skeleton.joints[index].source_name for index in relative]
-    shown = ", ".join(map(repr, names[:5]))
-    notices.append(
-        Notice(
-            "guess",
-            f"positions of {shown}{' …' if len(names) > 5 else ''} lie nearer to 0 than to the OFFSET: read as "
-            "added to it. Say translation=absolute if they replace it",
-        )
-    )
-    return _with_relative(skeleton, tuple(relative))
-
-
-@once_a_skeleton
-def _with_relative(skeleton: Skeleton, relative: tuple[int, ...]) -> Skeleton:
-    joints = list(skeleton.joints)
-    for index in relative:
-        joints[index] = replace(joints[index], translation="relative")
-    return replace(skeleton, joints=tuple(joints))
-
-
-def _added_to_offset(skeleton: Skeleton, sample: Array) -> list[int]:
-    """The joints whose positions look like additions to their OFFSET."""
-    stated = _stated_offsets(skeleton)
-    if not stated.offset.any() or not len(sample):
-        return []
-    mean = np.zeros_like(stated.target)
-    mean[stated.at] = sample.mean(axis=0)[stated.places]
-    away = mean - stated.target
-    # Files exist whose OFFSET holds the place on the floor of another take; the height gives them away.
-    near_offset = (np.abs(away) < stated.near).any(axis=1)
-    nearer_to_zero = np.linalg.norm(mean, axis=1) < np.linalg.norm(away, axis=1)
-    return [stated.joints[row] for row in np.flatnonzero(nearer_to_zero & ~near_offset & stated.offset).tolist()]
-
-
-@dataclass(frozen=True, slots=True)
-class _Stated:
-    """OFFSETs of the joints, J of them, that have position channels. offset: (J,) which are not all zero.
-
-    target: (J, 3), along the axes that have a channel. near: (J, 3) how far from it a large component may be and still
-    agree, 0 for one that is not large. places: of the channels among the columns. at: where these stand in (J, 3).
-    """
-
-    joints: list[int]
-    offset: NDArray[np.bool_]
-    target: Array
-    near: Array
-    places: list[int]
-    at: tuple[list[int], list[int]]
-
-
-@once_a_skeleton
-def _stated_offsets(skeleton: Skeleton) -> _Stated:
-    places = [(joint, axis, place) for place, (joint, axis) in enumerate(skeleton.columns()) if axis < 3]
-    joints = list(dict.fromkeys(joint for joint, _, _ in places))
-    offsets = np.array([numbers(skeleton.joints[joint].offset) for joint in joints]).reshape(-1, 3)
-    rows = {joint: row for row, joint in enumerate(joints)}
-    at = [rows[joint] for joint, _, _ in places], [axis for _, axis, _ in places]
-    target = np.zeros((len(joints), 3))
-    target[at] = offsets[at]
-    large = np.abs(target) >= 0.1 * np.linalg.norm(target, axis=1)[:, None]
-    near = np.where(large, 0.25 * np.abs(target), 0.0)
-    offset = np.asarray(offsets.any(axis=1), dtype=np.bool_)
-    return _Stated(joints, offset, target, near, [place for _, _, place in places], at)
+def _block(values: Array, columns: tuple[tuple[int, int], ...], ids: NDArray[np.int64]) -> FrameBlock:
+    """Frames (n, D) in which NaN is a missing sample."""
+    gone = np.isnan(values)
+    if not gone.any():
+        return FrameBlock(values, columns, (full_shape(columns),), ids)
+    patterns, shape_of = np.unique(gone, axis=0, return_inverse=True)
+    shapes: list[Shape] = []
+    for pattern in patterns:
+        bits = dict.fromkeys((joint for joint, _ in columns), 0)
+        for (joint, channel), missing in zip(columns, pattern.tolist(), strict=True):
+            bits[joint] |= 0 if missing else 1 << channel
+        shapes.append(tuple(bits.items()))
+    return FrameBlock(values, columns, tuple(shapes), ids, shape_of.reshape(-1))

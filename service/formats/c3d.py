@@ -9,14 +9,17 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from service.errors import Notice
 from service.formats.c3d_layout import find_layout, scales_said
 from service.formats.c3d_parameters import Statements, read_statements
 from service.formats.c3d_points import Points
+from service.formats.c3d_quantities import Quantity, quantities_of, sections_of, texts_of
 from service.formats.c3d_writer import write_c3d
 from service.formats.format import FileKind, ReadOptions, SourceFile, need_convention, note
 from service.motion.clip import ClipHead, ClipStream, FrameBlock, Shape, SourcePart, full_shape
@@ -58,29 +61,58 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     limits.check_size(layout.frames, 3 * layout.points)
     labels = _labels(said, layout.points, notices)
     limits.check_points(labels)
+    quantities = quantities_of(said, labels)
+    places = np.array([place for place in range(layout.points) if place not in quantities], dtype=np.intp)
+    if not len(places):
+        note(notices, "warning", "the file has no markers: all of its points are quantities")
     scale = scales_said(said)[0][0]
     points = Points(stream, layout, said.machine, abs(scale))
-    measured, unmeasured = _survey(points)
+    measured, unmeasured = _survey(points, places)
     if unmeasured:
         notices.append(Notice("guess", "every residual says that there is no sample; the coordinates count"))
     _say_what_stays(said, layout.analog, notices)
-    skeleton = marker_skeleton(labels, residual=measured)
+    skeleton = marker_skeleton([labels[place] for place in places.tolist()], residual=measured)
     name = file.name.rsplit("/", 1)[-1]
-    sections = (("POINT:SCALE", repr(scale)), ("processor", said.machine.name))
-    head = ClipHead(
-        "c3d",
-        skeleton,
-        _fields(said, name, notices),
-        sources=(SourcePart(part="c3d", name=name, sections=sections),),
-    )
-    first_id = _first_id(said, layout.frames)
+    fields, first_id = _fields(said, name, notices), _first_id(said, layout.frames)
+    read = _with_samples(points, quantities, first_id, fields.get("dataframe_rate", "?"), unmeasured)
+    sections = (("POINT:SCALE", repr(scale)), ("processor", said.machine.name), *sections_of(read, notices))
+    head = ClipHead("c3d", skeleton, fields, sources=(SourcePart(part="c3d", name=name, sections=sections),))
 
     def blocks() -> Iterator[FrameBlock]:
         for first in range(0, layout.frames, points.block):
             coordinates, residuals = points.read(first, points.block)
-            yield _block(coordinates, residuals, skeleton, first_id + first, unmeasured)
+            yield _block(coordinates[:, places], residuals[:, places], skeleton, first_id + first, unmeasured)
 
     return ClipStream(head, blocks, layout.frames, notices)
+
+
+def quantity_labels(stream: BinaryIO) -> tuple[str, ...]:
+    """The labels of points in a C3D file that are quantities. Raises FormatError where it cannot be read.
+
+    A document that was imported when they were taken as markers has joints of these source names.
+    """
+    said = read_statements(stream, [])
+    labels = [_text(text, []) for text in texts_of(said, "POINT:LABELS")]
+    return tuple(quantity.label for quantity in quantities_of(said, labels).values())
+
+
+def _with_samples(
+    points: Points, quantities: Mapping[int, Quantity], first_id: int, rate: str, unmeasured: bool
+) -> Iterator[Quantity]:
+    """Quantities, by their place among the points, with what the file holds of them."""
+    if not quantities:
+        return
+    places = list(quantities)
+    pieces = []
+    for first in range(0, points.layout.frames, points.block):
+        coordinates, residuals = points.read(first, points.block)
+        there = np.isfinite(coordinates[:, places]).all(axis=2)
+        kept = np.maximum(residuals[:, places], 0.0) if unmeasured else residuals[:, places]
+        kept = np.where(there, kept, -1.0)
+        pieces.append(np.concatenate([np.nan_to_num(coordinates[:, places]), kept[..., None]], axis=2))
+    samples = np.concatenate(pieces) if pieces else np.zeros((0, len(places), 4))
+    for index, place in enumerate(places):
+        yield replace(quantities[place], first=first_id, rate=rate, samples=samples[:, index])
 
 
 def _first_id(said: Statements, frames: int) -> int:
@@ -95,13 +127,16 @@ def _is_zero(stream: BinaryIO, first: int, behind: int) -> bool:
     return not any(any(stream.read(min(1 << 20, behind - place))) for place in range(first, behind, 1 << 20))
 
 
-def _survey(points: Points) -> tuple[bool, bool]:
-    """(some residual is stated, every one says "missing" although there are coordinates)."""
+def _survey(points: Points, places: NDArray[np.intp]) -> tuple[bool, bool]:
+    """(some residual of the markers is stated, every one says "missing" although there are coordinates).
+
+    places: of the markers among the points.
+    """
     measured = coordinates_there = False
     all_missing = points.layout.frames > 0
     for first in range(0, points.layout.frames, points.block):
         coordinates, residuals = points.read(first, points.block)
-        measured = measured or bool((residuals > 0).any())
+        measured = measured or bool((residuals[:, places] > 0).any())
         all_missing = all_missing and bool((residuals < 0).all())
         coordinates_there = coordinates_there or bool(np.any(np.nan_to_num(coordinates)))
     return measured, all_missing and coordinates_there
@@ -121,9 +156,7 @@ def _say_what_stays(said: Statements, analog_values: int, notices: list[Notice])
 
 def _labels(said: Statements, points: int, notices: list[Notice]) -> list[str]:
     """Labels from LABELS, LABELS2 … as one list, one for each point."""
-    texts, number = said.texts("POINT:LABELS"), 2
-    while more := said.texts(f"POINT:LABELS{number}"):
-        texts, number = texts + more, number + 1
+    texts = texts_of(said, "POINT:LABELS")
     if len(texts) < points:
         note(notices, "warning", f"{points} points have {len(texts)} labels: the others are unnamed")
     labels = [_text(text, notices) for text in texts[:points]]
@@ -158,7 +191,7 @@ def _fields(said: Statements, name: str, notices: list[Notice]) -> dict[str, str
 
 def _block(coordinates: Array, residuals: Array, skeleton: Skeleton, first: int, unmeasured: bool) -> FrameBlock:
     columns = skeleton.columns()
-    channels = len(columns) // len(skeleton)
+    channels = len(columns) // max(1, len(skeleton))
     values = np.concatenate([coordinates, residuals[..., None]], axis=2)[..., :channels]
     ids = np.arange(first, first + len(values), dtype=np.int64)
     missing = ~np.isfinite(coordinates).all(axis=2) if unmeasured else residuals < 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -13,7 +14,8 @@ from numpy.typing import NDArray
 from service.errors import ConversionError, Notice
 from service.formats.c3d_parameters import BLOCK, INTEL
 from service.formats.c3d_points import to_floats
-from service.formats.format import note
+from service.formats.c3d_quantities import Quantity, kept_quantities, samples_at, units_of
+from service.formats.format import need_seconds, note
 from service.motion.clip import ClipHead, ClipStream, FrameBlock
 from service.motion.skeleton import CHANNEL_INDEX, Array, Skeleton
 
@@ -29,15 +31,14 @@ _CAPPED: Final = 0xFFFF
 def write_c3d(clip: ClipStream) -> Iterator[bytes]:
     """The file of a clip. Raises ConversionError without a rate, without frames, or with too many labels."""
     head = clip.head
-    seconds = head.seconds_per_frame()
-    if seconds is None:
-        raise ConversionError("C3D says how fast frames follow, and the document does not", remedy="State it first.")
+    seconds = need_seconds(head, "C3D")
     rate = float(head.fields.get("dataframe_rate") or 1 / seconds)
     if not 1e-38 < rate < 3e38:
         raise ConversionError(f"C3D cannot hold {rate:g} frames a second", remedy="State another frame time first.")
     sections = dict(head.sources[0].sections) if head.sources and head.sources[0].part == "c3d" else {}
     scale = abs(float(sections.get("POINT:SCALE", "1")) or 1.0)
     labels = [_label(joint.source_name, clip.notices) for joint in head.skeleton.joints]
+    quantities = _quantities(clip, str(np.float32(rate)).removesuffix(".0"))
     worst, frames, first = 0.0, 0, 1
     data: list[bytes] = []
     for block in clip.blocks():
@@ -51,15 +52,20 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
                 remedy="Export it as TRC or MCML.",
             )
         worst = max(worst, error)
+        if quantities:
+            ids = block.ids if isinstance(block.ids, list) else block.ids.tolist()
+            kept = np.stack([samples_at(quantity, ids) for quantity in quantities], axis=1)
+            coordinates = np.concatenate([coordinates, kept[..., :3]], axis=1)
+            residuals = np.concatenate([residuals, kept[..., 3]], axis=1)
         data.append(to_floats(coordinates, residuals, scale))
         frames += len(block)
     if not frames:
         raise ConversionError("C3D cannot hold a motion without frames", remedy="Export it as TRC or MCML.")
     if worst:
         note(clip.notices, "warning", f"C3D holds numbers in single precision: the largest difference is {worst:.3g}")
-    parameters = _parameters(head, labels, frames, first, rate, scale)
+    parameters = _parameters(head, labels, quantities, frames, first, rate, scale)
     header = struct.pack(
-        "<BBHHHHHfHHf", 2, 0x50, len(labels), 0, first, min(first + frames - 1, _CAPPED), 0, -scale,
+        "<BBHHHHHfHHf", 2, 0x50, len(labels) + len(quantities), 0, first, min(first + frames - 1, _CAPPED), 0, -scale,
         2 + len(parameters) // BLOCK, 0, rate,
     )  # fmt: skip
     yield _filled(header) + parameters
@@ -67,8 +73,26 @@ def write_c3d(clip: ClipStream) -> Iterator[bytes]:
     yield bytes(-sum(map(len, data)) % BLOCK)
 
 
-def _parameters(head: ClipHead, labels: list[str], frames: int, first: int, rate: float, scale: float) -> bytes:
+def _quantities(clip: ClipStream, rate: str) -> list[Quantity]:
+    """The quantities that came with the clip from C3D, as far as its frames are still those of the file."""
+    part = next((source for source in clip.head.sources if source.part == "c3d"), None)
+    kept = kept_quantities(part.sections) if part is not None else []
+    fitting = [quantity for quantity in kept if quantity.rate in ("?", rate)]
+    if len(fitting) < len(kept):
+        what = f"{len(kept) - len(fitting)} quantities of the C3D file are of another frame rate: they were left out"
+        note(clip.notices, "warning", what)
+    fitting = [replace(quantity, label=_label(quantity.label, clip.notices)) for quantity in fitting]
+    if fitting:
+        what = f"{len(fitting)} quantities (angles, forces …) are written as the C3D file had them, whatever was edited"
+        note(clip.notices, "note", what)
+    return fitting
+
+
+def _parameters(
+    head: ClipHead, markers: list[str], quantities: list[Quantity], frames: int, first: int, rate: float, scale: float
+) -> bytes:
     """The parameter section, in whole blocks."""
+    labels = [*markers, *(quantity.label for quantity in quantities)]
     up = head.fields.get("global_axis_of_gravity", "")
     unit = head.fields.get("calibration_unit", "")
     last = first + frames - 1
@@ -92,6 +116,7 @@ def _parameters(head: ClipHead, labels: list[str], frames: int, first: int, rate
         some = [label.encode() for label in labels[start : start + _MOST_TEXTS]]
         number = str(start // _MOST_TEXTS + 1) if start else ""
         records += [_texts(1, f"LABELS{number}", some), _texts(1, f"DESCRIPTIONS{number}", [b" "] * len(some))]
+    records += _typed(quantities)
     records += [_group(2, "ANALOG"), _record(2, "USED", 2, (), struct.pack("<H", 0))]
     records += [_group(3, "FORCE_PLATFORM"), _record(3, "USED", 2, (), struct.pack("<H", 0))]
     if many:
@@ -108,6 +133,23 @@ def _parameters(head: ClipHead, labels: list[str], frames: int, first: int, rate
         )
     begin = struct.pack("<BBBB", 1, 0x50, blocks, INTEL)
     return _filled(begin + b"".join([*records, _data_start(2 + blocks)]))
+
+
+def _typed(quantities: list[Quantity]) -> list[bytes]:
+    """The parameters that say which points are quantities, and of which unit."""
+    units = units_of(quantities)
+    if not units:
+        return []
+    stems = {group: group.removesuffix("S") for group in units}
+    pairs = [word.encode() for group, stem in stems.items() for word in (group, stem)]
+    records = [_texts(1, "TYPE_GROUPS", pairs)]
+    for group, unit in units.items():
+        records.append(_texts(1, f"{stems[group]}_UNITS", [unit.encode()], single=True))
+        named = [quantity.label.encode() for quantity in quantities if quantity.group == group]
+        for start in range(0, len(named), _MOST_TEXTS):
+            number = str(start // _MOST_TEXTS + 1) if start else ""
+            records.append(_texts(1, f"{group}{number}", named[start : start + _MOST_TEXTS]))
+    return records
 
 
 def _data_start(block: int) -> bytes:

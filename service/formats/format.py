@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import BinaryIO, Protocol
 
 from service.errors import ConversionError, FormatError, LimitError, McmlError, Notice, Place
-from service.motion.clip import ClipStream
+from service.motion.clip import ClipHead, ClipStream
 from service.motion.skeleton import Convention, Skeleton
 
 _CONTROL = re.compile("[\x00-\x1f\x7f]")
@@ -111,10 +111,14 @@ class ReadOptions:
 
 @dataclass(frozen=True, slots=True)
 class SourceFile:
-    """A file to read. stream: seekable, read from its beginning; the caller closes it after the last block."""
+    """A file to read. stream: seekable, read from its beginning; the caller closes it after the last block.
+
+    notices: what was guessed of the file itself, such as how its name is meant.
+    """
 
     name: str
     stream: BinaryIO
+    notices: tuple[Notice, ...] = ()
 
     @contextmanager
     def blamed(self) -> Iterator[None]:
@@ -167,6 +171,17 @@ class Format(Writer, Protocol):
         Raises FormatError (also while frames are read), UnsupportedError, LimitError; each with file, line, column.
         """
         ...
+
+
+def need_seconds(head: ClipHead, title: str) -> float:
+    """Seconds a frame. Raises ConversionError where nothing says how fast the frames follow: no writer guesses it."""
+    seconds = head.seconds_per_frame()
+    if seconds is None:
+        raise ConversionError(
+            f"{title} says how fast frames follow, and the document does not",
+            remedy="Export it with `frame_time`, the seconds of a frame, or state that once: mcml set ID --frame-time.",
+        )
+    return seconds
 
 
 def need_convention(skeleton: Skeleton, convention: Convention, title: str) -> None:

@@ -24,6 +24,7 @@ from service.motion.skeleton import Array
 BLOCK_BYTES: Final = 1 << 20
 LARGEST_FRAME: Final = 1 << 24
 _PLAIN_ID = re.compile(rb"(?:0|-?[1-9][0-9]{0,17})")
+_ZERO = re.compile(rb"[+-]?0+(?:\.0*)?(?:[eE][+-]?[0-9]+)?")
 _LINE = re.compile(rb"[^\r\n]+")
 
 
@@ -34,6 +35,7 @@ class RowLayout:
     opening: a pattern of the line that opens a frame, group 1 its id. opening_words: how many words that line has.
     joints, channels: of a row, by the bone's name in the file's encoding. fold_case: names match whatever their case.
     names_bones, remedy: what messages call the place where bones are defined, and what to do where it does not fit.
+    three_values: what to do for a bone with three values where fewer are expected; "" where that means nothing.
     """
 
     opening: re.Pattern[bytes]
@@ -44,6 +46,7 @@ class RowLayout:
     names_bones: str
     remedy: str
     codec: str
+    three_values: str = ""
 
     def find(self, name: bytes) -> bytes | None:
         """The name as the layout spells it, None for an unknown bone."""
@@ -64,6 +67,8 @@ def note_comments(rows: FrameRows, notices: list[Notice]) -> None:
     if rows.comments:
         what = f"{rows.comments} comments among the frames are not in the document; the kept file has them"
         note(notices, "warning", what)
+    if rows.zero_rows:
+        note(notices, "note", "zeros of bones without degrees of freedom are not in the document")
 
 
 class FrameRows:
@@ -91,13 +96,15 @@ class FrameRows:
         self._spelled: dict[bytes, bytes] = {}
         self.stopped = False
         """Whether the line that ends the motion was seen."""
+        self.zero_rows = False
+        """Whether zeros of bones without channels were seen."""
         self.comments = 0
         """Lines with a comment that were seen; MCML has no place for comments inside the motion."""
 
     def blocks(self) -> Iterator[FrameBlock]:
         """All frames. FormatError with line and frame for a bad row."""
         regular: _Regular | None = None
-        self.comments = 0
+        self.comments, self.zero_rows = 0, False
         for text, offset in self._pieces():
             if b"#" in text:
                 self.comments += sum(b"#" in line for line in _LINE.findall(text))
@@ -167,44 +174,45 @@ class FrameRows:
                 current = {}
                 frames.append((opening[1], current))
                 continue
-            frame = f"frame {frames[-1][0].decode('latin-1')}" if frames else "before the first frame"
             if current is None:
-                raise FormatError(f"{frame}: found {self._layout.show(line)}", at=self._place(offset + match.start()))
-            self._add_row(line, frame, current, offset + match.start())
+                what = f"before the first frame: found {self._layout.show(line)}"
+                raise FormatError(what, at=self._place(offset + match.start()))
+            self._add_row(line, frames[-1][0], current, offset + match.start())
         if not frames:
             return None, None
         return _block(self._layout, frames), _Regular.of(self._layout, frames[-1][1], self._spelled)
 
-    def _add_row(self, line: bytes, frame: str, rows: dict[bytes, list[float]], offset: int) -> None:
+    def _add_row(self, line: bytes, frame: bytes, rows: dict[bytes, list[float]], offset: int) -> None:
         words = line.split()
         name = self._layout.find(words[0])
-        shown = self._layout.show(words[0])
         if name is None:
-            raise FormatError(
-                f"{frame}: bone {shown} is not in the {self._layout.names_bones}",
-                at=self._place(offset),
-                remedy=self._layout.remedy,
-            )
+            what = f"is not in the {self._layout.names_bones}"
+            raise self._wrong_row(frame, words[0], f": bone * {what}", offset, self._layout.remedy)
         if name in rows:
-            raise FormatError(f"{frame}: bone {shown} stands twice", at=self._place(offset))
+            raise self._wrong_row(frame, words[0], ": bone * stands twice", offset)
         expected = len(self._layout.channels[name])
+        if not expected and len(words) > 1 and all(_ZERO.fullmatch(word) for word in words[1:]):
+            # Some programs write zeros for bones that do not move.
+            self.zero_rows = True
+            del words[1:]
         if len(words) - 1 != expected:
             lists = "dof lists" if self._layout.fold_case else "rows have"
-            raise FormatError(
-                f"{frame}: bone {shown} has {len(words) - 1} values, {self._layout.names_bones} {lists} {expected}",
-                at=self._place(offset),
-                remedy=self._layout.remedy,
-            )
+            what = f": bone * has {len(words) - 1} values, {self._layout.names_bones} {lists} {expected}"
+            three = len(words) == 4 and self._layout.three_values
+            raise self._wrong_row(frame, words[0], what, offset, three or self._layout.remedy)
         values = []
         for index, word in enumerate(words[1:], start=1):
             text = word.decode("latin-1")
             if not is_number(text):
-                raise FormatError(
-                    f"{frame}, bone {shown}, value {index}: {what_is_wrong(text)}", at=self._place(offset)
-                )
+                raise self._wrong_row(frame, words[0], f", bone *, value {index}: {what_is_wrong(text)}", offset)
             values.append(float(text))
         rows[name] = values
         self._spelled[name] = words[0]
+
+    def _wrong_row(self, frame: bytes, bone: bytes, what: str, offset: int, remedy: str | None = None) -> FormatError:
+        """The error for a row. what: with a `*` for the bone."""
+        words = f"frame {frame.decode('latin-1')}{what.replace('*', self._layout.show(bone), 1)}"
+        return FormatError(words, at=self._place(offset), remedy=remedy)
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ class Htr:
         for line in re.split(rb"[\r\n]+", first_bytes.removeprefix(b"\xef\xbb\xbf")):
             text = line.partition(b"#")[0].strip().lower()
             if text:
-                return "htr" if text.startswith(b"[header]") else None
+                return "htr" if text.startswith((b"[header]", b"[head]")) else None
         return "htr" if name.lower().endswith((".htr", ".htr2")) and first_bytes.lstrip()[:1] == b"#" else None
 
     def read(self, files: Mapping[str, SourceFile], options: ReadOptions) -> ClipStream:
@@ -68,7 +68,8 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     if head.version == 1:
         index = index_segments(stream, head.data, encoding, options.limits)
         _check_index(head, set(index.spans))
-        comments += [comment for comment in index.comments if comment not in comments]
+        known = set(comments)
+        comments += [comment for comment in index.comments if comment not in known]
         missing, has_end = index.missing, index.has_end
         if index.repeated:
             notices.append(

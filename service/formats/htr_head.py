@@ -67,6 +67,8 @@ def read_head(stream: BinaryIO, encoding: Encoding, limits: Limits, notices: lis
         section = _SECTION.fullmatch(text)
         if section:
             name = section[1].strip().lower()
+            # Some programs call the first section so; behind it, it is the segment of that name.
+            name = "header" if name == "head" and not sections else name
             if name not in ("header", _HIERARCHY, "baseposition"):
                 break
             if name in sections:

@@ -121,6 +121,8 @@ class _Cursor:
         self._waiting = np.empty(0)
         self._keep_ids = keep_ids
         self.ids: list[bytes] = []
+        self.told = False
+        """Whether it was said that its frames are numbered otherwise."""
 
     def rows(self, count: int) -> Array:
         """The next rows, (count or fewer at the end, 8). FormatError for what is no number."""
@@ -179,7 +181,7 @@ class Segments:
                     raise self._wrong_count(cursor, done + len(rows))
                 if not place:
                     frame_ids = rows[:, 0].copy()
-                elif not np.array_equal(rows[:, 0], frame_ids):
+                elif not cursor.told and not np.array_equal(rows[:, 0], frame_ids):
                     self._report_other_ids(cursor, cursors[0], notices)
                 values[:, place] = rows[:, 1:]
             ids, cursors[0].ids = cursors[0].ids[:count], cursors[0].ids[count:]
@@ -198,6 +200,8 @@ class Segments:
         )
 
     def _report_other_ids(self, cursor: _Cursor, first: _Cursor, notices: list[Notice]) -> None:
+        # The whole segment is looked at, so once.
+        cursor.told = True
         fault = self._first_fault(cursor)
         if fault is not None:
             raise fault

@@ -9,9 +9,11 @@ import codecs
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import BinaryIO, NamedTuple
 
 from service.errors import FormatError, LimitError, Notice, Place
+from service.formats.plausible_text import EASTERN, plausible_codecs, title_of
 
 BLOCK = 1 << 18
 LONGEST_LINE = 1 << 20
@@ -22,7 +24,6 @@ BLANKS = " \t\v\f\r\n"
 
 _LOOKED_AT = 64
 _UTF8_BOM = codecs.BOM_UTF8
-_HANGUL = re.compile("[\uac00-\ud7a3\u3131-\u318e]")
 _BLANK_FREE = re.compile(r"\S+", re.ASCII)
 LINE_END = re.compile(rb"\r\n|\n|\r")
 
@@ -65,7 +66,7 @@ def utf16_codec(head: bytes) -> str | None:
 
 
 def detect_encoding(stream: BinaryIO, given: str | None, stop: Callable[[bytes], bool] | None = None) -> Encoding:
-    """UTF-8, else the given encoding, else CP949 if that gives Hangul, else Latin-1 (design: Encoding).
+    """UTF-8, else the given encoding, else the one whose letters are most plausible, else Latin-1.
 
     stop: told each block; true ends the look, for files whose rest can hold nothing but numbers.
     Raises FormatError for an unknown codec, UTF-16, and text that the given encoding cannot read.
@@ -84,22 +85,36 @@ def detect_encoding(stream: BinaryIO, given: str | None, stop: Callable[[bytes],
             if stop is not None and stop(block):
                 return
 
-    if _decodes(chunks(), "utf-8")[0]:
+    if _decodes(chunks(), "utf-8"):
         if start:
             notice = Notice("repair", "the file begins with a byte order mark (UTF-8)")
             return Encoding("utf-8-sig", start, (notice,))
         return Encoding("utf-8", 0)
     if given is not None:
-        if not _decodes(chunks(), given)[0]:
+        if not _decodes(chunks(), given):
             raise FormatError(
                 f"the text is not {given}", at=Place(line=1), remedy="Name its encoding, such as latin-1 or cp949."
             )
         return Encoding(codecs.lookup(given).name, start)
-    decodes, has_hangul = _decodes(chunks(), "cp949")
-    if decodes and has_hangul:
-        return Encoding("cp949", start, (Notice("guess", "the text is not UTF-8; read as CP949, it holds Hangul"),))
-    notice = Notice("guess", "the text is not UTF-8; read as Latin-1. Name the encoding if names look wrong")
-    return Encoding("latin-1", start, (notice,))
+    codec = next((codec for codec in _plausible(chunks()) if _decodes(chunks(), codec)), "latin-1")
+    tried = ", ".join(title_of(name) for name in (*EASTERN, "latin-1"))
+    what = (
+        f"the text is not UTF-8; of {tried} it is most plausible as {title_of(codec)}. Name the encoding if it is not"
+    )
+    return Encoding(codec, start, (Notice("guess", what),))
+
+
+def _plausible(chunks: Iterator[bytes]) -> list[str]:
+    """Codecs for which the first lines that are not ASCII are plausible, the best first."""
+    found, size = [], 0
+    for chunk in chunks:
+        if not chunk.isascii():
+            # A line that goes on in the next chunk may end within a character.
+            found.append(chunk[: chunk.rfind(b"\n")] if len(chunk) == BLOCK else chunk)
+            size += len(chunk)
+        if size >= 2 * BLOCK:
+            break
+    return plausible_codecs(b"\n".join(found), "latin-1")
 
 
 def _check_codec(given: str) -> None:
@@ -114,21 +129,20 @@ def _check_codec(given: str) -> None:
         )
 
 
-def _decodes(chunks: Iterator[bytes], codec: str) -> tuple[bool, bool]:
-    """(whether the bytes are text in that codec, whether there is Hangul in it)."""
+def _decodes(chunks: Iterator[bytes], codec: str) -> bool:
+    """Whether the bytes are text in that codec."""
     decoder = codecs.getincrementaldecoder(codec)()
-    pending = has_hangul = False
+    pending = False
     try:
         for chunk in chunks:
             if not pending and chunk.isascii():
                 continue
             pending = True
-            text = decoder.decode(chunk)
-            has_hangul = has_hangul or _HANGUL.search(text) is not None
+            decoder.decode(chunk)
         decoder.decode(b"", final=True)
     except UnicodeError:
-        return False, False
-    return True, has_hangul
+        return False
+    return True
 
 
 def shown(text: str) -> str:
@@ -234,12 +248,19 @@ _WORD = re.compile(r"[{}]|[^\s{}]+", re.ASCII)
 
 
 class Tokens:
-    """Words of a file regardless of lines; braces stand for themselves even where they touch a word."""
+    """Words of a file regardless of lines; braces stand for themselves even where they touch a word.
 
-    def __init__(self, lines: Lines) -> None:
+
+    comments: beginnings of lines that are passed over.
+    """
+
+    def __init__(self, lines: Lines, comments: tuple[str, ...] = ()) -> None:
         self._lines = lines
+        self._comments = comments
+        self.passed_over = 0
         self._line: Line | None = None
         self._position = 0
+        self._end = 0
         self._ahead: Token | None = None
 
     def peek(self) -> Token | None:
@@ -257,7 +278,12 @@ class Tokens:
             line, position = self._lines.next(), 0
             if line is None:
                 return None
-            self._line, self._position = line, 0
+            if self._comments and line.text.lstrip(BLANKS).startswith(self._comments):
+                self.passed_over += 1
+                line = None
+                continue
+            # The last character that is no blank, looked for once a line: a file may be one long line.
+            self._line, self._position, self._end = line, 0, len(line.text.rstrip(BLANKS))
 
     def next(self) -> Token | None:
         token, self._ahead = self._ahead or self._find(), None
@@ -265,14 +291,16 @@ class Tokens:
             self._position = token.column - 1 + len(token.text)
         return token
 
-    def rest_words(self) -> list[str]:
-        """The words that the current line still holds; `skip_line` takes them all at once."""
-        return [] if self._line is None else _WORD.findall(self._line.text, self._position)
+    def rest_words(self, most: int) -> list[str]:
+        """The words that the current line still holds, up to one more than `most`; `skip_line` takes them all."""
+        if self._line is None:
+            return []
+        return [match.group() for match in islice(_WORD.finditer(self._line.text, self._position), most + 1)]
 
     def skip_line(self) -> None:
         """Go on behind the current line's last word."""
         if self._line is not None:
-            self._position = len(self._line.text.rstrip(BLANKS))
+            self._position = self._end
             self._ahead = None
 
     def rest_of_line(self) -> Token | None:
@@ -281,7 +309,7 @@ class Tokens:
             return None
         self._ahead = None
         text = self._line.text
-        last = len(text.rstrip(BLANKS)) - 1
+        last = self._end - 1
         end = text.find("{", self._position)
         while end >= 0 and not (end == last or end == self._position or text[end - 1] in BLANKS):
             end = text.find("{", end + 1)
@@ -291,14 +319,14 @@ class Tokens:
         name = rest.strip(BLANKS)
         return Token(name, self._line, start + 1) if name else None
 
-    def words_left_in_line(self) -> int:
-        """How many words the current line still holds."""
-        return len(self.rest_words())
+    def has_words_in_line(self) -> bool:
+        """Whether the current line still holds words."""
+        return bool(self.rest_words(0))
 
-    def words_in_next_line(self) -> int:
-        """How many words the line after the current one holds."""
+    def next_line_is_a_word(self) -> bool:
+        """Whether the line after the current one holds a single word."""
         following = self._lines.peek()
-        return 0 if following is None else len(_WORD.findall(following.text))
+        return following is not None and len(list(islice(_WORD.finditer(following.text), 2))) == 1
 
     def offset(self) -> int:
         """Byte offset behind the last word read, in a line that is ASCII up to there."""

@@ -9,6 +9,7 @@ from typing import Final
 from service.errors import FormatError, McmlError, Place, UnsupportedError
 from service.formats.format import Format
 from service.formats.lines import utf16_codec
+from service.formats.other_formats import TO_BVH, other_format
 
 UNSUPPORTED: Final[Mapping[str, str]] = {
     "aoa": "Adaptive Optics: a tracker's raw points with no public grammar and no files to be found",
@@ -60,9 +61,13 @@ def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes)
         part = format.sniff(file_name, first_bytes)
         if part is not None:
             return format, part
+    other = other_format(first_bytes)
+    if other is not None:
+        title, remedy = other
+        raise UnsupportedError(f"{title} files are not read", at=at, remedy=remedy)
     for beginning, title in _WRITTEN:
         if re.match(beginning, first_bytes):
-            raise UnsupportedError(f"{title} files are written, not read", at=at, remedy=_READ)
+            raise UnsupportedError(f"{title} files are written, not read", at=at, remedy=TO_BVH)
     if b"\0" in first_bytes:
         raise _binary(file_name, first_bytes, at)
     for extension, name in _EXTENSIONS.items():
@@ -72,7 +77,7 @@ def recognise(formats: Mapping[str, Format], file_name: str, first_bytes: bytes)
 
 
 def _unsupported_content(first_bytes: bytes) -> str | None:
-    if re.search(rb"(?im)^\s*FileType\s+gtr\b", first_bytes):
+    if re.search(rb"(?im)^[ \t]*FileType[ \t]+gtr\b", first_bytes):
         return "gtr"
     return None
 

@@ -18,6 +18,7 @@ from service.formats.format import FileKind, ReadOptions, SourceFile, need_conve
 from service.formats.lines import Line, Lines, detect_encoding, shown
 from service.formats.number_text import detect_style
 from service.formats.numbers import is_number, is_whole
+from service.formats.separators import tabbed
 from service.formats.trc_columns import find_columns
 from service.formats.trc_rows import Rows
 from service.formats.trc_times import decide_rate, first_time
@@ -67,9 +68,11 @@ class _Head:
 
 
 def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
-    stream, limits = file.stream, options.limits
+    stream, limits = tabbed(file.stream), options.limits
     encoding = detect_encoding(stream, options.encoding)
     notices = list(encoding.notices)
+    if stream is not file.stream:
+        note(notices, "note", "cells are separated by commas or semicolons; they are read as if by tabs")
     head = _read_head(Lines(stream, encoding), notices)
     names, columns = find_columns(head.labels, head.facts, head.axes, _first_row(stream, head.data), limits, notices)
     skeleton = marker_skeleton(names)
@@ -88,7 +91,8 @@ def _read(file: SourceFile, options: ReadOptions) -> ClipStream:
     known_facts = _FACTS if rate else _FACTS[1:]
     sections += [(name, text) for name, text in head.facts.items() if name not in known_facts]
     if len(times.seconds) and np.isfinite(times.seconds[0]):
-        sections.append(("Time", f"{times.decimals} {first_time(times, float(rate) if rate else None)!r}"))
+        start = first_time(times, float(rate) if rate else None)
+        sections.append(("Time", f"{times.decimals} {start!r}{_number(_first_row(stream, head.data))}"))
     part = SourcePart(
         part="trc",
         name=file.name.rsplit("/", 1)[-1],
@@ -165,6 +169,12 @@ def _first_row(stream: BinaryIO, start: int) -> list[bytes]:
     stream.seek(start)
     row = re.split(rb"[\r\n]", stream.read(_SAMPLE_BYTES).lstrip(b"\r\n"))[0].rstrip(b"\t ")
     return row.split(b"\t") if b"\t" in row else row.split()
+
+
+def _number(row: list[bytes]) -> str:
+    """The number of the first frame behind a blank; nothing where it has none."""
+    text = row[0].strip().decode("latin-1") if row else ""
+    return f" {int(text)}" if is_whole(text) else ""
 
 
 def _style(stream: BinaryIO, start: int) -> str:

@@ -115,7 +115,7 @@ class Rows:
             elif len(rest) > LONGEST_ROW:
                 raise LimitError(
                     f"a row is longer than {LONGEST_ROW >> 20} MiB",
-                    at=line_and_column(self._stream, offset, self._text_start),
+                    at=self._place(offset),
                     remedy="Check the file.",
                 )
         if rest.strip():
@@ -146,10 +146,12 @@ class Rows:
             cells = [cell.strip() for cell in self._cells(match.group())]
             if not any(cells):
                 continue
-            at = line_and_column(self._stream, offset + match.start(), self._text_start)
+            start = offset + match.start()
             if not _WHOLE.fullmatch(cells[0]):
                 raise FormatError(
-                    f"{shown(cells[0].decode('latin-1'))} is no frame number", at=at, remedy="Begin rows with Frame#."
+                    f"{shown(cells[0].decode('latin-1'))} is no frame number",
+                    at=self._place(start),
+                    remedy="Begin rows with Frame#.",
                 )
             number = int(cells[0])
             while len(cells) > self._width and not cells[-1]:
@@ -159,23 +161,28 @@ class Rows:
             if not 2 <= len(cells) <= self._width or (len(cells) < self._width and not whole):
                 raise FormatError(
                     f"frame {number} has {max(0, len(cells) - 2)} coordinates, the head says {self._width - 2}",
-                    at=at,
+                    at=self._place(start),
                     remedy="Leave a cell empty where a sample is missing.",
                 )
             cells += [b""] * (self._width - len(cells))
-            self._number(cells[1], 1, number, at)
+            self._number(cells[1], 1, number, start)
             ids.append(number)
-            rows.append([self._number(cells[place], place, number, at) for place in self._kept.tolist()])
+            rows.append([self._number(cells[place], place, number, start) for place in self._kept.tolist()])
         values = np.array(rows, dtype=np.float64).reshape(len(rows), len(self._columns))
         return np.array(ids, dtype=np.int64), values
 
-    def _number(self, cell: bytes, place: int, frame: int, at: Place) -> float:
+    def _number(self, cell: bytes, place: int, frame: int, start: int) -> float:
         if not cell or cell.lower() == b"nan":
             return float("nan")
         text = cell.decode("latin-1")
         if is_number(text):
             return float(text)
-        raise FormatError(f"frame {frame}, {self._names.get(place, 'time')}: {what_is_wrong(text)}", at=at)
+        what = f"frame {frame}, {self._names.get(place, 'time')}: {what_is_wrong(text)}"
+        raise FormatError(what, at=self._place(start))
+
+    def _place(self, offset: int) -> Place:
+        """Line and column of a byte offset, found by reading the file up to there: for messages alone."""
+        return line_and_column(self._stream, offset, self._text_start)
 
     @staticmethod
     def _cells(row: bytes, most: int = -1) -> list[bytes]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from service.errors import ConversionError, Notice
+from service.formats.format import need_seconds
 from service.formats.lines import encoded
 from service.formats.number_text import rows_of_text
 from service.motion.clip import ClipHead, ClipStream, FrameBlock
@@ -33,25 +34,25 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
     head = clip.head
     source = next((part for part in head.sources if part.part == "trc"), None)
     said = dict(source.sections) if source else {}
-    seconds = head.seconds_per_frame()
-    if seconds is None and "DataRate" not in said:
-        raise ConversionError(
-            "TRC says how fast frames follow, and the document does not", remedy="State its frame time first."
-        )
+    seconds = head.seconds_per_frame() if "DataRate" in said else need_seconds(head, "TRC")
     codec = source.encoding if source else "utf-8"
-    if "Units" not in said and not head.fields.get("calibration_unit"):
-        clip.notices.append(
-            Notice("note", "the document states no unit of length: its numbers were written as they are, without Units")
+    if not head.fields.get("calibration_unit"):
+        raise ConversionError(
+            "TRC says its unit of length, and the document does not: OpenSim refuses files without Units",
+            remedy="State it once with `unit`: mcml set ID --unit mm, or PATCH the document.",
         )
     other = {name for joint in head.skeleton.joints for name in joint.channels} - set(TRANSLATIONS)
     if other:
         clip.notices.append(Notice("warning", f"TRC has no place for {', '.join(sorted(other, key=CHANNELS.index))}"))
     frames = clip.frames if clip.frames is not None else sum(len(block) for block in clip.blocks())
     keywords = source.keywords if source else KEYWORDS
-    text = _head(head, said, keywords, frames, seconds)
+    if "units" not in [word.lower() for word in keywords]:
+        keywords = (*keywords, "Units")
+    first = _first_frame(clip)
+    text = _head(head, said, keywords, frames, seconds, first)
     yield encoded(text, codec, clip.notices)
     seconds = seconds or 0.0
-    decimals, start = _time(said, seconds)
+    decimals, start = _time(said, seconds, first)
     moving = [(joint, CHANNEL_INDEX[name]) for joint in range(len(head.skeleton)) for name in TRANSLATIONS]
     done = 0
     for block in clip.blocks():
@@ -65,7 +66,9 @@ def write_trc(clip: ClipStream) -> Iterator[bytes]:
         done += len(block)
 
 
-def _head(head: ClipHead, said: dict[str, str], keywords: tuple[str, ...], frames: int, seconds: float | None) -> str:
+def _head(
+    head: ClipHead, said: dict[str, str], keywords: tuple[str, ...], frames: int, seconds: float | None, first: int
+) -> str:
     rate = head.fields.get("dataframe_rate") or (repr(1 / seconds) if seconds else "")
     facts = {
         "datarate": rate,
@@ -74,7 +77,7 @@ def _head(head: ClipHead, said: dict[str, str], keywords: tuple[str, ...], frame
         "nummarkers": str(len(head.skeleton)),
         "units": head.fields.get("calibration_unit", ""),
         "origdatarate": rate,
-        "origdatastartframe": "1",
+        "origdatastartframe": str(first),
         "orignumframes": str(frames),
     }
     texts = [said.get(word) or facts.get(word.lower(), "") for word in keywords]
@@ -92,13 +95,21 @@ def _head(head: ClipHead, said: dict[str, str], keywords: tuple[str, ...], frame
     return "\n".join(lines) + "\n"
 
 
-def _time(said: dict[str, str], seconds: float) -> tuple[int, float]:
-    """(decimals, time of the first frame)."""
+def _first_frame(clip: ClipStream) -> int:
+    """The number of the first frame; 1 where it has none that is a positive number."""
+    block = next((block for block in clip.blocks() if len(block)), None)
+    return int(block.ids[0]) if block is not None and not isinstance(block.ids, list) and block.ids[0] > 0 else 1
+
+
+def _time(said: dict[str, str], seconds: float, first: int) -> tuple[int, float]:
+    """(decimals, time of the first frame). Frame 1 is at 0, unless a TRC said when its first frame is."""
     words = said.get("Time", "").split()
     if len(words) == 2:
         return int(words[0]), float(words[1])
+    if len(words) == 3:
+        return int(words[0]), float(words[1]) + (first - int(words[2])) * seconds
     text = f"{seconds:.{_LONGEST_DECIMALS}f}".rstrip("0")
-    return max(3, len(text.partition(".")[2])), 0.0
+    return max(3, len(text.partition(".")[2])), (first - 1) * seconds
 
 
 def _rows(block: FrameBlock, moving: list[tuple[int, int]], style: str, times: Array, decimals: int) -> bytes:

@@ -61,6 +61,7 @@ class FrameReader:
         self._state = 0
         self._open = ""
         self._text: list[str] = []
+        self._text_size = 0
         self._shape: list[tuple[int, int]] = []
         self._names: list[str] = []
         self._id = ""
@@ -87,7 +88,7 @@ class FrameReader:
         self._state = state
         self._open = tag
         if tag != FRAME_BONE:
-            self._text = []
+            self._text, self._text_size = [], 0
             if attributes:
                 raise DocumentError(f"{tag} has no attribute {attributes[0]}", at=self._place())
             return
@@ -121,7 +122,8 @@ class FrameReader:
         """Characters within a frame."""
         if self._open == MOTION_NAME:
             self._text.append(text)
-            if sum(map(len, self._text)) > self._max_text:
+            self._text_size += len(text)
+            if self._text_size > self._max_text:
                 raise LimitError(f"a motion name has more than {self._max_text} characters", at=self._place())
         elif self._open or text.strip(WHITE_SPACE):
             tag = self._open or FRAME

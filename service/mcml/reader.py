@@ -107,6 +107,8 @@ class _Pass:
         self._stack: list[tuple[Element, int]] = []
         self._lines: dict[int, int] = {}
         self._size = 0
+        self._pieces: list[str] = []
+        self._pieces_size = 0
         self._dropped = 0
         self._frame_reader: FrameReader | None = None
         self._done = False
@@ -232,7 +234,8 @@ class _Pass:
         error = declarations()[tag].end_error(state)
         if error:
             raise DocumentError(error, at=self._place())
-        element.text = element.text.strip(WHITE_SPACE)
+        element.text = "".join(self._pieces).strip(WHITE_SPACE)
+        self._pieces, self._pieces_size = [], 0
         if tag == MOTION:
             reader = self._frame_reader or self._begin_frames(element)
             reader.flush()
@@ -247,9 +250,11 @@ class _Pass:
         element, _ = self._stack[-1]
         kind = declarations()[element.tag].kind
         if kind == "text":
-            element.text += text
+            # Comments cut a text into many pieces: they are joined once.
+            self._pieces.append(text)
+            self._pieces_size += len(text)
             self._grow(len(text))
-            if len(element.text) > self._limits.max_text:
+            if self._pieces_size > self._limits.max_text:
                 raise LimitError(f"a text has more than {self._limits.max_text} characters", at=self._place())
         elif kind == "empty" or text.strip(WHITE_SPACE):
             found = text.strip(WHITE_SPACE)[:40]

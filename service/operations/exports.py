@@ -73,9 +73,13 @@ def export_document(
     ] = None,
     up: Annotated[str | None, Field(description="Turn so that this axis points up", examples=["Z"])] = None,
     original: Annotated[bool, Field(description="Answer the kept bytes of an unedited document")] = True,
+    frame_time: Annotated[
+        str | None, Field(description="Seconds a frame, where the document does not say", examples=["0.0083333"])
+    ] = None,
 ) -> Content:
     """In its own format an unedited one comes back byte for byte."""
-    return _content(call, id, revision, ExportOptions(format, first, last, names, unit, up, original=original))
+    options = ExportOptions(format, first, last, names, unit, up, original=original, frame_time=frame_time)
+    return _content(call, id, revision, options)
 
 
 @gives("A zip, made while it is sent; `refused.txt` in it says what could not be exported", {"application/zip": None})
@@ -83,7 +87,9 @@ def export_documents(call: Call, request: ExportRequest) -> Content:
     """Each document as it is now. Two of one name become two files, the second with the end of its id."""
     from service.actions.composing import export_documents as exporting
 
-    options = ExportOptions(request.format, names=request.names, unit=request.unit, up=request.up)
+    options = ExportOptions(
+        request.format, names=request.names, unit=request.unit, up=request.up, frame_time=request.frame_time
+    )
     content = exporting.export_documents(call.database, call.queries, request.selection, options)
     return Content(content, "application/zip", f"{request.selection.project or 'documents'}.zip")
 

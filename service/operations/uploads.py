@@ -24,7 +24,8 @@ Files: TypeAlias = Annotated[
 Repairs: TypeAlias = Annotated[
     list[str] | None,
     Field(
-        description="Repairs of text files before they are read: split-numbers, whole-frames; may be repeated",
+        description="Repairs of text files before they are read: split-numbers, decimal-commas, missing-samples, "
+        "stated-dof, three-dof, whole-frames; may be repeated",
         examples=[["split-numbers"]],
     ),
 ]

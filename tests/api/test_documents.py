@@ -328,6 +328,6 @@ def test_inspect_stores_nothing(client: TestClient) -> None:
 
 def test_what_a_target_cannot_hold_is_said(client: TestClient) -> None:
     uuid = only(client, {"leg.asf": ASF, "leg.amc": amc(3)})
-    answer = client.get(f"{API}/documents/{uuid}/export", params={"format": "bvh"})
+    answer = client.get(f"{API}/documents/{uuid}/export", params={"format": "bvh", "frame_time": "0.01"})
     assert "limits" in answer.headers["x-mcml-notices"]
     assert client.get(f"{API}/documents/{uuid}/export", params={"format": "asf"}).headers.get("x-mcml-notices") is None

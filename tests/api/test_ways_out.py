@@ -45,7 +45,9 @@ def test_what_is_not_stated_is_told(client: TestClient) -> None:
     for format in BEGINNINGS:
         answer = client.get(f"{API}/documents/{uuid}/export", params={"format": format})
         assert "the document states no up axis" in answer.headers["x-mcml-notices"], format
-    assert "no unit of length" in client.get(f"{API}/documents/{uuid}/export?format=trc").headers["x-mcml-notices"]
+    refused = client.get(f"{API}/documents/{uuid}/export?format=trc")
+    assert refused.status_code == 422
+    assert "unit of length" in refused.json()["detail"]
 
 
 def test_parts_units_and_axes_are_as_of_other_formats(client: TestClient) -> None:

@@ -143,7 +143,7 @@ def test_says_what_it_guessed(change: tuple[str, str], message: str) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("[Header]", "[Head]"), "HTR section [Header] is missing"),
+        (("[Header]", "[Heading]"), "HTR section [Header] is missing"),
         (("[Header]", "Header"), "HTR section [Header] is missing, found 'Header'"),
         (("[SegmentNames&Hierarchy]", "[Segments]"), "HTR section [SegmentNames&Hierarchy] is missing"),
         (("[BasePosition]", "[Base]"), "HTR section [BasePosition] is missing"),

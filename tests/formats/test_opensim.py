@@ -171,7 +171,7 @@ def test_what_has_no_angles_or_times_is_refused() -> None:
     with pytest.raises(ConversionError, match="markers have no angles"):
         table(read(FORMATS["trc"], {"trc": TRC}))
     clip = clip_of(person(1))
-    with pytest.raises(ConversionError, match="frame time"):
+    with pytest.raises(ConversionError, match="how fast frames follow"):
         table(clip.with_head(replace(clip.head, frame_time=None)))
     with pytest.raises(ConversionError, match="beyond the largest"):
         table(clip.with_head(replace(clip.head, frame_time="1e307")))

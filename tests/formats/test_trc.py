@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -12,11 +13,12 @@ import pytest
 
 from service.errors import ConversionError, FormatError
 from service.formats import FORMATS
+from service.formats.format import ReadOptions
 from service.motion.clip import ClipStream
 from service.motion.conventions import convert
 from service.motion.kinematics import Walker
 from service.motion.skeleton import Convention
-from tests.builders import ASF, TRC, amc, bvh
+from tests.builders import ASF, TRC, amc, bvh, c3d_file
 from tests.formats.contract import FormatContract, frames, read, written
 
 TEXT = TRC.decode()
@@ -201,6 +203,7 @@ def test_without_a_rate_nothing_is_written() -> None:
 
 def test_joints_of_a_body_become_markers() -> None:
     body = read(FORMATS["bvh"], {"bvh": bvh(20)})
+    body = body.with_head(replace(body.head, fields={"calibration_unit": "cm"}))
     positions = np.concatenate(
         [Walker(body.head.skeleton).poses(block)[0].reshape(len(block), -1) for block in body.blocks()]
     )
@@ -244,3 +247,28 @@ def test_damaged_real_files_are_refused(shared: Path) -> None:
     for path in sorted((shared / "trc/malformed").glob("*.trc")):
         with pytest.raises(FormatError):
             frames(read(FORMATS["trc"], {"trc": path.read_bytes()}))
+
+
+def test_a_file_without_a_unit_is_not_written() -> None:
+    """OpenSim refuses it."""
+    clip = read(FORMATS["trc"], {"trc": TRC.replace(b"\tmm", b"\t")}, ReadOptions())
+    assert "calibration_unit" not in clip.head.fields
+    with pytest.raises(ConversionError, match="unit of length") as caught:
+        written(FORMATS["trc"], clip)
+    assert "--unit" in (caught.value.remedy or "")
+
+
+def test_frames_have_their_own_times() -> None:
+    """A C3D that begins at frame 91 is at 0.9 s there; so is a TRC of which the first frames were cut away."""
+    c3d = read(FORMATS["c3d"], {"c3d": c3d_file(rate=100.0, first=91)}, ReadOptions())
+    c3d = c3d.with_head(replace(c3d.head, fields=c3d.head.fields | {"calibration_unit": "mm"}))
+    text = written(FORMATS["trc"], c3d)["trc"].decode()
+    assert [line.split("\t")[:2] for line in text.splitlines()[6:8]] == [["91", "0.900"], ["92", "0.910"]]
+    facts = dict(zip(text.splitlines()[1].split("\t"), text.splitlines()[2].split("\t"), strict=True))
+    assert facts["OrigDataStartFrame"] == "91"
+    again = read(FORMATS["trc"], {"trc": text.encode()}, ReadOptions())
+    [block] = list(again.blocks())
+    shape_of = None if block.shape_of is None else block.shape_of[2:]
+    rest = replace(block, values=block.values[2:], ids=block.ids[2:], shape_of=shape_of)
+    later = written(FORMATS["trc"], ClipStream(again.head, lambda: iter([rest]), len(rest)))["trc"].decode()
+    assert later.splitlines()[6].split("\t")[:2] == ["93", "0.920"]

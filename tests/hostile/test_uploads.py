@@ -106,7 +106,7 @@ def test_zip_bombs_are_refused(database: Database) -> None:
             "sum.zip": packed({f"{n}.bvh": random.Random(n).randbytes(50_000) * 40 for n in range(20)}),
             "count.zip": packed({f"{n}.txt": b"x" for n in range(60)}),
             "cut.zip": packed({"a.bvh": bvh(3)})[:200],
-            "nested.zip": packed({"inner.zip": packed({"a.bvh": bvh(3)})}),
+            "nested.zip": packed({"a.zip": packed({"b.zip": packed({"c.zip": packed({"a.bvh": bvh(3)})})})}),
         }.items():
             assert_refused(client, name, content)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import PurePath
+from pathlib import Path, PurePath
 
 from service.actions.exporting.export_motion import convert_clip, part_without_frames, targets
 from service.actions.reading.gather_files import gathered
@@ -37,15 +37,20 @@ def convert_files(
     frame_time: str | None = None,
     encoding: str | None = None,
     names: str | None = None,
+    unit: str | None = None,
+    up: str | None = None,
     stem: str = "motion",
 ) -> Iterator[Converted]:
-    """The one clip among the files in another format. Raises what readers and writers raise."""
+    """The one clip among the files in another format. Raises what readers and writers raise.
+
+    frame_time, unit, up: what the files do not say of themselves; nothing is scaled or turned.
+    """
     known = targets()
     if target not in known or target == "csv":
         raise UnsupportedError(
             f"Unknown format {target!r}.", remedy=f"Use one of: {', '.join(sorted(set(known) - {'csv'}))}."
         )
-    options = ImportOptions(encoding=encoding, frame_time=frame_time)
+    options = ImportOptions(encoding=encoding, frame_time=frame_time, unit=unit, up=up)
     with gathered(files, settings) as found:
         for _, error in found.problems:
             raise error
@@ -82,6 +87,36 @@ def format_of(file_name: str) -> str:
         f"{file_name!r} does not say which format to write.",
         remedy=f"Say the format (--to, in Python to=): one of: {', '.join(sorted(targets()))}.",
     )
+
+
+def files_to_write(path: Path, target: str) -> list[tuple[Path, str]]:
+    """The files that an export to a path makes, each with what to export: ASF and AMC where the name is of one of them.
+
+    target: as of `ExportOptions.format`. Raises UnsupportedError for a name that ends as files of another format do.
+    """
+    extension = path.suffix.lower()
+    name, part = targets().get(target, (target, None))
+    parts = [item for item in WRITERS[name].parts if part in (None, item.name)] if name in WRITERS else []
+    own = [ending for item in parts for ending in item.extensions] or [f".{target}"]
+    if len(parts) > 1 and extension in own:
+        return [(path.with_suffix(item.extensions[0]), item.name) for item in parts]
+    if len(parts) > 1:
+        own.append(".zip")
+    elif not extension or extension not in _endings():
+        return [(path, target)]
+    if extension not in (*own, ".xml" if target == "mcml" else own[0]):
+        endings = ", ".join(own)
+        raise UnsupportedError(
+            f"{path.name!r} is no name for {target}.", remedy=f"Give it the ending {endings}, or say another format."
+        )
+    return [(path, target)]
+
+
+def _endings() -> set[str]:
+    """All endings of files that are written."""
+    return {".mcml", ".xml", ".csv", ".zip"} | {
+        ending for writer in WRITERS.values() for part in writer.parts for ending in part.extensions
+    }
 
 
 def _mcml(clip: ClipStream) -> Iterator[bytes]:

@@ -13,6 +13,7 @@ from functools import partial
 import numpy as np
 import orjson
 
+from service.actions.checking.check_names import check_frame_time
 from service.clips.read_clip import StoredClip, read_clip
 from service.errors import ConversionError, Notice, UnsupportedError
 from service.formats import FORMATS, WRITERS
@@ -32,7 +33,8 @@ class ExportOptions:
     """format: a catalogue name, one part of a format ("asf", "amc"), "mcml" or "csv".
 
     names: table of joint names ("mcml", "bvh1", …) instead of the source's. unit, up: turn and scale to these; the
-    document must state its own. original: False writes the file from the elements even where the kept bytes would do.
+    document must state its own. frame_time: seconds of a frame, for a document that does not state them. original:
+    False writes the file from the elements even where the kept bytes would do.
     """
 
     format: str
@@ -43,10 +45,11 @@ class ExportOptions:
     up: str | None = None
     pretty: bool = False
     original: bool = True
+    frame_time: str | None = None
 
     @property
     def whole(self) -> bool:
-        return self.first == 1 and self.last is None and not (self.names or self.unit or self.up)
+        return self.first == 1 and self.last is None and not (self.names or self.unit or self.up or self.frame_time)
 
 
 @dataclass
@@ -94,10 +97,10 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
         kept = _kept(tx, stored, part)
         if kept is not None:
             return kept
-    source = read_clip(tx, stored, first=options.first, last=options.last)
+    source = _timed(read_clip(tx, stored, first=options.first, last=options.last), options.frame_time)
     if name == "mcml":
         content = write_document(
-            source.document, source.clip.frames or 0, stored.frame_time, source.clip.blocks(), source.names,
+            source.document, source.clip.frames or 0, source.clip.head.frame_time, source.clip.blocks(), source.names,
             pretty=options.pretty,
         )  # fmt: skip
         return Export(f"{stem}.mcml", "application/xml", content)
@@ -138,6 +141,21 @@ def _kept(tx: Transaction, stored: StoredDocument, part: str | None) -> Export |
 
     files = {upload.file_name: opener(upload.part) for upload in uploads}
     return Export(f"{file_stem(stored.name)}.zip", "application/zip", zipped(files.items()))
+
+
+def _timed(source: StoredClip, frame_time: str | None) -> StoredClip:
+    """The clip with a frame time, where it states none. Raises ConversionError where it states another."""
+    if frame_time is None:
+        return source
+    check_frame_time(frame_time)
+    head = source.clip.head
+    stated = head.seconds_per_frame()
+    if stated is not None and not math.isclose(stated, float(frame_time), rel_tol=1e-6):
+        raise ConversionError(
+            f"The document states its frame time, {stated:g} seconds, and `frame_time` says {frame_time}.",
+            remedy="Leave `frame_time` out, or change what the document states: mcml set ID --frame-time SECONDS.",
+        )
+    return replace(source, clip=source.clip.with_head(replace(head, frame_time=frame_time)))
 
 
 def _converted(source: StoredClip, name: str, options: ExportOptions) -> ClipStream:

@@ -30,6 +30,7 @@ from service.actions.importing.import_workers import (
 )
 from service.actions.reading.gather_files import Clip
 from service.actions.reading.import_options import ImportOptions
+from service.errors import Notice
 from service.formats.format import SourceFile
 from service.settings import Settings
 
@@ -39,8 +40,8 @@ WORTH_STARTING = 64
 TOGETHER = 4
 """Clips that a worker is sent at a time: to send one and to hear of it takes the importer's time, however short."""
 
-Sent = tuple[str, dict[str, tuple[str, bytes]], ImportOptions]
-"""Format, (name, content) of each part, options."""
+Sent = tuple[str, dict[str, tuple[str, bytes, tuple[Notice, ...]]], ImportOptions]
+"""Format, (name, content, notices) of each part, options."""
 
 
 @contextmanager
@@ -160,10 +161,10 @@ class PooledReading:
         size = 0
         for number in islice(self._numbers, self._together):
             task = self._tasks[number]
-            parts = {part: (file.name, _content(file)) for part, file in task.clip.files.items()}
+            parts = {part: (file.name, _content(file), file.notices) for part, file in task.clip.files.items()}
             numbers.append(number)
             sent.append((task.clip.format, parts, task.options))
-            size += sum(len(content) for _, content in parts.values())
+            size += sum(len(content) for _, content, _ in parts.values())
             if size >= MOST_BYTES // TOGETHER:
                 self._send(numbers, sent)
                 numbers, sent, size = [], [], 0
@@ -205,7 +206,7 @@ def _read_all(sent: list[Sent], settings: Settings) -> list[ReadApart | None]:
 def _read(sent: Sent, settings: Settings) -> ReadApart | None:
     """In a worker: what `read_apart` makes of a clip; None for an error, which the importer meets in its own words."""
     format_name, parts, options = sent
-    files = {part: SourceFile(name, io.BytesIO(content)) for part, (name, content) in parts.items()}
+    files = {part: SourceFile(name, io.BytesIO(content), notices) for part, (name, content, notices) in parts.items()}
     try:
         return read_apart(Task(Clip(format_name, files), options), settings)
     except Exception:

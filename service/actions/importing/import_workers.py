@@ -22,7 +22,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from multiprocessing.connection import Connection, wait
 from typing import Any, cast
@@ -206,7 +206,7 @@ def read_apart(task: Task, settings: Settings) -> ReadApart:
     contents = {part: _content(file) for part, file in task.clip.files.items()}
     clip = Clip(
         task.clip.format,
-        {part: SourceFile(file.name, io.BytesIO(contents[part])) for part, file in task.clip.files.items()},
+        {part: replace(file, stream=io.BytesIO(contents[part])) for part, file in task.clip.files.items()},
     )
     uploads = [packed(part, content) for part, content in contents.items()]
     rows: list[TrackRow] = []

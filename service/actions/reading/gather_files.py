@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import codecs
-import lzma
 import posixpath
 import re
-import struct
-import tempfile
-import zipfile
-import zlib
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
-from typing import BinaryIO, TypeAlias, cast
+from typing import TypeAlias
 
-from service.errors import FormatError, LimitError, McmlError, Place, SpaceError, is_full
+from service.actions.reading.unpack import unpacked
+from service.errors import FormatError, McmlError, Place
 from service.formats import FORMATS, find_format
 from service.formats.format import SourceFile
 from service.formats.lines import utf16_codec
+from service.formats.other_formats import refuse_other_xml
 from service.settings import Settings
 
 SNIFF_BYTES = 4096
-COPY_BYTES = 1 << 20
 
 
 @dataclass
@@ -55,7 +51,7 @@ def gathered(files: list[SourceFile], settings: Settings, lookup: SkeletonLookup
     result = Gathered()
     with ExitStack() as stack:
         parts: dict[str, dict[str, list[SourceFile]]] = {}
-        for file in _unpacked(files, settings, stack, result):
+        for file in unpacked(files, settings, stack, result.problems):
             try:
                 format_name, part = recognise(file)
             except McmlError as error:
@@ -75,19 +71,25 @@ def recognise(file: SourceFile) -> tuple[str, str]:
     file.stream.seek(0)
     head = file.stream.read(SNIFF_BYTES)
     file.stream.seek(0)
-    if _is_xml(head):
+    text = _xml(head)
+    if text is not None:
+        refuse_other_xml(file.name, text)
         return "mcml", "mcml"
     format_, part = find_format(file.name, head)
     return format_.name, part
 
 
-def _is_xml(head: bytes) -> bool:
-    """MCML is the language, recognised before the formats: no capture format begins with an angle bracket."""
+def _xml(head: bytes) -> bytes | None:
+    """The beginning of XML in UTF-8, None for anything else.
+
+    MCML is the language, recognised before the formats: no capture format begins with an angle bracket.
+    """
     if head.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
-        return True
+        return b""
     codec = utf16_codec(head)
     text = head.decode(codec, errors="replace").encode() if codec else head
-    return text.removeprefix(codecs.BOM_UTF8).lstrip().startswith(b"<")
+    text = text.removeprefix(codecs.BOM_UTF8).lstrip()
+    return text if text.startswith(b"<") else None
 
 
 def _pair(
@@ -194,70 +196,3 @@ def _begins(stem: str, prefix: str) -> bool:
     if rest == stem or not rest or not prefix:
         return False
     return not rest[0].isalnum() or rest[0].isdigit() != prefix[-1].isdigit()
-
-
-# What zipfile and the decompressors raise for bytes that are no zip; names that are no UTF-8 are a ValueError.
-_BROKEN_ZIP = (
-    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error),
-    *(RuntimeError, ValueError, OSError, EOFError),
-)
-
-
-def _unpacked(files: list[SourceFile], settings: Settings, stack: ExitStack, result: Gathered) -> Iterator[SourceFile]:
-    for file in files:
-        file.stream.seek(0)
-        is_zip = file.stream.read(4) in (b"PK\x03\x04", b"PK\x05\x06")
-        file.stream.seek(0)
-        if not is_zip:
-            yield file
-            continue
-        try:
-            yield from _members(file, settings, stack)
-        except LimitError as error:
-            result.problems.append((file.name, error))
-        except _BROKEN_ZIP as error:
-            if isinstance(error, OSError) and is_full(error):
-                raise SpaceError from error
-            problem = FormatError(
-                "The zip is damaged or encrypted.", at=Place(file=file.name), remedy="Zip the files again, unencrypted."
-            )
-            result.problems.append((file.name, problem))
-
-
-def _members(file: SourceFile, settings: Settings, stack: ExitStack) -> list[SourceFile]:
-    archive = stack.enter_context(zipfile.ZipFile(file.stream))
-    names = [info for info in archive.infolist() if not info.is_dir() and not _is_litter(_path(info))]
-    if len(names) > settings.max_zip_files:
-        raise LimitError(
-            f"The zip holds {len(names)} files, the limit is {settings.max_zip_files}.",
-            at=Place(file=file.name),
-            remedy="Send it in parts.",
-        )
-    members, total = [], 0
-    for info in names:
-        # Declared sizes may lie, so the bytes themselves are counted while they are unpacked.
-        spool = cast(BinaryIO, stack.enter_context(tempfile.SpooledTemporaryFile(max_size=8 * COPY_BYTES)))  # noqa: SIM115
-        size = 0
-        with archive.open(info) as member:
-            while block := member.read(COPY_BYTES):
-                size += len(block)
-                total += len(block)
-                if total > settings.max_upload_bytes or size > COPY_BYTES + settings.max_zip_ratio * info.compress_size:
-                    raise LimitError(
-                        f"{info.filename} unpacks to more than the limits allow.",
-                        at=Place(file=file.name, element=info.filename),
-                        remedy="Send the files themselves.",
-                    )
-                spool.write(block)
-        spool.seek(0)
-        members.append(SourceFile(_path(info), spool))
-    return members
-
-
-def _path(info: zipfile.ZipInfo) -> str:
-    """Some programs of Windows write backslashes between folders."""
-    return info.filename.replace("\\", "/")
-
-
-def _is_litter(name: str) -> bool:
-    return name.startswith("__MACOSX/") or posixpath.basename(name).startswith(".")

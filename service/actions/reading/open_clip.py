@@ -60,6 +60,7 @@ def open_clip(clip: Clip, options: ImportOptions, settings: Settings) -> OpenCli
         files, repairs = repaired(clip.files, options.repair)
         clip = Clip(clip.format, files)
     opened = _opened(clip, options, settings)
+    opened.stream.notices += [notice for file in clip.files.values() for notice in file.notices]
     opened.stream.notices += [Notice("repair", words) for words in repairs]
     return replace(opened, repaired=bool(repairs))
 

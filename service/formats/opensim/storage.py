@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from service.errors import ConversionError
-from service.formats.format import FileKind, note
+from service.formats.format import FileKind, need_seconds, note
 from service.formats.number_text import SHORTEST, rows_of_text
 from service.motion.clip import ClipHead, ClipStream
 from service.motion.skeleton import Convention
@@ -38,12 +38,7 @@ class OpenSim:
     def write(self, clip: ClipStream, part: str) -> Iterator[bytes]:
         if any(joint.convention is Convention.MARKER for joint in clip.head.skeleton.joints):
             raise ConversionError("markers have no angles", remedy="Export them as TRC, which OpenSim reads.")
-        seconds = clip.head.seconds_per_frame()
-        if seconds is None:
-            raise ConversionError(
-                f"{part.upper()} says when each frame is, and the document does not",
-                remedy="State its frame time first.",
-            )
+        seconds = need_seconds(clip.head, part.upper())
         from service.formats.opensim.angles import BodyAngles
 
         angles = BodyAngles(clip)

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.errors import ConversionError, Notice
-from service.formats.format import note
+from service.formats.format import need_seconds, note
 from service.motion.clip import ClipHead, ClipStream
 from service.motion.conventions import with_scale_factor
+from service.motion.guesses import likely_unit
 from service.motion.hub import HubReader, Rest, walked
 from service.motion.rotations import multiply
 from service.motion.skeleton import Array, Convention, Skeleton
@@ -20,8 +21,8 @@ from service.motion.survey import STILL
 from service.motion.units import UNITS, reading_of
 
 LARGEST = float(np.finfo(np.float32).max)
-ASSUMED_RATE = 120
-"""Frames a second where nothing is stated, as for BVH."""
+_RATE_OF_A_POSE = 120
+"""Frames a second of a scene with a single frame, or none, whose rate means nothing."""
 
 _AXES = {"Y": (0.0, 0.0, 0.0), "Z": (-0.5, 0.0, 0.0), "X": (0.0, 0.0, 0.5)}
 """Half turns about X, Y and Z that make an axis point where Y does."""
@@ -31,7 +32,8 @@ _AXES = {"Y": (0.0, 0.0, 0.0), "Z": (-0.5, 0.0, 0.0), "X": (0.0, 0.0, 0.5)}
 class Stage:
     """clip: what is written. rest: (J, 3) where each joint is in its parent before it moves; all axes are the world's.
 
-    metres: of a unit of length, up: "Y", "-Z" …; None where nobody stated them. seconds: of a frame. moving, turning:
+    metres: of a unit of length, up: "Y", "-Z" …; None where nobody stated them. likely: metres of the unit in which a
+    body of this size is a person, None where there is none. seconds: of a frame. moving, turning:
     (J,) joints that leave their rest. size: the largest extent of the first frame, or of the rest pose.
     """
 
@@ -45,6 +47,7 @@ class Stage:
     moving: NDArray[np.bool_]
     turning: NDArray[np.bool_]
     size: float
+    likely: float | None = None
 
     @property
     def skeleton(self) -> Skeleton:
@@ -113,11 +116,12 @@ def look_through(clip: ClipStream, title: str, taken_for: str) -> Stage:
     rest, reach = _rest(skeleton, hub.rest, low, high, first)
     moving = np.maximum(np.abs(high - rest), np.abs(low - rest)).max(axis=1, initial=0.0) > STILL * (reach or 1.0)
     stage = Stage(
-        clip, rest, hub.rest.tips, frames, _seconds(head, frames, notices), metres, up, moving, turning, 1.0
+        clip, rest, hub.rest.tips, frames, _seconds(head, frames, title), metres, up, moving, turning, 1.0
     )  # fmt: skip
     places = stage.rest_places() if first is None else walked(skeleton, first[0][None], first[1][None])[0][0]
     size = float(np.ptp(places, axis=0).max()) if len(places) else 0.0
-    return replace(stage, size=size if 0 < size < LARGEST else 1.0)
+    likely = likely_unit(head, places)[1] if metres is None else metres
+    return replace(stage, size=size if 0 < size < LARGEST else 1.0, likely=likely)
 
 
 def _rest(
@@ -148,12 +152,8 @@ def _check_numbers(skeleton: Skeleton, rest: Rest, low: Array, high: Array) -> N
         )
 
 
-def _seconds(head: ClipHead, frames: int, notices: list[Notice]) -> float:
-    seconds = head.seconds_per_frame()
-    if seconds is None:
-        seconds = 1 / ASSUMED_RATE
-        if frames > 1:
-            note(notices, "guess", f"the source states no frame rate; {ASSUMED_RATE} frames a second were written")
+def _seconds(head: ClipHead, frames: int, title: str) -> float:
+    seconds = need_seconds(head, title) if frames > 1 else head.seconds_per_frame() or 1 / _RATE_OF_A_POSE
     if not math.isfinite(seconds * frames) or seconds * frames > LARGEST:
         raise ConversionError(
             f"the times of the frames are beyond the largest number, at {seconds:g} seconds each",

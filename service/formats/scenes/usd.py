@@ -1,6 +1,7 @@
 """USD: a UsdSkel skeleton, its animation, and a body on it that is seen. Needs the extra `usd`.
 
-The stage says what the document states: `metersPerUnit` and `upAxis`; numbers are the source's. One time code a frame.
+The stage says `metersPerUnit` and `upAxis`: what the document states, else a guess; numbers are the source's. One time
+code a frame.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from service.errors import ConversionError, UnsupportedError
-from service.formats.format import FileKind
+from service.formats.format import FileKind, note
 from service.formats.scenes.body import Body, body_of
 from service.formats.scenes.stage import Stage, look_through, turn_to_y
 from service.formats.target_names import legal_names
@@ -22,6 +23,7 @@ from service.motion.clip import ClipStream
 _MOST = 5_000_000
 """Places of joints, over all frames, that the library is given at once."""
 _BLOCK = 1 << 20
+_CENTIMETRE = 0.01
 _LETTERS = frozenset("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_0123456789")
 
 
@@ -51,7 +53,7 @@ class Usd:
                 "USD needs a library that is not installed.",
                 remedy="Install the extra: pip install 'mcml-repository[usd]'.",
             ) from None
-        stage = look_through(clip, "USD", "`metersPerUnit` is left out, which many programs take for centimetres")
+        stage = look_through(clip, "USD", "`metersPerUnit` is a guess")
         if stage.frames * len(stage.skeleton) > _MOST:
             raise ConversionError(
                 f"{stage.frames} frames of {len(stage.skeleton)} joints are more than USD is written of at once",
@@ -78,11 +80,9 @@ def _scene(clip: Stage) -> Any:
 
     skeleton = clip.skeleton
     stage = Usd.Stage.CreateInMemory()
-    if clip.up is not None:
-        # USD's up axis is Y or Z: others are turned, below.
-        UsdGeom.SetStageUpAxis(stage, clip.up if clip.up == "Z" else "Y")
-    if clip.metres is not None:
-        UsdGeom.SetStageMetersPerUnit(stage, clip.metres)
+    # USD's up axis is Y or Z: others are turned, below. Both are written in any case: its checker wants them.
+    UsdGeom.SetStageUpAxis(stage, "Z" if clip.up == "Z" else "Y")
+    UsdGeom.SetStageMetersPerUnit(stage, _metres(clip))
     stage.SetTimeCodesPerSecond(1 / clip.seconds)
     stage.SetFramesPerSecond(1 / clip.seconds)
     stage.SetStartTimeCode(0)
@@ -106,6 +106,17 @@ def _scene(clip: Stage) -> Any:
     _add_animation(stage, bones, clip)
     _add_body(stage, bones, body_of(clip))
     return stage
+
+
+def _metres(clip: Stage) -> float:
+    """Metres of a unit: as stated, else a guess, which a notice tells."""
+    if clip.metres is not None:
+        return clip.metres
+    metres = _CENTIMETRE if clip.likely is None else clip.likely
+    why = "USD's own default" if clip.likely is None else "in which the body has the size of a person"
+    what = f"metersPerUnit {metres:g} was written, {why}; state the unit with `unit` if it is another"
+    note(clip.clip.notices, "guess", what)
+    return metres
 
 
 def _paths(clip: Stage) -> list[str]:

@@ -29,6 +29,11 @@ def hostile() -> ClipStream:
     return clip.with_head(replace(clip.head, skeleton=Skeleton(tuple(joints)), fields=fields))
 
 
+def timed(clip: ClipStream) -> ClipStream:
+    """The clip of a format without frame times, with one."""
+    return clip.with_head(replace(clip.head, frame_time=clip.head.frame_time or "0.0083333"))
+
+
 def cut(clip: ClipStream, frames: int) -> ClipStream:
     """Its first frames, of which there are none or one."""
 
@@ -60,7 +65,7 @@ CLIPS: dict[str, Callable[[], ClipStream]] = {
     "htr": lambda: clip_of(person(1), Convention.BASE),
     "many frames": _big,
     "htr with gaps": lambda: read(FORMATS["htr"], {"htr": HTR}),
-    "a leg": lambda: read(FORMATS["asf-amc"], {"asf": ASF, "amc": amc(5)}),
+    "a leg": lambda: timed(read(FORMATS["asf-amc"], {"asf": ASF, "amc": amc(5)})),
     "chain": lambda: read(FORMATS["bvh"], {"bvh": bvh(9)}),
     "trc": lambda: read(FORMATS["trc"], {"trc": TRC}),
     "c3d": lambda: read(FORMATS["c3d"], {"c3d": c3d_file(40, 12)}),

@@ -2555,6 +2555,7 @@ export interface components {
             names?: string | null;
             unit?: string | null;
             up?: string | null;
+            frame_time?: string | null;
         };
         ExpressionCandidate: {
             document: string;
@@ -5142,6 +5143,7 @@ export interface operations {
                 unit?: string | null;
                 up?: string | null;
                 original?: boolean;
+                frame_time?: string | null;
             };
             header?: never;
             path: {

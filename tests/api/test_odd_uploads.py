@@ -1,0 +1,180 @@
+"""Uploads as people send them: archives in archives, files of other programs, names in every way."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import tarfile
+import zipfile
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+from service.settings import Settings
+from service.storage.database import Database
+from tests.builders import ASF, amc, bvh, served
+
+API = "/api/v1"
+
+
+def send(client: TestClient, name: str, content: bytes) -> Any:
+    return client.post(f"{API}/documents", files=[("file", (name, content))])
+
+
+def zipped(files: dict[str, bytes]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return buffer.getvalue()
+
+
+def tarred(files: dict[str, bytes], **options: Any) -> bytes:
+    buffer = io.BytesIO()
+    with tarfile.open(fileobj=buffer, mode="w", **options) as archive:
+        for name, content in files.items():
+            info = tarfile.TarInfo(name)
+            info.size = len(content)
+            archive.addfile(info, io.BytesIO(content))
+        archive.addfile(_link())
+    return buffer.getvalue()
+
+
+def _link() -> tarfile.TarInfo:
+    info = tarfile.TarInfo("passwd.bvh")
+    info.type, info.linkname = tarfile.SYMTYPE, "/etc/passwd"
+    return info
+
+
+TWO = {"one/leg.asf": ASF, "one/leg.amc": amc(2), "two/leg.asf": ASF, "two/leg.amc": amc(3)}
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "names"),
+    [
+        ("walk.bvh.gz", gzip.compress(bvh(2)), ["walk"]),
+        ("walk.gz", gzip.compress(bvh(2)), ["walk"]),
+        ("all.tar", tarred({"./a.bvh": bvh(2), "b/c.bvh": bvh(3)}), ["a", "c"]),
+        ("all.tar.gz", gzip.compress(tarred({"a.bvh": bvh(2), "b.bvh": bvh(3)})), ["a", "b"]),
+        ("all.tgz", gzip.compress(tarred({"a.bvh": bvh(2)})), ["a"]),
+        ("all.zip", zipped({"in.zip": zipped({"a.bvh": bvh(2)}), "b.bvh": bvh(3)}), ["a", "b"]),
+        ("all.zip", zipped({"a.bvh.gz": gzip.compress(bvh(2))}), ["a"]),
+        ("all.zip", zipped({"one.zip": zipped(dict(list(TWO.items())[:2])), "two.zip": zipped(TWO)}), ["leg"] * 3),
+        ("legs.tar.gz", gzip.compress(tarred(TWO)), ["leg", "leg"]),
+        ("korean.tar", tarred({"걷기.bvh": bvh(2)}, encoding="cp949", format=tarfile.GNU_FORMAT), ["걷기"]),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_archives_are_read(client: TestClient, name: str, content: bytes, names: list[str]) -> None:
+    answer = send(client, name, content)
+    assert answer.status_code == 201, answer.text
+    assert sorted(item["name"] for item in answer.json()["documents"]) == names
+    assert answer.json()["problems"] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("empty.zip", zipped({})),
+        ("litter.zip", zipped({"__MACOSX/._a.bvh": b"x", ".DS_Store": b"x"})),
+        ("folder.zip", zipped({"a/": b""})),
+        ("empty.tar", tarred({})),
+        ("in.zip", zipped({"in.zip": zipped({})})),
+        ("cut.gz", gzip.compress(bvh(2))[:-20]),
+        ("cut.tar.gz", gzip.compress(tarred({"a.bvh": bvh(900)})[:4000])),
+        ("cut.zip", zipped({"a.bvh": bvh(2)})[:-30]),
+    ],
+)
+def test_archives_without_files_are_refused(client: TestClient, name: str, content: bytes) -> None:
+    answer = send(client, name, content)
+    assert answer.status_code == 422, answer.text
+    assert answer.json()["remedy"]
+
+
+def test_archives_within_each_other_are_bounded(client: TestClient) -> None:
+    content = bvh(2)
+    for _ in range(3):
+        content = zipped({"in.zip" if content[:2] == b"PK" else "a.bvh": content})
+    assert send(client, "deep.zip", content).status_code == 201
+    for _ in range(2):
+        content = zipped({"in.zip": content})
+    answer = send(client, "deep.zip", content)
+    assert answer.status_code == 422
+    assert "deep" in answer.json()["detail"]
+
+
+@pytest.mark.parametrize("pack", ["gz", "tar.gz", "zip in zip", "gz in gz"])
+def test_bombs_are_refused(client: TestClient, pack: str) -> None:
+    zeros = bytes(80 << 20)
+    inner = gzip.compress(zeros)
+    content = {
+        "gz": lambda: inner,
+        "tar.gz": lambda: gzip.compress(tarred({"a.bvh": zeros})),
+        "zip in zip": lambda: zipped({"in.zip": zipped({"a.bvh": zeros})}),
+        "gz in gz": lambda: gzip.compress(inner),
+    }[pack]()
+    answer = send(client, "a.bvh.gz" if "gz" in pack else "a.zip", content)
+    assert answer.status_code == 422, answer.text
+    assert "limits allow" in answer.json()["detail"]
+
+
+def test_many_files_in_many_archives_are_counted_together(database: Database) -> None:
+    few = Settings(max_zip_files=5)
+    content = zipped({f"{number}.zip": zipped({"a.bvh": bvh(1), "b.bvh": bvh(1)}) for number in range(3)})
+    with served(database, few) as client:
+        answer = send(client, "a.zip", content)
+        said = [answer.json()["detail"]] if answer.status_code != 201 else [str(answer.json()["problems"])]
+        assert "the limit is 5" in said[0]
+
+
+@pytest.mark.parametrize(
+    ("disposition", "name"),
+    [
+        (b"filename*=UTF-8''%EA%B1%B7%EA%B8%B0.bvh", "걷기"),
+        (b"filename*=utf-8'ko'%EA%B1%B7%EA%B8%B0.bvh", "걷기"),
+        (b"filename*=EUC-KR''%B0%C8%B1%E2.bvh", "걷기"),
+        (b"filename*=\"UTF-8''%EA%B1%B7%EA%B8%B0.bvh\"", "걷기"),
+        (b"filename=\"walk.bvh\"; filename*=UTF-8''%EA%B1%B7%EA%B8%B0.bvh", "walk"),
+        ('filename="걷기.bvh"'.encode(), "걷기"),
+        ("filename=걷기.bvh".encode(), "걷기"),
+        ('filename="걷기.bvh"'.encode("cp949"), "걷기"),
+        ('filename="Hüfte.bvh"'.encode("latin-1"), "Hüfte"),
+        (b"filename*=no-such''%EA%B1%B7%EA%B8%B0.bvh", "걷기"),
+    ],
+)
+def test_names_of_files(client: TestClient, disposition: bytes, name: str) -> None:
+    head = b'--B\r\nContent-Disposition: form-data; name="file"; ' + disposition
+    body = head + b"\r\nContent-Type: application/octet-stream\r\n\r\n" + bvh(2) + b"\r\n--B--\r\n"
+    form = {"content-type": "multipart/form-data; boundary=B"}
+    answer = client.post(f"{API}/documents", content=body, headers=form)
+    assert answer.status_code == 201, answer.text
+    assert answer.json()["documents"][0]["name"] == name
+
+
+@pytest.mark.parametrize(
+    ("content", "title", "remedy"),
+    [
+        (b"Kaydara FBX Binary  \0\x1a\0", "FBX", "Blender"),
+        (b"; FBX 7.4.0 project file\n", "FBX", "Blender"),
+        (b"Vocaloid Motion Data 0002\0\0", "VMD", "MMD Tools"),
+        (b'<?xml version="1.0"?>\n<mvnx version="4">', "MVNX", "BVH or C3D"),
+        (b'{"asset": {"version": "2.0"}}', "glTF", "Blender"),
+        (b"glTF\2\0\0\0", "glTF", "Blender"),
+        (b'<?xml version="1.0"?><!-- x --><COLLADA xmlns="a">', "COLLADA", "Blender"),
+        (b"7z\xbc\xaf\x27\x1c\0\4", "7z", "Unpack"),
+        (b"Rar!\x1a\x07\1\0", "RAR", "Unpack"),
+        (b"<!DOCTYPE html>\n<html><head>", "web page", "Download"),
+        (b"\n <!-- saved -->\n<HTML lang='ko'>", "web page", "Download"),
+        (b"<!doctype HTML PUBLIC 'x'><p>", "web page", "Download"),
+        (b"\xef\xbb\xbf<html>", "web page", "Download"),
+    ],
+)
+@pytest.mark.parametrize("name", ["walk.bvh", "walk", "walk.zip"])
+def test_files_of_other_programs_are_named(
+    client: TestClient, name: str, content: bytes, title: str, remedy: str
+) -> None:
+    answer = send(client, name, content)
+    assert answer.status_code in (415, 422), answer.text
+    assert title in answer.json()["detail"]
+    assert remedy in answer.json()["remedy"]
