@@ -20,7 +20,7 @@ from service.motion.carriers import carriers, chain
 from service.motion.clip import FrameBlock, full_shape
 from service.motion.foot_contacts import Feet, FootReport, clean_feet, feet_of
 from service.motion.hinges import best_twist, beyond_limits
-from service.motion.hub import HubReader, walked
+from service.motion.hub import HubReader, in_every_frame, walked
 from service.motion.hub_writer import HubWriter, Shortfall
 from service.motion.posed_bodies import PosedBody, upright_axes
 from service.motion.retarget_report import BoneError, RetargetReport
@@ -319,7 +319,7 @@ class _Transfer:
     def translations(self, moved: Array, positions: Array, turned: Array, rotations: Array, scale: float) -> Array:
         """(n, J, 3) of the target. moved: the source's in the hub form; rotations: the target's, local."""
         skeleton = self.two.skeleton
-        translations = np.tile(self.two.rest.offsets, (len(moved), 1, 1))
+        translations = in_every_frame(self.two.rest.offsets, len(moved))
         world = walked(skeleton, translations, rotations)[1]
         for joint, source in self.pairs.items():
             parent, above = skeleton.joints[joint].parent, self.one.skeleton.joints[source].parent

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from service.xpath.library.caches import Caches
 from service.xpath.library.forest import Forest
 from service.xpath.library.groups import Group
 from service.xpath.library.listing import Scope
+from service.xpath.nodes.numbering import Bools
 
 OF_LENGTHS = frozenset({"m", "m/s", "m/s2"})
 WITH_FLOOR = frozenset({"mo:height", "mo:contact"})
@@ -36,7 +37,10 @@ def motion_calls(tree: Expression) -> list[Call]:
 def notes(tx: Transaction, caches: Caches, scope: Scope, calls: Sequence[Call]) -> list[str]:
     """Of the documents that were looked at: how many have no unit, no times or not the joints, and how many rest on
     guesses."""
-    return list(_notes(looked_at(tx, caches, scope), calls)) if calls else []
+    if not calls:
+        return []
+    pairs = [(group, facts) for group in scope.groups() if (facts := _facts(tx, caches, group)) is not None]
+    return list(_notes([facts for _, facts in pairs], calls, [listed.name for group, _ in pairs for listed in group]))
 
 
 def require_saxon(calls: Sequence[Call], *, is_later: bool) -> None:
@@ -58,8 +62,11 @@ def require_saxon(calls: Sequence[Call], *, is_later: bool) -> None:
 
 def looked_at(tx: Transaction, caches: Caches, scope: Scope) -> list[BodyFacts]:
     """What is known of the documents whose bodies were looked at."""
-    forests = (Forest(tx, group, caches, head_part=HeadPart.MOTION) for group in scope.groups())
-    return [found for forest in forests if (found := forest.body_facts(None)) is not None]
+    return [found for group in scope.groups() if (found := _facts(tx, caches, group)) is not None]
+
+
+def _facts(tx: Transaction, caches: Caches, group: Group) -> BodyFacts | None:
+    return Forest(tx, group, caches, head_part=HeadPart.MOTION).body_facts(None)
 
 
 def without_guesses(
@@ -78,19 +85,36 @@ def without_guesses(
     return found
 
 
-def _notes(parts: Sequence[BodyFacts], calls: Sequence[Call]) -> Iterator[str]:
+def _notes(parts: Sequence[BodyFacts], calls: Sequence[Call], names: Sequence[str]) -> Iterator[str]:
+    """names: of the documents of all parts."""
     units = {MOTION_FUNCTIONS[call.function].unit for call in calls}
     many = f"of {sum(map(len, parts)):,} documents"
-    if units & OF_LENGTHS and (count := sum(int((~part.unit).sum()) for part in parts)):
-        yield f"{count:,} {many} left out: their unit is not known; set it in their header."
-    if units & OF_TIMES and (count := sum(int((~part.times).sum()) for part in parts)):
-        yield f"{count:,} {many} left out: their frame time is not known."
+
+    def told(masks: Iterable[Bools], why: str, remedy: str = "") -> Iterator[str]:
+        mask = np.concatenate([np.empty(0, bool), *masks])
+        if count := int(mask.sum()):
+            yield f"{count:,} {many} left out: {why} ({named(names, mask)}){remedy}."
+
+    if units & OF_LENGTHS:
+        yield from told((~part.unit for part in parts), "their unit is not known", "; set it in their header")
+    if units & OF_TIMES:
+        yield from told((~part.times for part in parts), "their frame time is not known")
     for call in dict.fromkeys(calls):
-        if count := sum(_lacking(part, call) for part in parts):
-            yield f"{count:,} {many} left out: they lack joints of {_written(call)}."
+        yield from told((_lacking(part, call) for part in parts), f"they lack joints of {_written(call)}")
     needed = rested_on(calls)
     if count := sum(int(part.rests_on_guesses(needed).sum()) for part in parts):
         yield f"{count:,} {many} rest on a guessed {_listed(needed)}; guesses=no leaves them out."
+
+
+NAMED = 3
+"""Documents that are named at most where some are left out."""
+
+
+def named(names: Sequence[str], mask: Bools) -> str:
+    """The names of the first documents of a mask, and how many others there are."""
+    chosen = np.flatnonzero(mask).tolist()
+    more = f" and {len(chosen) - NAMED:,} more" if len(chosen) > NAMED else ""
+    return ", ".join(repr(names[place]) for place in chosen[:NAMED]) + more
 
 
 def rested_on(calls: Sequence[Call]) -> frozenset[str]:
@@ -113,18 +137,18 @@ def _listed(names: Collection[str]) -> str:
     return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
-def _lacking(facts: BodyFacts, call: Call) -> int:
-    """How many documents have not all joints that a quantity is made from."""
+def _lacking(facts: BodyFacts, call: Call) -> Bools:
+    """Which documents have not all joints that a quantity is made from."""
     name = call.function.removeprefix(PREFIX)
     texts = [each.value for each in call.arguments if isinstance(each, Literal) and isinstance(each.value, str)]
     if name not in QUANTITIES or len(texts) < len(call.arguments):
-        return 0
+        return np.zeros(len(facts), bool)
     try:
         asked = len(dict.fromkeys(QUANTITIES[name].joints(texts)))
         lacks = [len(joints_of(name, texts, names)) < asked for names in facts.names]
     except McmlError:
-        return 0
-    return int(np.array(lacks, bool)[facts.kind].sum()) if lacks else 0
+        return np.zeros(len(facts), bool)
+    return np.asarray(np.array(lacks, bool)[facts.kind], bool)
 
 
 def _written(call: Call) -> str:
