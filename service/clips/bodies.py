@@ -17,7 +17,7 @@ from service.motion.bodies.positions import clip_positions, filled, rounded
 from service.motion.bodies.reference import pose_in, stance_of
 from service.motion.bodies.stretch import Stretch
 from service.motion.bodies.turned_angles import turned_angle
-from service.motion.clip import ClipHead, FrameBlock, Reference
+from service.motion.clip import ClipHead, FrameBlock, Reference, ReferencePose
 from service.motion.hub import rest_of
 from service.motion.kinematics import Walker
 from service.motion.skeleton import Array
@@ -121,10 +121,14 @@ def body_at(head: ClipHead, positions: Array, values: Array | None = None, share
     """
     frames = calibration_frames(len(positions))
     sample = positions if len(frames) == len(positions) else positions[frames]
-    pose_at = None if values is None else lambda frame: pose_in(head.skeleton, reading_of(head), values[frame])
+    pose_at = None if values is None else partial(_pose_at, head, values)
     calibration = calibrate(head, sample, frames=frames, pose_at=pose_at, shared=shared)
     blocks = pack(rounded(positions, calibration.step))
     return Body(head.skeleton.names, len(positions), calibration, head.seconds_per_frame(), tuple(blocks))
+
+
+def _pose_at(head: ClipHead, values: Array, frame: int) -> ReferencePose:
+    return pose_in(head.skeleton, reading_of(head), values[frame])
 
 
 class References:
@@ -162,7 +166,7 @@ class References:
                 positions[rows],
                 {} if stated is None else {"up": stated},
                 rows,
-                pose_at=lambda frame, of=frames, own=head: pose_in(own.skeleton, reading_of(own), of.values[frame]),
+                pose_at=partial(_pose_at, head, frames.values),
             )
             if found.origins["reference"].kind == "measured" and found.start.stated == stated:
                 return replace(found.start, of=listed.name if found.start.frame is not None else "")
@@ -192,6 +196,5 @@ def read_turned(tx: Transaction, stored: StoredDocument | Listed, name: str, bod
             _, rotations = Walker(skeleton, reading).poses_at(frames.values)
             rest = rest_of(skeleton, reading)
             degrees = turned_angle(name, skeleton, rest, stance, rotations, frames.unseen)
-    if body.calibration.leaps:
-        degrees[:1] = np.nan
+    degrees[: body.calibration.skipped] = np.nan
     return degrees

@@ -92,7 +92,10 @@ class Heads:
         from service.storage.columns import Listed
 
         rows = self._tx.rows(_CLIPS_OF_SKELETON, {"skeleton": skeleton_key, "most": most})
-        return [(row[0], Listed(*row[1:8], 0, row[8])) for row in rows]
+        return [
+            (commit, Listed(key, uuid, name, version, own, frames, frame_time, revision=0, project=project))
+            for commit, key, uuid, name, version, own, frames, frame_time, project in rows
+        ]
 
     def bone_names(self, document_key: int) -> dict[int, str]:
         """Name of each bone number, the root's among them."""

@@ -130,7 +130,7 @@ class BodyAngles:
             found = [angle.compute(stretch, side) for angle, side in between]
             if turned and self._stance is not None:
                 rotations = walker.poses(block)[1]
-                gaps = np.isnan(positions).any(axis=2)
+                gaps = np.asarray(np.isnan(positions).any(axis=2))
                 found += [turned_angle(name, skeleton, rest, self._stance, rotations, gaps) for name in turned]
             yield np.stack(found, axis=1)
 
@@ -159,7 +159,7 @@ class BodyAngles:
             first += len(block)
         sample = np.concatenate(chosen) if chosen else np.empty((0, len(self._clip.head.skeleton), 3))
         # A pose before the motion is a guess too: its angles are written.
-        return replace(calibrate(self._clip.head, sample, frames=rows, pose_at=self._pose_at), leaps=False)
+        return replace(calibrate(self._clip.head, sample, frames=rows, pose_at=self._pose_at), skipped=0)
 
     def _reference(self) -> Stance | None:
         """The pose that turns start from; None where none is known, or nothing tells left from right in it."""

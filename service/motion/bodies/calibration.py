@@ -16,12 +16,14 @@ import orjson
 
 from service.errors import RequestError
 from service.motion.anatomical_axes import uprightness
+from service.motion.bodies.beginnings import LOOKED_AT, frames_before_motion
+from service.motion.bodies.origins import Origin
 from service.motion.bodies.reference import could_stand
 from service.motion.bodies.vectors import length
 from service.motion.clip import ClipHead, Reference, ReferencePose
 from service.motion.figures import axis_of
 from service.motion.frames import Rows
-from service.motion.guesses import likely_up
+from service.motion.guesses import likely_up, stated_up
 from service.motion.kinematics import rest_positions
 from service.motion.skeleton import Array, Skeleton, once_a_skeleton
 from service.motion.units import UNITS, Reading, metres_of, reading_of
@@ -53,33 +55,20 @@ Shared: TypeAlias = Callable[[str | None], Reference | None]
 
 _FLOOR = 5.0
 """Percent of the heights of the toes that are below the floor."""
-_LEAP, _LEAPS = 0.3, 5.0
-"""Leg lengths that a joint moves from a first frame that is no part of the motion to the next one, and how many times
-as much as in any of the steps that follow."""
-_FOLLOWING = 10
 _SAMPLE = 5_000
 """Frames at most, and those at the start."""
 
-_KEPT = ("metres", "up", "floor", "leg", "leaps")
-_VALUES = (*_KEPT, "reference", "pose")
-
-
-@dataclass(frozen=True, slots=True)
-class Origin:
-    """Where a value came from. kind: "stated" (by the file), "measured" (it follows from the skeleton and the frames),
-    "guessed", "set" (by people) or "unknown". reason: for people."""
-
-    kind: str
-    reason: str = ""
+_VALUES = ("metres", "up", "floor", "leg", "reference", "leaps", "pose")
+_KEPT = ("metres", "up", "floor", "leg", "skipped")
 
 
 @dataclass(frozen=True)
 class Calibration:
     """metres: in a source unit, None where unknown. up: the axis that points up, such as "Y" or "-Z". floor: its height
     along that, in source units. leg: from hip to knee to ankle, in source units. step: of the rounded positions, in
-    source units. start: the reference pose, that angles from rotations start from. leaps:
-    whether the first frame is a pose before the motion (a T-pose), and left out. origins: of each of these but the
-    step.
+    source units. start: the reference pose, that angles from rotations start from. skipped: how many frames at the
+    start show a pose before the motion (a T-pose), and are left out. origins: of each of these but the step, by the
+    names that people set them by (reference, leaps).
     """
 
     metres: float | None
@@ -88,13 +77,18 @@ class Calibration:
     leg: float | None
     step: float
     start: Reference
-    leaps: bool
+    skipped: int
     origins: Mapping[str, Origin]
 
     @property
     def metres_per_step(self) -> float:
         """NaN where the unit is unknown."""
         return float("nan") if self.metres is None else self.metres * self.step
+
+    @property
+    def leaps(self) -> bool:
+        """Whether the clip begins with a pose before the motion."""
+        return self.skipped > 0
 
     @property
     def reference(self) -> int | None:
@@ -120,7 +114,7 @@ def calibration_frames(count: int) -> Rows:
     if count <= _SAMPLE:
         return np.arange(count)
     spaced = np.linspace(0, count - 1, _SAMPLE).astype(np.intp)
-    return np.union1d(np.arange(_FOLLOWING + 2), spaced)
+    return np.union1d(np.arange(LOOKED_AT), spaced)
 
 
 def calibrate(
@@ -161,9 +155,13 @@ def calibrate(
             values[name], origins[name] = found
 
     settle("leg", _leg(skeleton, positions if len(positions) else rest))
-    settle("leaps", _leaps(positions, places, values["leg"]))
-    if values["leaps"] and len(places) > 1 and places[0] == 0:
-        positions, places = positions[1:], places[1:]
+    skipped, origin = frames_before_motion(skeleton, positions, places, values["leg"], head.seconds_per_frame())
+    settle("leaps", (skipped > 0, origin))
+    # Who says that there is such a pose where none is seen means the first frame.
+    values["skipped"] = max(skipped, 1) if values.pop("leaps") else 0
+    if len(places) > 1 and places[0] == 0:
+        rows = places >= values["skipped"]
+        positions, places = (positions[rows], places[rows]) if rows.any() else (positions, places)
     poses = positions if len(positions) else rest
     settle("metres", _metres(head, values["leg"]))
     settle("up", _up(head, poses))
@@ -241,17 +239,6 @@ def _leg(skeleton: Skeleton, positions: Array) -> tuple[float | None, Origin]:
     return leg, Origin("measured", "from hip to knee to ankle")
 
 
-def _leaps(positions: Array, frames: Rows, leg: float | None) -> tuple[bool, Origin]:
-    if leg is None or len(frames) < 3 or frames[0] != 0 or frames[1] != 1:
-        return False, Origin("measured")
-    steps = np.linalg.norm(np.diff(positions[: _FOLLOWING + 2], axis=0), axis=2)
-    farthest = np.fmax.reduce(steps, axis=1, initial=0.0)
-    if farthest[0] > _LEAP * leg and farthest[0] > _LEAPS * float(farthest[1:].max()):
-        away = f"{farthest[0] / leg:.2g} leg lengths away from the second one"
-        return True, Origin("guessed", f"the first frame is {away}: a pose before the motion")
-    return False, Origin("measured")
-
-
 def _metres(head: ClipHead, leg: float | None) -> tuple[float | None, Origin]:
     stated = metres_of(head)
     if stated is not None:
@@ -273,23 +260,11 @@ def _metres(head: ClipHead, leg: float | None) -> tuple[float | None, Origin]:
 
 
 def _up(head: ClipHead, positions: Array) -> tuple[str, Origin]:
-    stated = head.fields.get("global_axis_of_gravity", "").strip().upper()
-    if stated.removeprefix("-").removeprefix("+") in ("X", "Y", "Z"):
-        return stated.removeprefix("+"), Origin("stated")
-    found = likely_up(head.skeleton, _mean_pose(positions))
-    return found, Origin("guessed", f"the body stands along {found}")
-
-
-def _mean_pose(positions: Array) -> Array:
-    """(J, 3) where joints are on the mean over frames (n, J, 3), NaN where one is never seen: however a body bends and
-    turns, its head is above its feet on the whole."""
-    if np.isfinite(positions.sum()):
-        mean: Array = positions.sum(axis=0) / len(positions)
-        return mean
-    seen = np.isfinite(positions)
-    counts = seen.sum(axis=0)
-    total = np.where(seen, positions, 0.0).sum(axis=0)
-    return np.where(counts > 0, total / np.maximum(counts, 1), np.nan)
+    stated = stated_up(head)
+    if stated is not None:
+        return stated, Origin("stated")
+    found = likely_up(head.skeleton, positions)
+    return found.axis, Origin("guessed", f"{found.axis}: {found.why}")
 
 
 def _floor(skeleton: Skeleton, positions: Array, up: Array) -> tuple[float | None, Origin]:

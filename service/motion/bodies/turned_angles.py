@@ -7,6 +7,7 @@ wrist or a head is turned by in that pose they do not know.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from service.errors import VocabularyError
 from service.motion.anatomical_angles import turned_angles
@@ -18,7 +19,12 @@ from service.motion.skeleton import Array, Skeleton
 
 
 def turned_angle(
-    name: str, skeleton: Skeleton, rest: Rest, stance: Stance, rotations: Array, unseen: Array | None = None
+    name: str,
+    skeleton: Skeleton,
+    rest: Rest,
+    stance: Stance,
+    rotations: Array,
+    unseen: NDArray[np.bool_] | None = None,
 ) -> Array:
     """(n,) degrees within half a turn, NaN where unknown: where the skeleton has no such part, or it never turns it, as
     rigs of positions alone, or a sample is missing.
