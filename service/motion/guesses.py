@@ -160,7 +160,7 @@ def _from_low_to_high(skeleton: Skeleton, frames: Array) -> Array | None:
         return None
     # The outermost parts, else all high and all low ones.
     for high, low in ((heights == known.max(), heights == known.min()), (heights >= _HIGH, heights <= _LOW)):
-        towards = _mean_pose((_middle(frames[:, high]) - _middle(frames[:, low]))[:, None])[0]
+        towards: Array = _mean_pose((_middle(frames[:, high]) - _middle(frames[:, low]))[:, None])[0]
         if np.isfinite(towards).all() and np.abs(towards).max() > 0:
             return towards
     return None

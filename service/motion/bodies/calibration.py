@@ -23,7 +23,7 @@ from service.motion.bodies.vectors import length
 from service.motion.clip import ClipHead, Reference, ReferencePose
 from service.motion.figures import axis_of
 from service.motion.frames import Rows
-from service.motion.guesses import likely_up, stated_up
+from service.motion.guesses import changed_up, likely_up, stated_up
 from service.motion.kinematics import rest_positions
 from service.motion.skeleton import Array, Skeleton, once_a_skeleton
 from service.motion.units import UNITS, Reading, metres_of, reading_of
@@ -264,7 +264,9 @@ def _up(head: ClipHead, positions: Array) -> tuple[str, Origin]:
     if stated is not None:
         return stated, Origin("stated")
     found = likely_up(head.skeleton, positions)
-    return found.axis, Origin("guessed", f"{found.axis}: {found.why}")
+    changed = changed_up(head, positions)
+    before = "" if changed is None else f"; by extents alone it was {changed[0]}"
+    return found.axis, Origin("guessed", f"{found.axis}: {found.why}{before}")
 
 
 def _floor(skeleton: Skeleton, positions: Array, up: Array) -> tuple[float | None, Origin]:
