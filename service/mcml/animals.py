@@ -38,9 +38,7 @@ def not_a_person(skeleton: Skeleton, given: Mapping[int, str]) -> str | None:
     for joint, own in zip(skeleton.joints, words, strict=True):
         if own & _ANIMAL or (own & _REAR and own & _LEGS):
             return f"it has {joint.source_name!r}"
-    limbs: frozenset[str] = frozenset().union(
-        *(own for own in words if own & (_LEGS | {"hip", "knee", "ankle", "shoulder", "upper", "lower"}))
-    )
+    limbs: frozenset[str] = frozenset().union(*(own for own in words if own & _LIMBS))
     if set(_FRONT) <= limbs and sum(word in limbs for word in _HIND) >= 2:
         return "its legs are in front and behind"
     parts = {name.partition("_")[2] for name in given.values() if name.startswith(("left_", "right_"))}
