@@ -248,6 +248,21 @@ class ClipMotion(BaseModel):
     positions: list[list[list[float]]] | None = Field(None, description="Of every joint in every frame, if asked for")
 
 
+class TempoRival(BaseModel):
+    """A tempo that music may have."""
+
+    bpm: float
+    ratio: str = Field(description="To the tempo that was found first", examples=["2", "1/2", "3/2"])
+    strength: float = Field(description="How well its beats fit what is heard, 0 to 1")
+
+
+class MusicMeter(BaseModel):
+    """Beats that the bars of music may have."""
+
+    beats_per_bar: int
+    strength: float = Field(description="How regularly accents come again after so many beats, 0 to 1")
+
+
 class MusicBeats(BaseModel):
     """The beats of a piece of music. Correct `music` and give it to the analysis `dance`."""
 
@@ -259,6 +274,12 @@ class MusicBeats(BaseModel):
                 "even": True,
                 "residual_seconds": 0.004,
                 "bars": 1,
+                "clear": True,
+                "rivals": [
+                    {"bpm": 120.0, "ratio": "1", "strength": 0.86},
+                    {"bpm": 60.0, "ratio": "1/2", "strength": 0.5},
+                ],
+                "meters": [{"beats_per_bar": 4, "strength": 0.6}, {"beats_per_bar": 3, "strength": 0.1}],
             }
         )
     )
@@ -267,4 +288,14 @@ class MusicBeats(BaseModel):
     bpm: float = Field(description="Beats a minute, of the line through the beats")
     even: bool = Field(description="Whether the line stands for the beats: then the dance keeps to it exactly")
     residual_seconds: float = Field(description="How far the beats are from the line, root mean square")
-    bars: int = Field(description="Whole bars of four beats")
+    bars: int = Field(description="Whole bars")
+    clear: bool = Field(
+        description="Whether this tempo fits clearly better than its rivals, or was given; else it is ambiguous"
+    )
+    rivals: list[TempoRival] = Field(
+        description="Tempi that the music may have: what was found, half, double, three beats for two or one. The one "
+        "taken comes first; send `bpm` to take another"
+    )
+    meters: list[MusicMeter] = Field(
+        description="Beats of a bar, the likelier first; `music` has the first, or what was sent"
+    )

@@ -5,7 +5,7 @@ Ranges that have a named error (tempo, number of bars) are shown here and checke
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
@@ -204,6 +204,9 @@ class AllowedBars(_Parameters):
     label: str | None = Field(None, description="Bars of which this motion name covers half", examples=["chorus"])
 
 
+BeatsPerBar: TypeAlias = Annotated[int, Field(ge=2, le=4)]
+
+
 class Music(_Parameters):
     """Beats of music, as found in an upload and perhaps corrected."""
 
@@ -214,6 +217,9 @@ class Music(_Parameters):
     )
     downbeat: int = Field(1, ge=1, description="Which beat, from 1, the first bar starts on", examples=[1])
     factor: Twofold = Field("1", description="2: the tempo was found at half its speed. 1/2: at double", examples=["1"])
+    beats_per_bar: BeatsPerBar = Field(
+        4, description="Beats of a bar. Of music in three, each bar is one beat of the dance", examples=[4]
+    )
 
 
 class DanceParameters(GraphParameters):

@@ -201,7 +201,12 @@ def _use(operation: str) -> Callable[..., None]:
     return command
 
 
-def music(file: Annotated[Path, typer.Argument(help="WAV, FLAC or MP3")], database: DatabaseOption = None) -> None:
+def music(
+    file: Annotated[Path, typer.Argument(help="WAV, FLAC or MP3")],
+    bpm: Annotated[float | None, typer.Option(min=40, max=240, help="Beats a minute, where known")] = None,
+    beats_per_bar: Annotated[int | None, typer.Option(min=2, max=4, help="Beats of a bar, where known")] = None,
+    database: DatabaseOption = None,
+) -> None:
     """Find the beats of music, as JSON: what to correct, and to give to `make` as music=…"""
     with file.open("rb") as stream:
-        print_json(read_music(SourceFile(file.name, stream), chosen_settings(database)))
+        print_json(read_music(SourceFile(file.name, stream), chosen_settings(database), bpm, beats_per_bar))

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
 from service.errors import Notice, VocabularyError
+from service.mcml.animals import NOT_A_PERSON, not_a_person
 from service.motion.skeleton import TRANSLATIONS, Convention, Joint, Skeleton, once_a_skeleton, unique_names
 from service.resources import joint_names_path
 
@@ -45,13 +46,16 @@ class Rig:
 
     column: of `joint_names.csv`. words: names (normalised) that only this rig uses; each counts one vote.
     prefix: a pattern that begins the rig's names; each name counts one vote. trunk: names of the trunk from the
-    pelvis up, where a rig has as many as it likes: the first becomes waist, the last torso7.
+    pelvis up, where a rig has as many as it likes: the first becomes waist, the last torso7. needs: names without which
+    others mean something else. below: a name that means something else without another.
     """
 
     column: str
     words: frozenset[str]
     prefix: str = ""
     trunk: tuple[str, ...] = ()
+    needs: frozenset[str] = frozenset()
+    below: tuple[str, str] | None = None
 
 
 _NECK = re.compile(r"h?(?:upper|lower)?neck(?:joint|upper|lower)?[0-9]{0,2}")
@@ -67,6 +71,13 @@ def _both_sides(*words: str) -> frozenset[str]:
 _SPINES = tuple(f"spine{number or ''}" for number in range(10))
 
 RIGS: tuple[Rig, ...] = (
+    # Its feet are toes, below ankles.
+    Rig(
+        "smpl",
+        _both_sides("leftcollar", "leftelbow", "leftknee", "lefthip"),
+        trunk=_SPINES,
+        needs=frozenset({"leftankle", "leftfoot"}),
+    ),
     Rig(
         "motionbuilder",
         _both_sides("leftarm", "leftforearm", "leftupleg", "lefttoebase"),
@@ -90,10 +101,16 @@ RIGS: tuple[Rig, ...] = (
     Rig("motionanalysis", _both_sides("lupperarm", "luparm", "llowarm", "llowleg") | {"lowertorso", "uppertorso"}),
     Rig("hanim", frozenset({"humanoidroot", "lacromioclavicular", "racromioclavicular", "vl5", "vt1", "skullbase"})),
     Rig("poser", _both_sides("lshldr", "lforearm", "lshin", "lbuttock") | {"abdomen"}, trunk=("abdomen", "chest")),
-    Rig("smpl", frozenset({"lcollar", "rcollar"}), trunk=_SPINES),
+    Rig("smpl", frozenset({"lcollar", "rcollar"}), trunk=_SPINES, below=("lfoot", "lankle")),
     Rig("bandai", _both_sides("upperarml", "lowerarml", "upperlegl", "lowerlegl"), trunk=(*_SPINES, "chest")),
 )
 """Every convention that is recognised. On equal votes the earlier one wins."""
+
+_NEARLY_ALL = 0.8
+"""Of the joints: others are props, or faces."""
+_SHARED = ("hip", "shoulder", "foot", "wrist", "hand", "toes")
+"""Parts that other rigs call by the same names, and may mean others by."""
+_FOREIGN = _both_sides("leftknee", "leftankle", "leftelbow", "leftcollar", "lknee", "lankle", "lelbow", "lcollar")
 
 UNKNOWN = Rig("any", frozenset())
 """No convention recognised: only names that mean the same everywhere are mapped."""
@@ -103,18 +120,21 @@ UNKNOWN = Rig("any", frozenset())
 class NamingReport:
     """What naming did, for the receipt.
 
-    convention: the rig recognised ("any": none; "mcml": the names already were MCML's; "markers").
-    mapped: (source name, MCML name). unmapped: (source name, name kept, why).
+    convention: the rig recognised ("any": none; "mcml": the names already were MCML's; "markers"; NOT_A_PERSON).
+    mapped: (source name, MCML name). unmapped: (source name, name kept, why). refused: why nothing is mapped.
     """
 
     convention: str
     mapped: tuple[tuple[str, str], ...]
     unmapped: tuple[tuple[str, str, str], ...]
+    refused: str = ""
 
     def notices(self) -> list[Notice]:
         """The report as lines of a receipt."""
         if self.convention == "markers":
             return []
+        if self.refused:
+            return [Notice("guess", f"joint names: not a person ({self.refused}), so joints keep their own names")]
         total = len(self.mapped) + len(self.unmapped)
         lines = [Notice("note", f"joint names: {self.convention} rig, {len(self.mapped)} of {total} joints mapped")]
         if self.unmapped:
@@ -137,14 +157,29 @@ def detect(skeleton: Skeleton) -> Rig:
     """The convention most of the joints' words vote for; UNKNOWN where none gets a vote."""
     raw = [_bare(joint.source_name) for joint in skeleton.joints]
     keys = set(_keys(skeleton))
-    if {joint.source_name for joint in skeleton.joints} & _mcml_only():
+    if _is_mcml([joint.source_name for joint in skeleton.joints], keys):
         return Rig("mcml", frozenset())
     votes = [
         len(keys & rig.words) + (sum(1 for name in raw if re.match(rig.prefix, name)) if rig.prefix else 0)
+        if _is_possible(rig, keys)
+        else 0
         for rig in RIGS
     ]
     best = max(range(len(RIGS)), key=lambda index: votes[index])
     return RIGS[best] if votes[best] else UNKNOWN
+
+
+def _is_possible(rig: Rig, keys: Set[str]) -> bool:
+    return rig.needs <= keys and (rig.below is None or rig.below[0] not in keys or rig.below[1] in keys)
+
+
+def _is_mcml(names: Sequence[str], keys: Set[str]) -> bool:
+    """Whether names are MCML's own: nearly all are in Table 1, one of them is nobody else's, and none is a word that
+    MCML does not use for a part of a limb. `left_hip`, `left_foot` and others are SMPL's and MediaPipe's too, where
+    they mean other joints."""
+    ours = {row.name for row in table()}
+    own = sum(name in ours for name in names)
+    return own >= _NEARLY_ALL * len(names) and not _mcml_only().isdisjoint(names) and keys.isdisjoint(_FOREIGN)
 
 
 @once_a_skeleton
@@ -216,6 +251,12 @@ def named(
         _claim_neck(rig, keys, skeleton, given, why)
         for claims in _ranks(rig.column):
             _claim(claims, keys, given, why)
+        asked = {_key(source) for source, _ in extra}
+        reason = not_a_person(skeleton, given)
+        if reason is not None:
+            own = {index: name for index, name in given.items() if keys[index] in asked}
+            why = dict.fromkeys(given.keys() - own.keys(), reason)
+            return _with_names(skeleton, own, NOT_A_PERSON, why, reason)
     return _with_names(skeleton, given, rig.column, why)
 
 
@@ -284,7 +325,7 @@ def _ranks(column: str) -> tuple[tuple[tuple[str, str], ...], ...]:
 
 
 def _with_names(
-    skeleton: Skeleton, given: dict[int, str], convention: str, why: dict[int, str]
+    skeleton: Skeleton, given: dict[int, str], convention: str, why: dict[int, str], refused: str = ""
 ) -> tuple[Skeleton, NamingReport]:
     names = _fill_in(given, [joint.source_name for joint in skeleton.joints])
     named = _renamed(skeleton, lambda index, joint: replace(joint, name=names[index], mapped=index in given))
@@ -295,7 +336,7 @@ def _with_names(
         for index, joint in enumerate(joints)
         if index not in given
     )
-    return named, NamingReport(convention, mapped, unmapped)
+    return named, NamingReport(convention, mapped, unmapped, refused)
 
 
 def _fill_in(given: Mapping[int, str], own: Sequence[str]) -> dict[int, str]:
@@ -340,5 +381,7 @@ def alias_key(name: str) -> str:
 
 @cache
 def _mcml_only() -> frozenset[str]:
-    """Names of Table 1 that no other rig writes: those with an underscore after a side."""
-    return frozenset(row.name for row in table() if row.name.startswith(("left_", "right_")))
+    """Names of Table 1 that no other rig writes: of sides, without those that others use."""
+    shared = {f"{side}_{part}" for side in ("left", "right") for part in _SHARED}
+    sided = {row.name for row in table() if row.name.startswith(("left_", "right_"))}
+    return frozenset((sided | set(TRUNK[1:])) - shared)

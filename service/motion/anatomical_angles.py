@@ -219,16 +219,41 @@ def anatomical_rates(
     ]
 
 
-def helical_angles(segment: Segment, stance: Stance, turns: Array) -> list[tuple[str, str, Array]]:
-    """(movement, opposite, radians (n,)) by which a part is turned from the reference pose.
+_TWISTS = frozenset({"pronation", "medial-rotation", "left-rotation", "eversion"})
+"""Movements about the bone itself: the twist of a turn."""
+_TWISTING = frozenset({"axial", "pelvis", "limb", "hinge", "twist", "foot"})
+"""Kinds of parts that have such movements; hands, fingers and toes only swing."""
+_UNTWISTED = 1e-6
+"""Of the sine of half a turn: of a swing as near to half a turn as this no twist is known."""
 
-    turns: (n, 4) of the part in what it hangs on (`relative_turns`). They are the components of the rotation vector
-    (helical angles; Woltring 1994), about the same axes as the rates: no order of axes, no locked one, up to half a
-    turn. A single movement has its own angle.
+
+def turned_angles(segment: Segment, stance: Stance, turns: Array) -> list[tuple[str, str, Array]]:
+    """(movement, opposite, radians (n,)) by which a part is turned from the reference pose, NaN where unknown.
+
+    turns: (n, 4) of the part in what it hangs on (`relative_turns`). Of parts that twist each is taken as a twist about
+    the bone (of the trunk, neck and head about the vertical), within half a turn, and a swing after it, whose rotation
+    vector has a component for each other movement. So a forearm that is turned by 60 degrees reads 60, however the
+    elbow is bent. Of other parts the components are those of the whole turn's rotation vector.
     """
-    vectors = to_vector(turns)
-    bone = np.tile(segment.bone, (len(vectors), 1))
-    return _KINDS[segment.part.kind](_Moving(segment, stance, bone, vectors, vectors))
+    bone = np.tile(segment.bone, (len(turns), 1))
+    show = _KINDS[segment.part.kind]
+    if segment.part.kind not in _TWISTING:
+        vectors = to_vector(turns)
+        return show(_Moving(segment, stance, bone, vectors, vectors))
+    axis = stance.up if segment.part.kind in ("axial", "pelvis") else segment.bone
+    along, real = turns[:, :3] @ axis, turns[:, 3]
+    lengths = np.hypot(along, real)
+    twisted = lengths > _UNTWISTED
+    half = np.where(twisted, np.arctan2(along, real), 0.0)
+    twists = np.concatenate([np.sin(half)[:, None] * axis, np.cos(half)[:, None]], axis=1)
+    # Half a turn more is the same rotation, by the other way round.
+    angles = np.pi - np.mod(np.pi - 2.0 * half, 2.0 * np.pi)
+    vectors = to_vector(multiply(turns, inverse(twists))) + angles[:, None] * axis
+    found = show(_Moving(segment, stance, bone, vectors, vectors))
+    return [
+        (movement, opposite, np.where(twisted, radians, np.nan) if movement in _TWISTS else radians)
+        for movement, opposite, radians in found
+    ]
 
 
 def spins(turns: Array, frame_time: float) -> Array:

@@ -71,6 +71,12 @@ PARTS = (
 """Every part whose movements angles can show, the trunk first."""
 
 
+def joints_of_part(name: str, side: str) -> str:
+    """The joints of a part of a side, any of which will do, with `|` between them."""
+    part = next(part for part in PARTS if part.name == name)
+    return "|".join(joint.replace("*", side) for joint in part.joints)
+
+
 @dataclass(frozen=True)
 class Stance:
     """A reference pose. positions: (J, 3), turned: (J, 4) from rest, in the world. left, up, on: unit vectors (3,)."""

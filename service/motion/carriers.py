@@ -30,7 +30,7 @@ def carriers(skeleton: Skeleton, *translations: Array) -> tuple[int, ...]:
     """
     moves = np.zeros(len(skeleton), dtype=bool)
     for clip in translations:
-        if len(clip):
+        if clip.size:
             spread = np.ptp(clip, axis=0).max(axis=1)
             moves |= spread > _STILL * max(float(np.abs(clip).max()), 1e-30)
     return tuple(next((joint for joint in chain(skeleton, root) if moves[joint]), root) for root in skeleton.roots)

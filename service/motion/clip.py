@@ -6,10 +6,10 @@ The source's own numbers and units are kept; nothing is scaled or turned here.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,53 @@ class SourcePart:
 
 
 @dataclass(frozen=True)
+class ReferencePose:
+    """A pose to measure others from. positions: (J, 3), rotations: (J, 4) from rest, of each joint in the world."""
+
+    positions: tuple[tuple[float, ...], ...]
+    rotations: tuple[tuple[float, ...], ...]
+
+    def fits(self, skeleton: Skeleton) -> bool:
+        """Whether it has a place and a rotation for each joint."""
+        return len(self.positions) == len(self.rotations) == len(skeleton)
+
+    def to_json(self) -> list[list[float]]:
+        """Of each joint its position and its rotation, x y z and x y z w."""
+        return [[*place, *turn] for place, turn in zip(self.positions, self.rotations, strict=True)]
+
+    @classmethod
+    def from_json(cls, values: Sequence[Sequence[float]]) -> ReferencePose:
+        """What `to_json` made."""
+        return cls(tuple(tuple(one[:3]) for one in values), tuple(tuple(one[3:]) for one in values))
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Where angles from rotations start. up: the axis that points up in it. pose: None for the rest pose.
+
+    frame, of: which frame (from 0) of which clip a pose was found in, None and "" for the clip itself. stated: the up
+    axis that was stated where it was looked for, None where it was guessed.
+    """
+
+    up: str
+    pose: ReferencePose | None = None
+    frame: int | None = None
+    of: str = ""
+    stated: str | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        pose = None if self.pose is None else self.pose.to_json()
+        return {"up": self.up, "pose": pose, "frame": self.frame, "of": self.of, "stated": self.stated}
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Reference:
+        """What `to_json` made."""
+        pose = None if values["pose"] is None else ReferencePose.from_json(values["pose"])
+        return cls(**{**values, "pose": pose})
+
+
+@dataclass(frozen=True)
 class ClipHead:
     """All of a clip but its frames.
 
@@ -57,6 +104,7 @@ class ClipHead:
     number_style: "shortest", "fixed:N" or "general:N": how the source writes motion numbers; only for writing the
         source format again, and only where it gives the same double.
     description, properties: set by people; properties are (name, value, unit or "").
+    reference: what is known of the skeleton's reference pose from elsewhere, such as its other clips.
     """
 
     format: str
@@ -67,6 +115,7 @@ class ClipHead:
     sources: tuple[SourcePart, ...] = ()
     description: str = ""
     properties: tuple[tuple[str, str, str], ...] = ()
+    reference: Reference | None = None
 
     def seconds_per_frame(self) -> float | None:
         """Frame time as a number, from `frame_time` or else 1 / dataframe_rate; None where neither is usable.

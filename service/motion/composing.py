@@ -112,6 +112,8 @@ def compose(
     """
     if not pieces or any(not len(piece.block) for piece in pieces):
         raise ConversionError("there is nothing to compose", remedy="Name pieces that have frames.")
+    if not len(skeleton):
+        raise ConversionError("the skeleton has no joints to move", remedy="Leave documents without joints out.")
     least = min([transition, *(own for own in transitions if own is not None)])
     if least < 0:
         raise ConversionError(f"{least} frames are no transition", remedy="Give 0 or more.")

@@ -109,7 +109,10 @@ class HubReader:
         return self._held.missing
 
     def read(self, block: FrameBlock) -> HubBlock:
-        values = self._held.values(block)
+        return self.of_values(self._held.values(block))
+
+    def of_values(self, values: Array) -> HubBlock:
+        """Frames without gaps. values: (n, D) in the skeleton's columns."""
         scales = self._scales(values)
         return HubBlock(self._translations(values, scales), self._rotations(values), scales, values)
 
@@ -147,7 +150,7 @@ class HubReader:
 
     def _translations(self, values: Array, scales: Array) -> Array:
         rest = self.rest
-        translations = np.tile(rest.offsets, (len(values), 1, 1))
+        translations = in_every_frame(rest.offsets, len(values))
         places, stated = self._stated
         translations.reshape(len(values), 3 * len(self.skeleton))[:, places] = values[:, stated]
         for index, columns in self._moved:
@@ -166,6 +169,13 @@ class HubReader:
             else:
                 translations[:, index] += moved
         return translations
+
+
+def in_every_frame(rest: Array, frames: int) -> Array:
+    """(n, J, 3) an array (J, 3) in every frame, to be written to: of one without joints `np.tile` makes none."""
+    repeated = np.empty((frames, *rest.shape))
+    repeated[:] = rest
+    return repeated
 
 
 _Groups: TypeAlias = dict[tuple[Convention, str], tuple[list[int], list[int]]]
@@ -234,14 +244,15 @@ AT_ONCE = 1 << 16
 
 def _walked_by_depth(skeleton: Skeleton, translations: Array, rotations: Array) -> tuple[Array, Array]:
     """As `walked`, to the bit: few operations, for short arrays cost by their number."""
-    turned = np.ascontiguousarray(rotations.T)
+    # Copies: what is given may be read again, as the rest pose is.
+    turned = rotations.T.copy(order="C")
     x, y, z, w = turned
     # What `multiply` adds up for its four components: w, x, y and z of the first, each with these of the second.
     second = np.array([(x, y, z, w), (w, -z, y, -x), (z, w, -x, -y), (-y, x, w, -z)])
     for joints, parents in _levels(skeleton)[1:]:
         first = turned[:, parents][[3, 0, 1, 2], None]
         turned[:, joints] = (first * second[:, :, joints]).sum(axis=0)
-    positions = np.ascontiguousarray(translations.T)
+    positions = translations.T.copy(order="C")
     below = [index for index, joint in enumerate(skeleton.joints) if joint.parent >= 0]
     above = [skeleton.joints[index].parent for index in below]
     positions[:, below] = rotate(turned[:, above].T, positions[:, below].T).T

@@ -31,6 +31,11 @@ class Walker:
         hub = self._hub.read(block)
         return walked(self._skeleton, hub.translations, hub.rotations)
 
+    def poses_at(self, values: Array) -> tuple[Array, Array]:
+        """The same of frames without gaps: (n, D) in the skeleton's columns."""
+        hub = self._hub.of_values(values)
+        return walked(self._skeleton, hub.translations, hub.rotations)
+
     def poses_with_tips(self, block: FrameBlock) -> tuple[Array, Array, Array]:
         """As `poses`, and positions (n, T, 3) of the ends of chains: BVH end sites, tips of ASF and HTR bones without
         child."""

@@ -11,7 +11,7 @@ from service.errors import ConversionError
 from service.motion.anatomical_angles import Rate, anatomical_rates, spins
 from service.motion.anatomical_axes import Segment, Stance, relative_turns, segments_of, stance_of
 from service.motion.foot_contacts import hysteresis
-from service.motion.hub import Rest, walked
+from service.motion.hub import Rest, in_every_frame, walked
 from service.motion.rotations import rotate
 from service.motion.skeleton import Array, Skeleton
 from service.numerics.runs import find_true
@@ -80,7 +80,7 @@ def suggest_movements(
         return []
     ahead = None if facing is None else direction(facing)
     stance = stance_of(skeleton, rest, translations, rotations, direction(up), ahead)
-    world = walked(skeleton, np.tile(rest.offsets, (len(rotations), 1, 1)), rotations)[1]
+    world = walked(skeleton, in_every_frame(rest.offsets, len(rotations)), rotations)[1]
     found = []
     for segment in segments_of(skeleton, rest, stance):
         circles = _circles(skeleton, segment, world, stance, frame_time, limits)

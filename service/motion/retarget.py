@@ -20,9 +20,10 @@ from service.motion.carriers import carriers, chain
 from service.motion.clip import FrameBlock, full_shape
 from service.motion.foot_contacts import Feet, FootReport, clean_feet, feet_of
 from service.motion.hinges import best_twist, beyond_limits
-from service.motion.hub import HubReader, walked
+from service.motion.hub import HubReader, in_every_frame, walked
 from service.motion.hub_writer import HubWriter, Shortfall
 from service.motion.posed_bodies import PosedBody, upright_axes
+from service.motion.retarget_checks import across_errors, angles_between, check_across, check_rest
 from service.motion.retarget_report import BoneError, RetargetReport
 from service.motion.rotation_vectors import from_vector, shortest_arcs
 from service.motion.rotations import from_matrix, inverse, multiply, rotate, shortest_arc
@@ -68,7 +69,7 @@ def retarget(
     of places, by the legs if not given. match_rest: joints turn from rest as their sources do, wherever their bones
     point at rest; else bones point as they do in the source. frame_time: seconds, up: "X", "Y" or "Z", for the feet.
     Both have the same axis up. Raises ConversionError for a mapping that is empty or names joints that are not there or
-    twice.
+    twice, and for what cannot be right: a rest pose without lengths, hips that point elsewhere (`retarget_checks`).
     """
     if not matches:
         raise ConversionError(
@@ -79,13 +80,16 @@ def retarget(
     writer = HubWriter(target, target_reading)
     one = PosedBody.of(source, HubReader(source, reading).rest, source_pose)
     two = PosedBody.of(target, writer.rest, target_pose)
-    transfer = _Transfer(one, two, {match.target: match.source for match in matches}, writer, match_rest)
+    pairs = {match.target: match.source for match in matches}
     positions, turned = walked(source, hub.translations, hub.rotations)
+    if source != target:
+        check_rest(one, two, pairs, positions)
+    transfer = _Transfer(one, two, pairs, writer, match_rest)
     rotations = transfer.rotations(positions, turned)
     scale = transfer.scale() if scale is None else scale
     translations = transfer.translations(hub.translations, positions, turned, rotations, scale)
     reports: tuple[FootReport, ...] = ()
-    feet = feet_of(source, target, {match.target: match.source for match in matches})
+    feet = feet_of(source, target, pairs)
     if feet:
         axis = np.eye(3)["XYZ".index(up.upper())]
         rotations, reports = _feet(transfer, feet, positions, translations, rotations, frame_time, axis, writer, clean)
@@ -93,13 +97,18 @@ def retarget(
     columns = target.columns()
     names = block.motion_names
     made = FrameBlock(values, columns, (full_shape(columns),), block.ids, None, names)
+    placed = walked(target, translations, rotations)[0]
+    lines = across_errors(one, two, pairs, positions, placed)
+    if not match_rest:
+        check_across(one, two, pairs, lines)
     report = RetargetReport(
         tuple(matches),
         scale,
-        tuple(sorted(set(range(len(source))) - {match.source for match in matches})),
-        tuple(sorted(set(range(len(target))) - {match.target for match in matches})),
-        transfer.bone_errors(positions, walked(target, translations, rotations)[0]),
+        tuple(sorted(set(range(len(source))) - set(pairs.values()))),
+        tuple(sorted(set(range(len(target))) - set(pairs))),
+        transfer.bone_errors(positions, placed),
         reports,
+        lines,
     )
     return Retargeted(made, writer.shortfall, report)
 
@@ -265,7 +274,7 @@ class _Transfer:
         local = self._pointed(hinge, above, self._wanted(hinge, turned), positions)
         along = rotate(inverse(self.two.turned[hinge]), self.two.positions[end] - self.two.positions[hinge])
         goal = positions[:, self.pairs[end]] - positions[:, self.pairs[hinge]]
-        missed = _angles(rotate(multiply(above, local), along), goal)
+        missed = angles_between(rotate(multiply(above, local), along), goal)
         outside = beyond_limits(self.two.skeleton.joints[hinge], hinge, self._writer, local)
         return float((missed + outside).mean()) if len(missed) else 0.0
 
@@ -319,7 +328,7 @@ class _Transfer:
     def translations(self, moved: Array, positions: Array, turned: Array, rotations: Array, scale: float) -> Array:
         """(n, J, 3) of the target. moved: the source's in the hub form; rotations: the target's, local."""
         skeleton = self.two.skeleton
-        translations = np.tile(self.two.rest.offsets, (len(moved), 1, 1))
+        translations = in_every_frame(self.two.rest.offsets, len(moved))
         world = walked(skeleton, translations, rotations)[1]
         for joint, source in self.pairs.items():
             parent, above = skeleton.joints[joint].parent, self.one.skeleton.joints[source].parent
@@ -374,14 +383,8 @@ class _Transfer:
                 continue
             one = positions[:, self.pairs[end]] - positions[:, self.pairs[joint]]
             two = made[:, end] - made[:, joint]
-            angles = _angles(one, two)
+            angles = angles_between(one, two)
             largest, mean = (float(angles.max()), float(angles.mean())) if len(angles) else (0.0, 0.0)
             worst = int(angles.argmax()) if len(angles) else 0
             errors.append(BoneError(joint, end, self._ends[joint] == end, largest, mean, worst))
         return tuple(errors)
-
-
-def _angles(one: Array, two: Array) -> Array:
-    """Degrees (n,) between vectors (n, 3)."""
-    between: Array = np.degrees(np.arctan2(np.linalg.norm(np.cross(one, two), axis=1), (one * two).sum(axis=1)))
-    return between

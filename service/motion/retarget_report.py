@@ -9,6 +9,9 @@ from service.motion.bone_mapping import Match
 from service.motion.foot_contacts import FootReport
 from service.motion.skeleton import Skeleton
 
+_TOLD = 10.0
+"""Degrees, on the mean, from which it is told that hips or shoulders point elsewhere."""
+
 
 @dataclass(frozen=True)
 class BoneError:
@@ -27,9 +30,19 @@ class BoneError:
 
 
 @dataclass(frozen=True)
+class AcrossError:
+    """How far the line from the right to the left of `what` (hips, shoulders) points elsewhere, in degrees."""
+
+    what: str
+    largest: float
+    mean: float
+
+
+@dataclass(frozen=True)
 class RetargetReport:
     """matches: as they were used. scale: of places. missing: joints of the source that no joint takes. extra: joints of
-    the target that stay as at rest. bones: directions. feet: contacts and sliding, empty without feet."""
+    the target that stay as at rest. bones: directions. feet: contacts and sliding, empty without feet. across: of lines
+    from right to left."""
 
     matches: tuple[Match, ...]
     scale: float
@@ -37,6 +50,7 @@ class RetargetReport:
     extra: tuple[int, ...]
     bones: tuple[BoneError, ...]
     feet: tuple[FootReport, ...]
+    across: tuple[AcrossError, ...] = ()
 
     def notices(self, source: Skeleton, target: Skeleton) -> list[Notice]:
         """The report as lines of a receipt."""
@@ -51,4 +65,8 @@ class RetargetReport:
         if worst is not None and worst.largest > 1.0:
             name = target.joints[worst.joint].name
             lines.append(Notice("warning", f"{name!r} points up to {worst.largest:.1f} degrees elsewhere"))
+        for line in self.across:
+            if line.mean > _TOLD:
+                told = f"the {line.what} point {line.mean:.0f} degrees elsewhere on the mean, up to {line.largest:.0f}"
+                lines.append(Notice("warning", told))
         return lines

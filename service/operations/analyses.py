@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import orjson
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
+from schemas.analyses.dance import BeatsPerBar
 from schemas.examples import DOCUMENT, JOB, PROJECT, example_of, shown
 from schemas.jobs import AnalysisInfo, AnalysisList, ClipMotion, Job, MusicBeats, Saving, Selection
 from service.actions.analysing.describe_job import analysis_answer, job_answer
@@ -42,9 +43,13 @@ def read_music(
     file: Annotated[
         SourceFile, Upload(), Field(description="WAV, FLAC or MP3, at most 15 minutes", examples=["song.mp3"])
     ],
+    bpm: Annotated[
+        float | None, Field(ge=40, le=240, description="Beats a minute, where the tempo is known", examples=[150])
+    ] = None,
+    beats_per_bar: Annotated[BeatsPerBar | None, Field(description="Beats of a bar, where they are known")] = None,
 ) -> MusicBeats:
-    """Needs the extra `audio`; nothing is kept."""
-    return beats_of(file, call.settings)
+    """Needs the extra `audio`; nothing is kept. Tempi that fit nearly as well are told as rivals."""
+    return beats_of(file, call.settings, bpm, beats_per_bar)
 
 
 def offered() -> Iterator[Operation]:

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import orjson
-from sqlalchemy import and_, bindparam, delete, exists, select
+from sqlalchemy import BigInteger, and_, bindparam, delete, exists, select
 
 from service.storage.lists import OneOf
 from service.storage.moments import there
 from service.storage.seals import checked
 from service.storage.shown import Shown, moves
-from service.storage.tables import body, document, revision
+from service.storage.tables import body, content, document, revision
 
 if TYPE_CHECKING:
     from service.storage.transaction import Transaction
@@ -35,6 +35,15 @@ _KEPT = (
     .exists()
 )
 _WITHOUT = select(document.c.id).where(there(), ~_KEPT)
+
+
+_OF_SKELETON = (
+    select(body.c.facts)
+    .join(content, content.c.document == body.c.document)
+    .where(content.c.skeleton == bindparam("skeleton", type_=BigInteger), body.c.block == 0)
+    .order_by(body.c.document, body.c.revision)
+    .limit(bindparam("most", type_=BigInteger))
+)
 
 
 class AtRevision(Protocol):
@@ -90,6 +99,11 @@ class Bodies:
                     facts[key] = orjson.loads(told)
         whole = [key for key, told in facts.items() if told["blocks"] == len(blocks[key])]
         return {key: StoredBody(facts[key], tuple(blocks[key])) for key in whole}
+
+    def facts_of_skeleton(self, skeleton_key: int, most: int) -> list[dict[str, Any]]:
+        """The facts of the first bodies of clips that have, or had, a skeleton."""
+        rows = self._tx.rows(_OF_SKELETON, {"skeleton": skeleton_key, "most": most})
+        return [orjson.loads(row[0]) for row in rows]
 
     def missing(self, documents: Sequence[AtRevision], made: int) -> list[int]:
         """The keys of those that have none that is sound and was made in this way."""

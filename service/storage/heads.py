@@ -36,6 +36,16 @@ _SKELETON = (
     .order_by(skeleton_element.c.pre)
 )
 _BONE_NAMES = checked(select(bone.c.bone, bone.c.name).where(of_document(bone)).order_by(bone.c.bone), bone)
+_CLIPS_OF_SKELETON = (
+    select(
+        content.c.from_commit, document.c.id, document.c.uuid, document.c.name, content.c.version, content.c.skeleton,
+        content.c.frames, content.c.frame_time, document.c.project,
+    )
+    .join(document, document.c.id == content.c.document)
+    .where(content.c.skeleton == bindparam("skeleton", type_=BigInteger), document.c.state == "ready")
+    .order_by(document.c.id, content.c.from_commit)
+    .limit(bindparam("most", type_=BigInteger))
+)  # fmt: skip
 _EQUAL_SKELETON = select(skeleton.c.id).where(
     skeleton.c.project == bindparam("project"), skeleton.c.hash == bindparam("hash")
 )
@@ -76,6 +86,16 @@ class Heads:
         """How many joints skeletons have."""
         query = select(skeleton.c.id, skeleton.c.joints).where(skeleton.c.id.in_(set(skeletons)))
         return {int(key): int(count) for key, count in self._tx.connection.execute(query)}
+
+    def clips_of_skeleton(self, skeleton_key: int, most: int) -> list[tuple[int, Listed]]:
+        """The first clips of a skeleton, deleted or not, each as it was when it came to have it: (commit, clip)."""
+        from service.storage.columns import Listed
+
+        rows = self._tx.rows(_CLIPS_OF_SKELETON, {"skeleton": skeleton_key, "most": most})
+        return [
+            (commit, Listed(key, uuid, name, version, own, frames, frame_time, revision=0, project=project))
+            for commit, key, uuid, name, version, own, frames, frame_time, project in rows
+        ]
 
     def bone_names(self, document_key: int) -> dict[int, str]:
         """Name of each bone number, the root's among them."""

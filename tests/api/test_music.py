@@ -67,3 +67,16 @@ def test_what_is_no_music_is_refused(client: TestClient) -> None:
     assert (answer.status_code, answer.json()["code"]) == (422, "music-undecodable"), answer.text
     assert answer.json()["detail"] == "cut.wav begins as sound does, but is cut off or damaged."
     assert answer.json()["remedy"]
+
+
+def test_rivals_are_told_and_what_is_known_is_taken(client: TestClient) -> None:
+    file = {"file": ("song.wav", clicks(116, 20.0))}
+    found = client.post(f"{API}/music", files=file).json()
+    assert {"1", "2", "1/2"} <= {rival["ratio"] for rival in found["rivals"]}
+    assert found["rivals"][0]["bpm"] == pytest.approx(found["bpm"], rel=0.01)
+    half = client.post(f"{API}/music", files=file, data={"bpm": "58", "beats_per_bar": "3"}).json()
+    assert half["bpm"] == pytest.approx(58, rel=0.02)
+    assert half["clear"]
+    assert (half["music"]["beats_per_bar"], half["bars"]) == (3, (len(half["music"]["beats"]) - 1) // 3)
+    for wrong in ({"bpm": "900"}, {"beats_per_bar": "7"}, {"bpm": "fast"}):
+        assert client.post(f"{API}/music", files=file, data=wrong).status_code == 422

@@ -195,13 +195,14 @@ def test_a_calibration_that_people_set_counts(database: Database, client: TestCl
     assert database.check() == []
 
 
-def test_a_reference_pose_that_is_gone_is_none(database: Database, client: TestClient) -> None:
+def test_a_reference_pose_stays_though_its_frame_is_gone(database: Database, client: TestClient) -> None:
     (uuid,) = store(database, {"a.bvh": bvh(30, names=(*NAMES, "LeftToe"))})
     place = f"/api/v1/documents/{uuid}"
     client.patch(f"{place}/calibration", json={"reference": 29, "up": "Y"}, headers={"if-match": "*"})
     edits = {"edits": [{"do": "keep", "first": 1, "last": 10}]}
     assert client.post(f"{place}/frames", json=edits, headers={"if-match": "*"}).status_code == 200
-    assert client.get(f"{place}/calibration").json()["reference"]["origin"] != "set"
+    known = client.get(f"{place}/calibration").json()["reference"]
+    assert (known["origin"], known["value"]) == ("set", 29)
     asked = {"q": "count(//frame[mo:angle('left-foot-inversion') > 0])"}
     assert client.get("/api/v1/xpath", params=asked).status_code == 200
     assert client.get(f"{place}/export", params={"format": "mot"}).status_code in (200, 422)

@@ -15,9 +15,8 @@ from service.formats.opensim.angles import OPPOSITES, all_columns
 from service.mcml import motion_names
 from service.motion.bodies.calibration import calibrate
 from service.motion.bodies.quantities import compute
-from service.motion.bodies.turned_angles import reference_stance, turned_angle
+from service.motion.bodies.turned_angles import turned_angle
 from service.motion.clip import ClipStream
-from service.motion.figures import axis_of
 from service.motion.hub import rest_of
 from service.motion.kinematics import Walker
 from service.motion.skeleton import Convention
@@ -28,6 +27,7 @@ from tests.formats.scenes.clips import CLIPS, cut, hostile, without_joints
 from tests.formats.scenes.reading import stating
 from tests.formats.test_real_files import opened
 from tests.motion.bodies.made import clip_of, named, person, positions_of, stretch_of
+from tests.motion.bodies.made import stance as stance_of_pose
 
 UP = {"global_axis_of_gravity": "Y"}
 
@@ -71,7 +71,7 @@ def _compare_turned(clip: ClipStream, labels: list[str], values: np.ndarray) -> 
     positions, rotations = (np.concatenate(parts) for parts in zip(*poses, strict=True))
     at = calibration.reference
     pose = None if at is None else (positions[at], rotations[at])
-    stance = reference_stance(skeleton, axis_of("Y"), pose, reading)
+    stance = stance_of_pose(skeleton, pose, reading)
     turned = [column for column in all_columns() if column.turned and column.title in labels]
     assert len(turned) >= 15
     for column in turned:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -128,6 +130,181 @@ def test_the_root_is_a_joint_that_can_move_the_figure() -> None:
         assert named(both, root=index)[0].joints[index].name == "Root"
     # Names that are MCML's own stay as they are.
     assert root_candidates(rooted("Root", "left_up_leg", moving=("Root",))) == ()
+
+
+SMPL = [
+    "pelvis",
+    "left_hip",
+    "right_hip",
+    "spine1",
+    "left_knee",
+    "right_knee",
+    "spine2",
+    "left_ankle",
+    "right_ankle",
+    "spine3",
+    "left_foot",
+    "right_foot",
+    "neck",
+    "left_collar",
+    "right_collar",
+    "head",
+    "left_shoulder",
+    "right_shoulder",
+    "left_elbow",
+    "right_elbow",
+    "left_wrist",
+    "right_wrist",
+]
+SMPL_MEANS = {
+    "pelvis": "Root", "left_hip": "left_up_leg", "left_knee": "left_low_leg", "left_ankle": "left_foot",
+    "left_foot": "left_toes", "left_collar": "left_shoulder", "left_shoulder": "left_up_arm",
+    "left_elbow": "left_low_arm", "head": "Head", "neck": "neck1",
+}  # fmt: skip
+MEDIAPIPE = [
+    "nose",
+    "left_eye",
+    "right_eye",
+    "left_ear",
+    "right_ear",
+    "mouth_left",
+    "mouth_right",
+    "left_shoulder",
+    "right_shoulder",
+    "left_elbow",
+    "right_elbow",
+    "left_wrist",
+    "right_wrist",
+    "left_pinky",
+    "right_pinky",
+    "left_index",
+    "right_index",
+    "left_thumb",
+    "right_thumb",
+    "left_hip",
+    "right_hip",
+    "left_knee",
+    "right_knee",
+    "left_ankle",
+    "right_ankle",
+    "left_heel",
+    "right_heel",
+    "left_foot_index",
+    "right_foot_index",
+]
+COCO = [
+    name for name in MEDIAPIPE if name.endswith(("eye", "ear", "shoulder", "elbow", "wrist", "hip", "knee", "ankle"))
+]
+WRONG = {
+    "left_hip": {"left_hip"}, "left_shoulder": {"left_shoulder"}, "left_ankle": {"left_toes"},
+    "left_foot_index": {"left_foot", "left_finger_two"}, "left_index": {"left_hand"}, "left_heel": {"left_foot"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("rename", [str, str.upper, lambda name: f"m_avg:{name}", lambda name: f"f_avg_{name}"])
+def test_the_words_of_smpl_are_not_taken_literally(rename: Callable[[str], str]) -> None:
+    """`left_foot` is the toes, `left_shoulder` the upper arm, whoever else is called so in Table 1."""
+    found = mcml_names(*map(rename, SMPL))
+    for side, other in (("left", "left"), ("left", "right")):
+        for name, means in SMPL_MEANS.items():
+            assert found[rename(name.replace(side, other))] == means.replace(side, other)
+    assert found[rename("left_wrist")] == "left_hand"
+    with_hands = mcml_names(*map(rename, [*SMPL, "left_hand", "right_hand", "left_index1", "left_thumb1"]))
+    assert with_hands[rename("left_hand")] == "left_hand"
+    assert with_hands[rename("left_wrist")] == "left_wrist"
+    assert with_hands[rename("left_index1")] == "left_finger_two"
+    assert report(skeleton(*map(rename, SMPL))).convention == "smpl"
+
+
+@pytest.mark.parametrize("names", [MEDIAPIPE, COCO, COCO[6:], MEDIAPIPE[7:]])
+def test_key_points_of_cameras_are_not_taken_literally(names: list[str]) -> None:
+    found = mcml_names(*names)
+    for name, wrong in WRONG.items():
+        assert found.get(name) not in wrong, name
+    expected = {"left_hip": "left_up_leg", "left_shoulder": "left_up_arm", "left_ankle": "left_foot"}
+    assert {name: found[name] for name in expected if name in names} == {
+        n: m for n, m in expected.items() if n in names
+    }
+    assert report(skeleton(*names)).convention != "mcml"
+
+
+def test_one_word_of_table_1_makes_no_rig_mcml() -> None:
+    rig = ["Hips", "Spine", "LeftUpLeg", "LeftLeg", "LeftFoot", "RightUpLeg", "left_finger_two", "left_hand"]
+    assert report(skeleton(*rig)).convention == "motionbuilder"
+    assert mcml_names(*rig)["LeftFoot"] == "left_foot"
+    assert report(skeleton("left_hip", "left_foot", "left_shoulder", "left_hand")).convention != "mcml"
+    own = ["Root", "left_up_leg", "left_low_leg", "left_foot", "waist", "left_shoulder"]
+    assert report(skeleton(*own, "sword")).convention == "mcml"
+    assert report(skeleton(*own, "left_knee")).convention != "mcml"
+
+
+def body(words: dict[str, tuple[str, tuple[float, float, float]]]) -> Skeleton:
+    """Joints by name: the one above, and where it stands in that."""
+    places = list(words)
+    return Skeleton(
+        tuple(
+            Joint(
+                name,
+                places.index(above) if above else -1,
+                name,
+                Convention.LISTED,
+                ("Tx", "Ty", "Tz", "Rz", "Rx", "Ry") if not above else ("Rz", "Rx", "Ry"),
+                rotation_order="ZXY",
+                offset=tuple(map(str, offset)),  # type: ignore[arg-type]
+                translation="" if above else "absolute",
+            )
+            for name, (above, offset) in words.items()
+        )
+    )
+
+
+def quadruped(lying: bool, tail: bool = False) -> Skeleton:
+    """A dog, or a person, with a person's words."""
+    on = (0.0, 0.0, 30.0) if lying else (0.0, 30.0, 0.0)
+    words: dict[str, tuple[str, tuple[float, float, float]]] = {
+        "Hips": ("", (0, 60, 0)), "Spine": ("Hips", on), "Neck": ("Spine", on), "Head": ("Neck", on),
+    }  # fmt: skip
+    for side, x in (("Left", 8.0), ("Right", -8.0)):
+        words |= {
+            f"{side}UpLeg": ("Hips", (x, 0, 0)), f"{side}Leg": (f"{side}UpLeg", (0, -28, 0)),
+            f"{side}Foot": (f"{side}Leg", (0, -28, 0)), f"{side}Arm": ("Spine", (x, 0, 0)),
+            f"{side}ForeArm": (f"{side}Arm", (0, -25, 0)), f"{side}Hand": (f"{side}ForeArm", (0, -25, 0)),
+        }  # fmt: skip
+    if tail:
+        words["Tail"] = ("Hips", (0, 0, -10))
+    return body(words)
+
+
+def test_animals_are_not_named_as_people() -> None:
+    assert len(assign(quadruped(lying=False)).joints) == 16
+    assert report(quadruped(lying=False)).convention == "motionbuilder"
+    costume = report(quadruped(lying=False, tail=True))
+    assert costume.convention == "motionbuilder"
+    dog = quadruped(lying=True)
+    assert report(dog).convention == "not a person"
+    assert not any(joint.mapped for joint in assign(dog).joints)
+    assert assign(dog).names == tuple(joint.source_name for joint in dog.joints)
+    (notice,) = report(dog).notices()
+    assert "not a person" in notice.what
+    assert "trunk lies over its legs" in notice.what
+    # Who names joints of a dog all the same is believed.
+    assert assign(dog, extra=[("LeftFoot", "left_foot")]).joints[6].name == "left_foot"
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["Hips", "Spine", "LeftUpLeg", "LeftLeg", "LeftFoot", "LeftHindLeg"],
+        ["Hips", "Spine", "LeftArm", "LeftForeArm", "LeftPaw"],
+        ["Hips", "Head", "BackLeg_L", "BackFoot_L", "FrontLeg_L"],
+        ["Pelvis", "FL_hip", "FL_knee", "FR_hip", "FR_knee", "RL_hip", "RR_hip", "Head"],
+        ["Hips", "Spine", "LeftUpLeg", "LeftLeg", "RightUpLeg", "RightLeg", "Head", "LeftWing", "RightWing"],
+        ["Bip01", "Bip01 Pelvis", "Bip01 L Thigh", "Bip01 L Calf", "Bip01 Beak"],
+    ],
+)
+def test_words_of_animals(names: list[str]) -> None:
+    assert report(skeleton(*names)).convention == "not a person"
+    assert mcml_names(*names) == {}
 
 
 def test_mcml_names_stay() -> None:

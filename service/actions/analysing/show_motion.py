@@ -33,7 +33,7 @@ def shown_motion(clip: MadeClip) -> tuple[MotionHead, NDArray[np.float32]]:
         parents=parents,
         origin=origin.tolist(),
         seconds_per_frame=clip.frame_time,
-        up=clip.up or likely_up(skeleton, positions[0]),
+        up=clip.up or likely_up(skeleton, positions).axis,
         metres=clip.metres,
     )
     return head, points.astype("<f4")

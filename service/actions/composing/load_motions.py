@@ -56,6 +56,8 @@ def _motion(then: Transaction, stored: StoredDocument, body: Whole | None) -> Mo
     if not stored.frames:
         raise DocumentError(f"{stored.name} ({stored.uuid}) has no frames.", remedy="Leave it out.")
     source = read_clip(then, stored).clip if body is None else _brought(then, stored, seconds, body)
+    if not len(source.head.skeleton):
+        raise DocumentError(f"{stored.name} ({stored.uuid}) has no joints.", remedy="Leave it out.")
     presence: list[NDArray[np.bool_]] = []
 
     def watched() -> Iterator[FrameBlock]:

@@ -13,13 +13,20 @@ import orjson
 from schemas import bodies as wire
 from service.actions.editing.change_document import change_document
 from service.clips.bodies import Body, read_bodies
+from service.clips.read_clip import read_clip
 from service.errors import RequestError
 from service.mcml.elements import to_head
-from service.motion.bodies.calibration import OVERRIDES
+from service.motion.bodies.calibration import OVERRIDES, Calibration
+from service.motion.bodies.positions import filled
+from service.motion.bodies.reference import pose_in
+from service.motion.clip import ReferencePose
+from service.motion.units import reading_of
 from service.storage.documents import StoredDocument
 from service.storage.transaction import Transaction
 
 LENGTHS = ("floor", "leg")
+POSE = OVERRIDES + "pose"
+"""The property that keeps the pose of a reference frame that was set."""
 
 
 def describe_calibration(tx: Transaction, stored: StoredDocument) -> wire.Calibration:
@@ -35,7 +42,7 @@ def _view(body: Body, *, kept: bool) -> wire.Calibration:
     values: dict[str, Any] = {
         "unit": (unit or known.metres, known.metres, "metres"),
         "up": (known.up, None, "up"),
-        "reference": ("rest" if known.reference is None else known.reference + 1, None, "reference"),
+        "reference": (_shown(known), None, "reference"),
         "leaps": (known.leaps, None, "leaps"),
     }
     for name in LENGTHS:
@@ -48,6 +55,13 @@ def _view(body: Body, *, kept: bool) -> wire.Calibration:
         for name, (value, metres, source) in values.items()
     }
     return wire.Calibration(**shown, step=known.step, kept=kept)
+
+
+def _shown(known: Calibration) -> str | int | None:
+    """The frame, from 1, that the reference pose was found in, or "rest"."""
+    if known.origins["reference"].kind == "unknown":
+        return None
+    return "rest" if known.reference is None else known.reference + 1
 
 
 def change_calibration(tx: Transaction, stored: StoredDocument, change: wire.CalibrationChange) -> StoredDocument:
@@ -63,11 +77,22 @@ def change_calibration(tx: Transaction, stored: StoredDocument, change: wire.Cal
         )
     own = {OVERRIDES + name: asked[name] for name in ("floor", "leg", "reference", "leaps") if name in asked}
     held = to_head(tx.heads.document(stored), stored.frame_time).properties
-    properties = [item for item in held if item[0] not in own]
+    gone = {*own, POSE} if OVERRIDES + "reference" in own else set(own)
+    properties = [item for item in held if item[0] not in gone]
     for key, value in own.items():
         if key == OVERRIDES + "reference" and value is not None:
             properties.append((key, "null" if value == "rest" else str(int(value) - 1), ""))
+            if value != "rest":
+                # The clip may be cut: what the frame shows now stays the reference.
+                properties.append((POSE, orjson.dumps(_pose(tx, stored, int(value)).to_json()).decode(), ""))
         elif value is not None:
             properties.append((key, orjson.dumps(value).decode(), ""))
     message = f"calibration: {', '.join(asked)}"
     return change_document(tx, stored, properties=properties if own else None, message=message, **facts)
+
+
+def _pose(tx: Transaction, stored: StoredDocument, frame: int) -> ReferencePose:
+    """The pose of a frame, from 1."""
+    clip = read_clip(tx, stored, last=frame, bare=True).clip
+    skeleton = clip.head.skeleton
+    return pose_in(skeleton, reading_of(clip.head), filled(skeleton, clip.blocks()).values[-1])

@@ -14,6 +14,7 @@ import numpy as np
 import orjson
 
 from service.actions.checking.check_names import check_frame_time
+from service.clips.bodies import read_bodies
 from service.clips.read_clip import StoredClip, read_clip
 from service.errors import ConversionError, Notice, UnsupportedError
 from service.formats import FORMATS, WRITERS
@@ -26,6 +27,9 @@ from service.motion.skeleton import CHANNELS
 from service.motion.units import metres_per_unit
 from service.storage.documents import StoredDocument
 from service.storage.transaction import Transaction
+
+WITH_REFERENCE = frozenset({"mot", "sto"})
+"""Formats of angles, which start from the reference pose of the skeleton."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +111,9 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
     if name == "csv":
         return Export(f"{stem}.csv", "text/csv; charset=utf-8", _csv(source, _columns(tx, source)))
     clip = _converted(source, name, options)
+    if name in WITH_REFERENCE:
+        start = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key].calibration.start
+        clip = clip.with_head(replace(clip.head, reference=start))
     parts = [item.name for item in WRITERS[name].parts]
     if part is None:
         files = {f"{stem}{_extension(name, item)}": partial(WRITERS[name].write, clip, item) for item in parts}

@@ -6,9 +6,12 @@ import numpy as np
 
 from schemas.skeletons import Side, SkeletonBone, SkeletonView, Tip
 from service.actions.reading.read_origin import first_pose, origin_in
+from service.clips.read_clip import read_clip
 from service.mcml import vocabulary
 from service.mcml.element import addresses
 from service.mcml.elements import to_head
+from service.motion.bodies.positions import clip_positions, filled
+from service.motion.figures import is_markers
 from service.motion.guesses import likely_unit, likely_up
 from service.motion.hub import rest_of
 from service.motion.kinematics import rest_positions
@@ -17,6 +20,9 @@ from service.motion.skeleton import CHANNELS, Array, Convention, Skeleton
 from service.motion.units import reading_of
 from service.storage.documents import StoredDocument
 from service.storage.transaction import Transaction
+
+POSES = 64
+"""Of a clip of points that its axis up is guessed from."""
 
 
 def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
@@ -32,6 +38,7 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
     rest = rest_of(head.skeleton, reading)
     unit, up = head.fields.get("calibration_unit"), head.fields.get("global_axis_of_gravity")
     likely, metres = likely_unit(head, head_pose)
+    poses = head_pose if up else _some_poses(tx, stored, head.skeleton, head_pose)
     sides, others = sides_of(head.skeleton)
     joints = (vocabulary.ROOT, vocabulary.BONE)
     places = [address for address, element in addresses(tx.heads.document(stored)) if element.tag in joints]
@@ -47,7 +54,7 @@ def describe_skeleton(tx: Transaction, stored: StoredDocument) -> SkeletonView:
         likely_unit=likely,
         metres=metres,
         up=up,
-        likely_up=up.strip().upper() if up else likely_up(head.skeleton, head_pose),
+        likely_up=up.strip().upper() if up else likely_up(head.skeleton, poses).axis,
         origin=origin.tolist(),
         radians=reading.motion_angle,
         bones=[
@@ -90,3 +97,12 @@ def _tips(skeleton: Skeleton, tips: tuple[tuple[int, Array], ...]) -> list[Tip]:
         Tip(bone=joint, name=names[joint].pop(0) if names[joint] else "", offset=vector.tolist())
         for joint, vector in tips
     ]
+
+
+def _some_poses(tx: Transaction, stored: StoredDocument, skeleton: Skeleton, pose: Array) -> Array:
+    """Poses spread over the clip, of points, whose travel tells the axis up; of bodies the first pose, (J, 3)."""
+    if not stored.frames or not is_markers(skeleton):
+        return pose
+    clip = read_clip(tx, stored, step=max(1, stored.frames // POSES), bare=True).clip
+    (positions,) = clip_positions(skeleton, [filled(skeleton, clip.blocks())], reading_of(clip.head))
+    return positions

@@ -199,5 +199,5 @@ class _Drawing:
 def _facts(head: ClipHead, joints: Array) -> dict[str, Any]:
     unit, metres = likely_unit(head, joints[0])
     stated = head.fields.get("global_axis_of_gravity", "").strip().upper()
-    up = stated if stated.lstrip("+-") in ("X", "Y", "Z") and stated else likely_up(head.skeleton, joints[0])
+    up = stated if stated.lstrip("+-") in ("X", "Y", "Z") and stated else likely_up(head.skeleton, joints).axis
     return {"unit": unit, "metres": metres, "up": up.lstrip("+"), "markers": is_markers(head.skeleton)}

@@ -74,7 +74,7 @@ def preview_motion(
         parents=[*(joint.parent for joint in skeleton.joints), *tips],
         origin=origin.tolist(),
         seconds_per_frame=seconds,
-        up=head.fields.get("global_axis_of_gravity", "").strip().upper() or likely_up(skeleton, pose),
+        up=head.fields.get("global_axis_of_gravity", "").strip().upper() or likely_up(skeleton, pose).axis,
         data=base64.b64encode(found.astype("<f4").tobytes()).decode(),
     )
 

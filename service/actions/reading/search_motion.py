@@ -27,6 +27,7 @@ from service.storage.transaction import Transaction
 from service.xpath.library.caches import Caches
 from service.xpath.library.likeness import Asked
 from service.xpath.library.listing import Scope
+from service.xpath.library.motion_notes import named
 from service.xpath.library.search import search
 from service.xpath.limits import Limits
 
@@ -115,8 +116,9 @@ def find_alike(tx: Transaction, caches: Caches, asked: Asked, where: Where, limi
     warnings = []
     if found.unlike:
         warnings.append(
-            f"{found.unlike:,} of {found.documents:,} documents left out: they have no frames, share fewer than "
-            f"{FEWEST} joints with what is asked{', or their frame time is not known' if asked.moves else ''}."
+            f"{len(found.unlike):,} of {found.documents:,} documents left out: they have no frames, share fewer than "
+            f"{FEWEST} joints with what is asked{', or their frame time is not known' if asked.moves else ''} "
+            f"({named(found.unlike, np.ones(len(found.unlike), bool))})."
         )
     joints = [
         name for name, points in zip(JOINTS, asked.poses.transpose(1, 0, 2), strict=True) if np.isfinite(points).all()

@@ -204,7 +204,9 @@ def _grid(parameters: DanceParameters) -> Array:
         )
     if parameters.music is not None and parameters.bpm is None:
         music = parameters.music
-        return music_grid(music.beats, parameters.bars, music.downbeat - 1, float(Fraction(music.factor)))
+        return music_grid(
+            music.beats, parameters.bars, music.downbeat - 1, float(Fraction(music.factor)), music.beats_per_bar
+        )
     if parameters.bpm is None or parameters.music is not None:
         raise AnalysisError(
             "bpm-out-of-range",

@@ -12,6 +12,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from service.analysis.dance.music_tempo import Heard, Meter, Rival, is_clear, meters_of, rivals_of
 from service.analysis.dance.time_warp import even_grid
 from service.analysis.interface import AnalysisError
 from service.errors import LimitError, UnsupportedError
@@ -24,6 +25,8 @@ EVEN = 0.035
 """Seconds: beats whose distance from a line is smaller than this (RMS) are one tempo."""
 SLOWEST, FASTEST = 40.0, 240.0
 FEWEST = 4
+WALTZ = 3
+"""Beats of a bar that four beats of a dance do not fit into: a dance goes by its bars."""
 
 
 @dataclass(frozen=True)
@@ -66,13 +69,16 @@ def fit_tempo(beats: Sequence[float]) -> Tempo:
     return Tempo(start, period, residual, indices)
 
 
-def music_grid(beats: Sequence[float], bars: int, downbeat: int = 0, factor: float = 1.0) -> Array:
+def music_grid(beats: Sequence[float], bars: int, downbeat: int = 0, factor: float = 1.0, per_bar: int = 4) -> Array:
     """(4 bars + 1,) grid of music with these beats: the line if the tempo is even, else the beats themselves.
 
     downbeat: index of the beat at which the first bar starts. factor: 2 or 1/2 for music that was tracked at half or
-    double its tempo. Raises AnalysisError `music-no-beats`, `too-many-bars`, `bpm-out-of-range`.
+    double its tempo. per_bar: beats of a bar of the music; of music in three, four of whose beats are no bar, each bar
+    is one beat of the grid. Raises AnalysisError `music-no-beats`, `too-many-bars`, `bpm-out-of-range`.
     """
     times = np.asarray(beats, dtype=float)
+    if per_bar == WALTZ:
+        factor /= WALTZ
     tempo = fit_tempo(beats)
     if downbeat >= len(times):
         raise AnalysisError(
@@ -116,8 +122,19 @@ def is_sound(first: bytes) -> bool:
     return wave or first.startswith((b"fLaC", b"ID3")) or (first[:1] == b"\xff" and first[1:2] >= b"\xe0")
 
 
-def track_beats(stream: BinaryIO, name: str = "music") -> Array:
-    """Beat times (n,) of WAV, FLAC or MP3.
+@dataclass(frozen=True)
+class Beats:
+    """beats: (n,) seconds. rivals: the tempi that the music may have, the taken one first. clear: whether it fits
+    clearly better than the others, or was given. meters: beats of a bar, the likelier first."""
+
+    beats: Array
+    rivals: tuple[Rival, ...]
+    clear: bool
+    meters: tuple[Meter, ...]
+
+
+def track_beats(stream: BinaryIO, name: str = "music", bpm: float | None = None) -> Beats:
+    """The beats of WAV, FLAC or MP3. bpm: at about this tempo; else at the one that fits best.
 
     Raises UnsupportedError without librosa, LimitError above 15 minutes, AnalysisError `music-undecodable`,
     `music-no-beats`.
@@ -141,7 +158,21 @@ def track_beats(stream: BinaryIO, name: str = "music") -> Array:
         raise LimitError(f"{name} is longer than 15 minutes.", remedy="Cut it.")
     if not len(samples):
         raise AnalysisError("music-undecodable", f"{name} has no sound in it.", remedy="Send WAV, FLAC or MP3.")
-    _, found = librosa.beat.beat_track(y=samples, sr=rate, units="time", trim=False)
-    beats = np.maximum(0.0, np.asarray(found, dtype=float) - LATENESS)
+    loudness = librosa.onset.onset_strength(y=samples, sr=rate)
+    at = librosa.onset.onset_detect(onset_envelope=loudness, sr=rate)
+    heard = Heard(librosa.frames_to_time(at, sr=rate), loudness[at])
+
+    def track(about: float | None) -> Array:
+        options: dict[str, Any] = {} if about is None else {"bpm": about}
+        _, found = librosa.beat.beat_track(onset_envelope=loudness, sr=rate, units="time", trim=False, **options)
+        return np.asarray(found, dtype=float)
+
+    first = fit_tempo(track(bpm).tolist())
+    rivals = rivals_of(bpm or first.bpm, track, heard, SLOWEST, FASTEST)
+    if bpm is not None:
+        rivals.sort(key=lambda rival: rival.ratio != 1)
+    beats = rivals[0].beats if rivals else track(bpm)
+    meters = tuple(meters_of(beats, heard))
+    beats = np.maximum(0.0, beats - LATENESS)
     fit_tempo(beats.tolist())
-    return beats
+    return Beats(beats, tuple(rivals), bpm is not None or (bool(rivals) and is_clear(rivals)), meters)

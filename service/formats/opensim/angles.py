@@ -18,10 +18,10 @@ from service.motion.anatomical_axes import Stance
 from service.motion.bodies.calibration import Calibration, calibrate, calibration_frames
 from service.motion.bodies.limb_angles import ANGLES, NEEDS_ROTATIONS, angle_named
 from service.motion.bodies.positions import rounded, world_positions
+from service.motion.bodies.reference import pose_in, stance_of
 from service.motion.bodies.stretch import Stretch, known
-from service.motion.bodies.turned_angles import reference_stance, turned_angle
-from service.motion.clip import ClipStream, FrameBlock
-from service.motion.figures import axis_of
+from service.motion.bodies.turned_angles import turned_angle
+from service.motion.clip import ClipStream, FrameBlock, ReferencePose
 from service.motion.hub import rest_of
 from service.motion.kinematics import Walker, unseen
 from service.motion.layout import Held
@@ -130,10 +130,8 @@ class BodyAngles:
             found = [angle.compute(stretch, side) for angle, side in between]
             if turned and self._stance is not None:
                 rotations = walker.poses(block)[1]
-                gaps = np.isnan(positions).any(axis=(1, 2))
-                for name in turned:
-                    degrees = turned_angle(name, skeleton, rest, self._stance, rotations)
-                    found.append(np.where(gaps, np.nan, degrees))
+                gaps = np.asarray(np.isnan(positions).any(axis=2))
+                found += [turned_angle(name, skeleton, rest, self._stance, rotations, gaps) for name in turned]
             yield np.stack(found, axis=1)
 
     def _placed(self) -> Iterator[tuple[FrameBlock, Array]]:
@@ -161,26 +159,23 @@ class BodyAngles:
             first += len(block)
         sample = np.concatenate(chosen) if chosen else np.empty((0, len(self._clip.head.skeleton), 3))
         # A pose before the motion is a guess too: its angles are written.
-        return replace(calibrate(self._clip.head, sample, frames=rows), leaps=False)
+        return replace(calibrate(self._clip.head, sample, frames=rows, pose_at=self._pose_at), skipped=0)
 
     def _reference(self) -> Stance | None:
         """The pose that turns start from; None where none is known, or nothing tells left from right in it."""
-        calibration, skeleton = self._calibration, self._clip.head.skeleton
-        if calibration.origins["reference"].kind == "unknown":
-            return None
-        pose = None if calibration.reference is None else self._pose(calibration.reference)
         try:
-            return reference_stance(skeleton, axis_of(calibration.up), pose, self._reading)
+            return stance_of(self._calibration.start, self._clip.head.skeleton, self._reading)
         except ConversionError:
             return None
 
-    def _pose(self, frame: int) -> tuple[Array, Array]:
-        walker = Walker(self._clip.head.skeleton, self._reading)
+    def _pose_at(self, frame: int) -> ReferencePose:
+        skeleton = self._clip.head.skeleton
+        held = Held(skeleton)
         first = 0
         for block in self._clip.blocks():
-            positions, rotations = walker.poses(block)
+            values = held.values(block)
             if frame < first + len(block):
-                return positions[frame - first], rotations[frame - first]
+                return pose_in(skeleton, self._reading, values[frame - first])
             first += len(block)
         raise AssertionError("the reference is a frame of the clip")
 

@@ -6,21 +6,24 @@ each of them. Guesses serve questions, and are never written to a file.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 import orjson
 
 from service.errors import RequestError
-from service.motion.anatomical_axes import STANDS, uprightness
+from service.motion.anatomical_axes import uprightness
+from service.motion.bodies.beginnings import LOOKED_AT, frames_before_motion
+from service.motion.bodies.origins import Origin
+from service.motion.bodies.reference import could_stand
 from service.motion.bodies.vectors import length
-from service.motion.clip import ClipHead
+from service.motion.clip import ClipHead, Reference, ReferencePose
 from service.motion.figures import axis_of
 from service.motion.frames import Rows
-from service.motion.guesses import likely_up
+from service.motion.guesses import changed_up, likely_up, stated_up
 from service.motion.kinematics import rest_positions
 from service.motion.skeleton import Array, Skeleton, once_a_skeleton
 from service.motion.units import UNITS, Reading, metres_of, reading_of
@@ -45,34 +48,27 @@ OVERRIDES = "calibration "
 """Properties of a header that begin so are values that people set: "calibration floor" and so on. The unit and the up
 axis are set by the header's own elements."""
 
+_UNSET: Final = object()
+
+PoseAt: TypeAlias = Callable[[int], ReferencePose]
+Shared: TypeAlias = Callable[[str | None], Reference | None]
+
 _FLOOR = 5.0
 """Percent of the heights of the toes that are below the floor."""
-_LEAP, _LEAPS = 0.3, 5.0
-"""Leg lengths that a joint moves from a first frame that is no part of the motion to the next one, and how many times
-as much as in any of the steps that follow."""
-_FOLLOWING = 10
 _SAMPLE = 5_000
 """Frames at most, and those at the start."""
 
-_VALUES = ("metres", "up", "floor", "leg", "reference", "leaps")
-
-
-@dataclass(frozen=True, slots=True)
-class Origin:
-    """Where a value came from. kind: "stated" (by the file), "measured" (it follows from the skeleton and the frames),
-    "guessed", "set" (by people) or "unknown". reason: for people."""
-
-    kind: str
-    reason: str = ""
+_VALUES = ("metres", "up", "floor", "leg", "reference", "leaps", "pose")
+_KEPT = ("metres", "up", "floor", "leg", "skipped")
 
 
 @dataclass(frozen=True)
 class Calibration:
     """metres: in a source unit, None where unknown. up: the axis that points up, such as "Y" or "-Z". floor: its height
     along that, in source units. leg: from hip to knee to ankle, in source units. step: of the rounded positions, in
-    source units. reference: the frame, from 0, that a body stands most upright in, None for the rest pose. leaps:
-    whether the first frame is a pose before the motion (a T-pose), and left out. origins: of each of these but the
-    step.
+    source units. start: the reference pose, that angles from rotations start from. skipped: how many frames at the
+    start show a pose before the motion (a T-pose), and are left out. origins: of each of these but the step, by the
+    names that people set them by (reference, leaps).
     """
 
     metres: float | None
@@ -80,8 +76,8 @@ class Calibration:
     floor: float | None
     leg: float | None
     step: float
-    reference: int | None
-    leaps: bool
+    start: Reference
+    skipped: int
     origins: Mapping[str, Origin]
 
     @property
@@ -89,16 +85,27 @@ class Calibration:
         """NaN where the unit is unknown."""
         return float("nan") if self.metres is None else self.metres * self.step
 
+    @property
+    def leaps(self) -> bool:
+        """Whether the clip begins with a pose before the motion."""
+        return self.skipped > 0
+
+    @property
+    def reference(self) -> int | None:
+        """The frame, from 0, of the clip that the reference pose was found in, None for the rest pose or none."""
+        return None if self.origins["reference"].kind == "unknown" else self.start.frame
+
     def to_json(self) -> dict[str, Any]:
         """Plain values for JSON."""
-        values = {name: getattr(self, name) for name in (*_VALUES, "step")}
+        values = {name: getattr(self, name) for name in (*_KEPT, "step")} | {"start": self.start.to_json()}
         return values | {"origins": {name: [one.kind, one.reason] for name, one in self.origins.items()}}
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Calibration:
         """What `to_json` made."""
         origins = {name: Origin(*one) for name, one in values["origins"].items()}
-        return cls(**{name: values[name] for name in (*_VALUES, "step")}, origins=origins)
+        known = {name: values[name] for name in (*_KEPT, "step")}
+        return cls(**known, start=Reference.from_json(values["start"]), origins=origins)
 
 
 def calibration_frames(count: int) -> Rows:
@@ -107,18 +114,27 @@ def calibration_frames(count: int) -> Rows:
     if count <= _SAMPLE:
         return np.arange(count)
     spaced = np.linspace(0, count - 1, _SAMPLE).astype(np.intp)
-    return np.union1d(np.arange(_FOLLOWING + 2), spaced)
+    return np.union1d(np.arange(LOOKED_AT), spaced)
 
 
 def calibrate(
-    head: ClipHead, positions: Array, overrides: Mapping[str, Any] | None = None, frames: Rows | None = None
+    head: ClipHead,
+    positions: Array,
+    overrides: Mapping[str, Any] | None = None,
+    frames: Rows | None = None,
+    *,
+    pose_at: PoseAt | None = None,
+    shared: Shared | None = None,
 ) -> Calibration:
     """What a clip says, and what its body shows.
 
     head: its joints have MCML's names. positions: (n, J, 3) of the whole clip, or of a sample of it, in source units,
     NaN where unknown; without any the rest pose counts. frames: (n,) places of a sample in the clip, from 0. overrides:
-    values that people set, by the names of `Calibration`: metres, up, floor, leg, reference (None: the rest pose) and
-    leaps; by default those that the head's properties set. What follows from a value that is set follows from that.
+    values that people set: metres, up, floor, leg, leaps, reference (a frame from 0, None: the rest pose) and pose
+    (what a frame showed when it was chosen: the clip may have been cut since); by default those that the head's
+    properties set. What follows from a value that is set follows from that.
+    pose_at: the pose of a frame of the clip; without it angles from rotations have no start but the rest pose. shared:
+    the reference that the clips of the skeleton share, by the up axis that is stated; by default the head's.
     Raises RequestError for a value that cannot be.
     """
     skeleton = head.skeleton
@@ -126,9 +142,11 @@ def calibrate(
     rest = _rest(skeleton, reading)
     places: Rows = np.arange(len(positions)) if frames is None else frames
     overrides = dict(overrides_of(head) if overrides is None else _checked(overrides))
-    # A frame that the clip no longer has is no pose.
-    if (overrides.get("reference") or 0) > max(places, default=0):
-        del overrides["reference"]
+    reference, pose = overrides.pop("reference", _UNSET), overrides.pop("pose", None)
+    # A frame that the clip no longer has is no pose, unless what it showed is kept.
+    kept = None if pose is None or not pose.fits(skeleton) else pose
+    if kept is None and isinstance(reference, int) and reference > max(places, default=0):
+        reference = _UNSET
     values: dict[str, Any] = dict(overrides)
     origins = dict.fromkeys(overrides, Origin("set"))
 
@@ -137,15 +155,28 @@ def calibrate(
             values[name], origins[name] = found
 
     settle("leg", _leg(skeleton, positions if len(positions) else rest))
-    settle("leaps", _leaps(positions, places, values["leg"]))
-    if values["leaps"] and len(places) > 1 and places[0] == 0:
-        positions, places = positions[1:], places[1:]
+    skipped, origin = frames_before_motion(skeleton, positions, places, values["leg"], head.seconds_per_frame())
+    settle("leaps", (skipped > 0, origin))
+    # Who says that there is such a pose where none is seen means the first frame.
+    values["skipped"] = max(skipped, 1) if values.pop("leaps") else 0
+    if len(places) > 1 and places[0] == 0:
+        rows = places >= values["skipped"]
+        positions, places = (positions[rows], places[rows]) if rows.any() else (positions, places)
     poses = positions if len(positions) else rest
     settle("metres", _metres(head, values["leg"]))
     settle("up", _up(head, poses))
     up = axis_of(values["up"])
     settle("floor", _floor(skeleton, poses, up))
-    settle("reference", _reference(skeleton, reading, positions, places, values["up"]))
+    origins["reference"] = Origin("set")
+    if reference is None or isinstance(reference, int):
+        if kept is None and reference is not None and pose_at is not None:
+            kept = pose_at(reference)
+        values["start"] = Reference(values["up"], None if reference is None else kept, reference)
+    else:
+        stated = values["up"] if origins["up"].kind in ("stated", "set") else None
+        values["start"], origins["reference"] = _start(
+            head, reading, positions, places, Up(values["up"], stated), pose_at, shared
+        )
     return Calibration(step=_step(values["metres"], values["leg"], poses), origins=origins, **values)
 
 
@@ -155,8 +186,18 @@ def overrides_of(head: ClipHead) -> dict[str, Any]:
     for name, value, _ in head.properties:
         if name.startswith(OVERRIDES):
             with suppress(ValueError, RequestError):
-                found |= _checked({name.removeprefix(OVERRIDES): orjson.loads(value)})
+                told = orjson.loads(value)
+                key = name.removeprefix(OVERRIDES)
+                found |= _checked({key: _pose_from(told) if key == "pose" else told})
     return found
+
+
+def _pose_from(told: Any) -> ReferencePose:
+    """ValueError for what is no pose."""
+    numbers = np.array(told if isinstance(told, list) else (), dtype=np.float64)
+    if numbers.ndim != 2 or numbers.shape[1] != 7 or not np.isfinite(numbers).all():
+        raise ValueError("a pose has seven numbers a joint")
+    return ReferencePose.from_json(numbers.tolist())
 
 
 def _checked(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -169,6 +210,7 @@ def _checked(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
             "floor": number,
             "up": isinstance(value, str) and value.removeprefix("-") in ("X", "Y", "Z"),
             "reference": value is None or (number and isinstance(value, int) and value >= 0),
+            "pose": isinstance(value, ReferencePose),
             "leaps": isinstance(value, bool),
         }
         if not fits.get(name, False):
@@ -197,17 +239,6 @@ def _leg(skeleton: Skeleton, positions: Array) -> tuple[float | None, Origin]:
     return leg, Origin("measured", "from hip to knee to ankle")
 
 
-def _leaps(positions: Array, frames: Rows, leg: float | None) -> tuple[bool, Origin]:
-    if leg is None or len(frames) < 3 or frames[0] != 0 or frames[1] != 1:
-        return False, Origin("measured")
-    steps = np.linalg.norm(np.diff(positions[: _FOLLOWING + 2], axis=0), axis=2)
-    farthest = np.fmax.reduce(steps, axis=1, initial=0.0)
-    if farthest[0] > _LEAP * leg and farthest[0] > _LEAPS * float(farthest[1:].max()):
-        away = f"{farthest[0] / leg:.2g} leg lengths away from the second one"
-        return True, Origin("guessed", f"the first frame is {away}: a pose before the motion")
-    return False, Origin("measured")
-
-
 def _metres(head: ClipHead, leg: float | None) -> tuple[float | None, Origin]:
     stated = metres_of(head)
     if stated is not None:
@@ -229,23 +260,13 @@ def _metres(head: ClipHead, leg: float | None) -> tuple[float | None, Origin]:
 
 
 def _up(head: ClipHead, positions: Array) -> tuple[str, Origin]:
-    stated = head.fields.get("global_axis_of_gravity", "").strip().upper()
-    if stated.removeprefix("-").removeprefix("+") in ("X", "Y", "Z"):
-        return stated.removeprefix("+"), Origin("stated")
-    found = likely_up(head.skeleton, _mean_pose(positions))
-    return found, Origin("guessed", f"the body stands along {found}")
-
-
-def _mean_pose(positions: Array) -> Array:
-    """(J, 3) where joints are on the mean over frames (n, J, 3), NaN where one is never seen: however a body bends and
-    turns, its head is above its feet on the whole."""
-    if np.isfinite(positions.sum()):
-        mean: Array = positions.sum(axis=0) / len(positions)
-        return mean
-    seen = np.isfinite(positions)
-    counts = seen.sum(axis=0)
-    total = np.where(seen, positions, 0.0).sum(axis=0)
-    return np.where(counts > 0, total / np.maximum(counts, 1), np.nan)
+    stated = stated_up(head)
+    if stated is not None:
+        return stated, Origin("stated")
+    found = likely_up(head.skeleton, positions)
+    changed = changed_up(head, positions)
+    before = "" if changed is None else f"; by extents alone it was {changed[0]}"
+    return found.axis, Origin("guessed", f"{found.axis}: {found.why}{before}")
 
 
 def _floor(skeleton: Skeleton, positions: Array, up: Array) -> tuple[float | None, Origin]:
@@ -266,22 +287,41 @@ def _rest(skeleton: Skeleton, reading: Reading) -> Array:
     return rest_positions(skeleton, reading)[None, : len(skeleton)]
 
 
-@once_a_skeleton
-def _could_stand(skeleton: Skeleton, reading: Reading, up: str) -> bool:
-    """Whether a body could stand in the rest pose."""
-    return bool(uprightness(skeleton, _rest(skeleton, reading), axis_of(up))[0] > STANDS)
+@dataclass(frozen=True)
+class Up:
+    """likely: the axis that points up. stated: the same where it is no guess."""
+
+    likely: str
+    stated: str | None
 
 
-def _reference(
-    skeleton: Skeleton, reading: Reading, positions: Array, frames: Rows, up: str
-) -> tuple[int | None, Origin]:
-    if _could_stand(skeleton, reading, up):
-        return None, Origin("measured", "a body could stand in the rest pose")
-    upright = uprightness(skeleton, positions, axis_of(up))
+def _start(
+    head: ClipHead,
+    reading: Reading,
+    positions: Array,
+    frames: Rows,
+    up: Up,
+    pose_at: PoseAt | None,
+    shared: Shared | None,
+) -> tuple[Reference, Origin]:
+    """The reference pose, where people set none."""
+    skeleton = head.skeleton
+    if could_stand(skeleton, reading, up.likely):
+        return Reference(up.likely, stated=up.stated), Origin("measured", "a body could stand in the rest pose")
+    known = head.reference if shared is None else shared(up.stated)
+    if known is not None and known.stated == up.stated and (known.pose is None or known.pose.fits(skeleton)):
+        if known.pose is None and known.frame is None:
+            return known, Origin("measured", "a body could stand in the rest pose")
+        where = f"frame {(known.frame or 0) + 1} of {known.of!r}, the first clip of this skeleton" if known.of else ""
+        return known, Origin("measured", f"no body could stand in the rest pose; upright in {where or 'a frame'}")
+    upright = uprightness(skeleton, positions, axis_of(up.likely))
     if not np.isfinite(upright).any():
-        return None, Origin("unknown", "no frame shows the body, and it could not stand in the rest pose")
-    best = int(np.nanargmax(upright))
-    return int(frames[best]), Origin("measured", "no body could stand in the rest pose; in this frame it is upright")
+        nothing = Reference(up.likely, frame=0, stated=up.stated)
+        return nothing, Origin("unknown", "no frame shows the body, and it could not stand in the rest pose")
+    frame = int(frames[int(np.nanargmax(upright))])
+    pose = None if pose_at is None else pose_at(frame)
+    why = "no body could stand in the rest pose; in this frame it is upright"
+    return Reference(up.likely, pose, frame, stated=up.stated), Origin("measured", why)
 
 
 def _step(metres: float | None, leg: float | None, positions: Array) -> float:

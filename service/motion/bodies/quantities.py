@@ -14,6 +14,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from service.errors import RequestError
+from service.motion.anatomical_axes import joints_of_part
 from service.motion.bodies.limb_angles import angle_named, turn_named
 from service.motion.bodies.local_fit import bends, reach, slopes
 from service.motion.bodies.stretch import HIPS, Stretch, known
@@ -88,8 +89,8 @@ def _joints_of_angle(arguments: Arguments) -> tuple[str, ...]:
     if len(arguments) == 2:
         raise RequestError("angle takes the name of an angle, or three joints", remedy="Name one, or three.")
     if len(arguments) == 1:
-        if turn_named(arguments[0]) is not None:
-            return ()
+        if (turn := turn_named(arguments[0])) is not None:
+            return (joints_of_part(*turn[:2]),)
         angle, side = angle_named(arguments[0])
         return angle.joints(side)
     return tuple(arguments)

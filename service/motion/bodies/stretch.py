@@ -51,7 +51,7 @@ def once_a_stretch(
 class Stretch:
     """places: (frames, 3) rounded positions by MCML's names of joints. frame_time: seconds, None where unknown.
 
-    first: the place of its first frame in the document, from 0. A calibration that leaps leaves out the frame at 0.
+    first: the place of its first frame in the document, from 0. A calibration may leave out frames at the start.
     """
 
     places: Mapping[str, Steps]
@@ -64,6 +64,11 @@ class Stretch:
     def kept(self) -> dict[Hashable, Any]:
         """What `once_a_stretch` has found."""
         return {}
+
+    @property
+    def skipped(self) -> int:
+        """How many of its frames at the start are no part of the motion."""
+        return max(0, self.calibration.skipped - self.first)
 
     @cached_property
     def up(self) -> Array:
@@ -78,8 +83,7 @@ class Stretch:
             return np.full((self.frames, 3), np.nan)
         found = self.places[name].astype(np.float64)
         unseen = self.places[name][:, 0] == UNSEEN
-        if self.calibration.leaps and self.first == 0:
-            unseen[:1] = True
+        unseen[: self.skipped] = True
         if unseen.any():
             found[unseen] = np.nan
         return found
@@ -94,8 +98,7 @@ class Stretch:
             unseen = steps[:, :, 0] == UNSEEN
             if unseen.any():
                 found[np.array(known)[:, None], np.arange(self.frames)] = np.where(unseen[:, :, None], np.nan, steps)
-        if self.calibration.leaps and self.first == 0:
-            found[:, :1] = np.nan
+        found[:, : self.skipped] = np.nan
         return found
 
     def between(self, start: str, end: str) -> Array:

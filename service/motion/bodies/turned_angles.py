@@ -1,59 +1,62 @@
 """Angles of the body that positions of joints do not tell: bones turned about themselves, heads, hands, fingers, toes.
 
-They are turns from the reference pose of the calibration, the most upright one, so that they are small where a body
-stands; what a wrist or a head is turned by in that pose they do not know.
+They are turns from the reference pose of the skeleton (`reference`), so that they are small where a body stands; what a
+wrist or a head is turned by in that pose they do not know.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from service.errors import VocabularyError
-from service.motion.anatomical_angles import helical_angles
-from service.motion.anatomical_axes import Stance, relative_turns, segments_of, stance_in
+from service.motion.anatomical_angles import turned_angles
+from service.motion.anatomical_axes import Segment, Stance, relative_turns, segments_of
 from service.motion.bodies.limb_angles import turn_named
 from service.motion.hub import Rest
-from service.motion.kinematics import rest_positions
 from service.motion.rotations import IDENTITY, inverse, multiply
 from service.motion.skeleton import Array, Skeleton
-from service.motion.units import DEGREES, Reading
 
 
-def reference_stance(
-    skeleton: Skeleton, up: Array, pose: tuple[Array, Array] | None = None, reading: Reading = DEGREES
-) -> Stance:
-    """The reference pose of a calibration.
-
-    up: (3,). pose: positions (J, 3) and rotations (J, 4) of the frame that it names, None for the rest pose. Raises
-    ConversionError where nothing tells left from right in it.
-    """
-    if pose is None:
-        turned = np.tile(IDENTITY, (len(skeleton), 1))
-        pose = rest_positions(skeleton, reading)[: len(skeleton)], turned
-    return stance_in(skeleton, *pose, up)
-
-
-def turned_angle(name: str, skeleton: Skeleton, rest: Rest, stance: Stance, rotations: Array) -> Array:
-    """(n,) degrees within half a turn, NaN where the skeleton has no such part.
+def turned_angle(
+    name: str,
+    skeleton: Skeleton,
+    rest: Rest,
+    stance: Stance,
+    rotations: Array,
+    unseen: NDArray[np.bool_] | None = None,
+) -> Array:
+    """(n,) degrees within half a turn, NaN where unknown: where the skeleton has no such part, or it never turns it, as
+    rigs of positions alone, or a sample is missing.
 
     name: one of `NEEDS_ROTATIONS`, such as `left-wrist-flexion`. rotations: (n, J, 4) of the joints in the world, from
-    rest (`Walker`). The pelvis turns first about the vertical, then tilts. Raises VocabularyError for another name.
+    rest (`Walker`). unseen: (n, J) where a sample that a joint hangs on is missing. The pelvis turns first about the
+    vertical, then tilts. Raises VocabularyError for another name.
     """
     asked = turn_named(name)
     if asked is None:
         raise VocabularyError(f"{name} is not the name of an angle that needs rotations")
     part, side, movement = asked
     for segment in segments_of(skeleton, rest, stance):
-        if (segment.part.name, segment.side) == (part, side):
+        if (segment.part.name, segment.side) == (part, side) and _is_turned(skeleton, segment):
             turns = relative_turns(skeleton, rotations, stance, segment)
-            if part == "pelvis":
-                about = _about(turns, stance.up)
-                turns = about if movement.endswith("-rotation") else multiply(inverse(about), turns)
-            for found, opposite, radians in helical_angles(segment, stance, turns):
+            if part == "pelvis" and not movement.endswith("-rotation"):
+                turns = multiply(inverse(_about(turns, stance.up)), turns)
+            for found, opposite, radians in turned_angles(segment, stance, turns):
                 if movement in (found, opposite):
-                    degrees: Array = np.degrees(radians)
-                    return degrees if movement == found else -degrees
+                    degrees: Array = np.degrees(radians if movement == found else -radians)
+                    return degrees if unseen is None else np.where(unseen[:, segment.joint], np.nan, degrees)
     return np.full(len(rotations), np.nan)
+
+
+def _is_turned(skeleton: Skeleton, segment: Segment) -> bool:
+    """Whether a joint from a part to what it hangs on has rotations: else nothing is known of how it is turned."""
+    joint = segment.joint
+    while joint >= 0 and joint != segment.above:
+        if any(channel[0] == "R" for channel in skeleton.joints[joint].channels):
+            return True
+        joint = skeleton.joints[joint].parent
+    return False
 
 
 def _about(turns: Array, axis: Array) -> Array:

@@ -75,6 +75,8 @@ class Bodies:
         return self._forest.of_bodies((f"{MADE}", "documents", name), lambda: np.array(self._each(of_body), np.float64))
 
     def _turned(self, name: str) -> Floats:
+        # What is left out is told from what is known of the bodies.
+        self.facts()
         parts = []
         for listed in self._forest.documents:
             self._check()

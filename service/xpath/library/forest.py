@@ -10,6 +10,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 import orjson
 
+from service.clips.bodies import MADE
 from service.mcml.lexical import unescape
 from service.motion.bodies.pose_index import PoseIndex
 from service.storage.columns import Listed
@@ -210,7 +211,7 @@ class Forest:
 
     def body_facts(self, make: Callable[[], BodyFacts] | None) -> BodyFacts | None:
         """What is known of the bodies, kept in memory and on disk. make: gathers it; None: only where it is kept."""
-        what = "facts of bodies 2"
+        what = f"facts of bodies {MADE}"
         known: BodyFacts | None = self.caches.columns.find(self.documents, what)
         if known is None and (make is not None or self._disk is not None):
             found = None if self._disk is None else self._disk.read(self.tx, self._key(what))

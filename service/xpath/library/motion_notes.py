@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -67,7 +67,7 @@ class Looked:
 
     def notes(self) -> list[str]:
         """How many documents were left out and why, and how many rest on guesses."""
-        return list(_notes(list(self._facts.values()), self.calls, self._needed)) if self.calls else []
+        return list(_notes(self._facts, self.calls, self._needed)) if self.calls else []
 
     @property
     def documents(self) -> int:
@@ -80,7 +80,7 @@ class Looked:
             forest = Forest(self._tx, group, self._caches, head_part=HeadPart.MOTION)
             facts = self._facts[group] = Bodies(forest, self._check).facts()
         lacks = np.zeros(len(group), bool)
-        for _, which in _reasons(facts, self._needed):
+        for _, _, which in _reasons(facts, self._needed):
             lacks |= which
         if not lacks.any():
             return group
@@ -120,32 +120,47 @@ def without_guesses(
     return found
 
 
-def _notes(parts: Sequence[BodyFacts], calls: Sequence[Call], needed: Sequence[Call]) -> Iterator[str]:
-    many = f"of {sum(map(len, parts)):,} documents"
+def _notes(looked: Mapping[Group, BodyFacts], calls: Sequence[Call], needed: Sequence[Call]) -> Iterator[str]:
+    names = [listed.name for group in looked for listed in group]
+    many = f"of {len(names):,} documents"
     shown = [call for call in calls if call not in needed]
     for some, what in ((needed, "left out"), (shown, "have no value")):
-        counts: dict[str, int] = {}
-        for part in parts:
-            for reason, lacks in _reasons(part, some):
-                counts[reason] = counts.get(reason, 0) + int(lacks.sum())
-        yield from (f"{count:,} {many} {what}: {reason}" for reason, count in counts.items() if count)
+        masks: dict[tuple[str, str], list[Bools]] = {}
+        for facts in looked.values():
+            for why, remedy, lacks in _reasons(facts, some):
+                masks.setdefault((why, remedy), []).append(lacks)
+        for (why, remedy), parts in masks.items():
+            mask = np.concatenate(parts)
+            if count := int(mask.sum()):
+                yield f"{count:,} {many} {what}: {why} ({named(names, mask)}){remedy}."
     guesses = rested_on(calls)
-    if count := sum(int(part.rests_on_guesses(guesses).sum()) for part in parts):
+    if count := sum(int(facts.rests_on_guesses(guesses).sum()) for facts in looked.values()):
         yield f"{count:,} {many} rest on a guessed {_listed(guesses)}; guesses=no leaves them out."
 
 
-def _reasons(facts: BodyFacts, calls: Sequence[Call]) -> Iterator[tuple[str, Bools]]:
-    """Why something is not known that is asked of a document, and of which documents."""
+def _reasons(facts: BodyFacts, calls: Sequence[Call]) -> Iterator[tuple[str, str, Bools]]:
+    """Why something is not known that is asked of a document, what to do, and of which documents."""
     functions = {call.function for call in calls}
     units = {MOTION_FUNCTIONS[function].unit for function in functions}
     if units & OF_LENGTHS:
-        yield "their unit is not known; set it in their header.", ~facts.unit
+        yield "their unit is not known", "; set it in their header", ~facts.unit
     if units & OF_TIMES or functions & WITH_TIMES:
-        yield "their frame time is not known.", ~facts.times
+        yield "their frame time is not known", "", ~facts.times
     if functions & WITH_FLOOR:
-        yield "their floor is not known; mcml calibrate sets it.", ~facts.floor
+        yield "their floor is not known", "; mcml calibrate sets it", ~facts.floor
     for call in dict.fromkeys(calls):
-        yield f"they lack joints of {_written(call)}.", _lacking(facts, call)
+        yield f"they lack joints of {_written(call)}", "", _lacking(facts, call)
+
+
+NAMED = 3
+"""Documents that are named at most where some are left out."""
+
+
+def named(names: Sequence[str], mask: Bools) -> str:
+    """The names of the first documents of a mask, and how many others there are."""
+    chosen = np.flatnonzero(mask).tolist()
+    more = f" and {len(chosen) - NAMED:,} more" if len(chosen) > NAMED else ""
+    return ", ".join(repr(names[place]) for place in chosen[:NAMED]) + more
 
 
 def rested_on(calls: Sequence[Call]) -> frozenset[str]:
@@ -179,7 +194,7 @@ def _lacking(facts: BodyFacts, call: Call) -> Bools:
         lacks = [len(joints_of(name, texts, names)) < asked for names in facts.names]
     except McmlError:
         return np.zeros(len(facts), bool)
-    return np.array(lacks, bool)[facts.kind]
+    return np.asarray(np.array(lacks, bool)[facts.kind], bool)
 
 
 def _written(call: Call) -> str:

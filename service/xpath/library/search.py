@@ -34,12 +34,12 @@ class Hit:
 
 @dataclass(frozen=True)
 class Found:
-    """hits: the nearest first. documents: how many were asked. unlike: how many of them cannot be compared, as they
-    share too few joints, or their frame time is not known."""
+    """hits: the nearest first. documents: how many were asked. unlike: the names of those that cannot be compared, as
+    they share too few joints, or their frame time is not known."""
 
     hits: list[Hit]
     documents: int
-    unlike: int
+    unlike: list[str]
 
 
 def search(
@@ -77,7 +77,7 @@ def search(
             best += [Hit(listed, end + 1, end + 1, float(distances[end])) for end in ends]
         best[:] = nsmallest(wanted, best, key=lambda hit: hit.distance)
     hits = [_from_its_start(tx, caches, asked, hit) for hit in best]
-    return Found(hits, len(documents), int(np.isinf(every).sum()))
+    return Found(hits, len(documents), [documents[place].name for place in np.flatnonzero(np.isinf(every))])
 
 
 def index_poses(database: Database, caches: Caches, go_on: Callable[[], bool]) -> None:

@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from service.analysis.dance import music
+from service.analysis.dance.music_tempo import Heard, is_clear, meters_of, rivals_of
 from service.analysis.interface import AnalysisError
 from service.errors import UnsupportedError
 
@@ -141,7 +142,95 @@ def test_what_librosa_cannot_use_is_refused(name: str, content: bytes, code: str
 
 @needs_librosa
 def test_clicks_give_their_tempo() -> None:
-    tempo = music.fit_tempo(music.track_beats(clicks(128.0, 30.0)).tolist())
+    tempo = music.fit_tempo(music.track_beats(clicks(128.0, 30.0)).beats.tolist())
     assert abs(tempo.bpm - 128) < 0.2
     late = (tempo.start - 0.5) % (60 / 128)
     assert min(late, 60 / 128 - late) < 0.02
+
+
+RATE = 22050
+
+
+def played(bpm: float, per_bar: int, seconds: float = 24.0) -> io.BytesIO:
+    """A drum on the first beat of each bar, a softer one on the others."""
+    rng = np.random.default_rng(1)
+    sound = np.zeros(int(seconds * RATE))
+    length = np.arange(1600)
+    drum = np.sin(2 * np.pi * 70 * length / RATE) * np.exp(-length / 400)
+    soft = 0.5 * rng.normal(size=1600) * np.exp(-length / 250)
+    for number, beat in enumerate(np.arange(0.5, seconds - 0.1, 60 / bpm)):
+        start = int(beat * RATE)
+        stroke = drum if number % per_bar == 0 else 0.6 * soft
+        sound[start : start + 1600] += stroke[: len(sound) - start]
+    file = io.BytesIO()
+    with wave.open(file, "wb") as target:
+        target.setparams((1, 2, RATE, 0, "NONE", ""))
+        target.writeframes((np.clip(sound, -1, 1) * 20000).astype("<i2").tobytes())
+    file.seek(0)
+    return file
+
+
+@needs_librosa
+@pytest.mark.parametrize("bpm", [60, 90, 120, 150, 174, 200])
+@pytest.mark.parametrize("kind", ["clicks", "four", "three"])
+def test_the_tempo_of_steady_music_or_its_rival(kind: str, bpm: int) -> None:
+    """The tempo is right, or it is said to be ambiguous, and the right one is among the rivals with its strength."""
+    found = music.track_beats(clicks(bpm, 24.0) if kind == "clicks" else played(bpm, 4 if kind == "four" else 3))
+    right = [rival for rival in found.rivals if rival.bpm == pytest.approx(bpm, rel=0.02)]
+    assert right
+    assert 0 < right[0].strength <= 1
+    if found.clear:
+        assert found.rivals[0].bpm == pytest.approx(bpm, rel=0.02)
+    assert music.fit_tempo(found.beats.tolist()).bpm == pytest.approx(found.rivals[0].bpm, rel=0.03)
+    if kind == "three":
+        assert found.rivals[0].bpm == pytest.approx(bpm, rel=0.02)
+        assert [meter.beats for meter in found.meters] == [3, 4]
+        assert found.meters[0].strength > found.meters[1].strength
+
+
+@needs_librosa
+@pytest.mark.parametrize("bpm", [75.0, 150.0])
+def test_a_tempo_that_is_given_is_taken(bpm: float) -> None:
+    found = music.track_beats(played(150.0, 4), bpm=bpm)
+    assert found.clear
+    assert found.rivals[0].bpm == pytest.approx(bpm, rel=0.02)
+    assert music.fit_tempo(found.beats.tolist()).bpm == pytest.approx(bpm, rel=0.02)
+
+
+def heard(period: float, accents: list[float], seconds: float = 30.0) -> Heard:
+    times = np.arange(0.0, seconds, period)
+    return Heard(times, np.resize(np.array(accents), len(times)))
+
+
+def test_each_ratio_is_told_with_its_strength() -> None:
+    """Of plain strokes the tempo fits best; with a softer stroke between two, twice it fits as well."""
+
+    def track(bpm: float) -> np.ndarray:
+        return np.arange(0.0, 30.0, 60.0 / bpm)
+
+    plain = rivals_of(100.0, track, heard(0.6, [1.0]), 40.0, 240.0)
+    assert [str(rival.ratio) for rival in plain][:1] == ["1"]
+    assert {str(rival.ratio) for rival in plain} == {"1", "2", "1/2", "3/2", "2/3"}
+    assert is_clear(plain)
+    halves = rivals_of(100.0, track, heard(0.3, [1.0, 0.7]), 40.0, 240.0)
+    assert {round(rival.bpm) for rival in halves[:2]} == {100, 200}
+    assert not is_clear(halves)
+    threes = rivals_of(100.0, track, heard(0.4, [1.0, 0.5, 0.5]), 40.0, 240.0)
+    assert threes[0].bpm == pytest.approx(150)
+    assert rivals_of(100.0, track, Heard(np.zeros(0), np.zeros(0)), 40.0, 240.0)[0].strength == 0
+
+
+@pytest.mark.parametrize(("accents", "beats"), [([1, 0.5, 0.5], 3), ([1, 0.4, 0.7, 0.4], 4), ([1.0], 4)])
+def test_accents_tell_bars(accents: list[float], beats: int) -> None:
+    found = meters_of(np.arange(0.0, 30.0, 0.5), heard(0.5, accents))
+    assert found[0].beats == beats
+    assert {meter.beats for meter in found} == {3, 4}
+
+
+def test_of_music_in_three_bars_are_danced_to() -> None:
+    beats = (0.4 + np.arange(60) * 0.4).tolist()
+    grid = music.music_grid(beats, 3, downbeat=3, per_bar=3)
+    assert len(grid) == 13
+    assert grid[0] == pytest.approx(1.6)
+    assert np.allclose(np.diff(grid), 1.2)
+    assert np.allclose(music.music_grid(beats, 3, per_bar=2), music.music_grid(beats, 3))

@@ -8,13 +8,15 @@ from dataclasses import replace
 import numpy as np
 
 from service.formats import FORMATS
+from service.motion.anatomical_axes import Stance
 from service.motion.bodies.calibration import Calibration, calibrate
 from service.motion.bodies.positions import clip_positions, filled, rounded
+from service.motion.bodies.reference import stance_of
 from service.motion.bodies.stretch import Stretch
-from service.motion.clip import ClipStream
+from service.motion.clip import ClipStream, Reference, ReferencePose
 from service.motion.conventions import convert
-from service.motion.skeleton import Convention
-from service.motion.units import reading_of
+from service.motion.skeleton import Array, Convention, Skeleton
+from service.motion.units import DEGREES, Reading, reading_of
 from tests.builders import assign
 from tests.formats.contract import read, written
 
@@ -107,6 +109,16 @@ def stretch_of(clip: ClipStream, calibration: Calibration | None = None) -> Stre
     steps = rounded(positions, calibration.step)
     places = {joint.name: steps[:, index] for index, joint in enumerate(clip.head.skeleton.joints)}
     return Stretch(places, len(steps), clip.head.seconds_per_frame(), calibration)
+
+
+def stance(
+    skeleton: Skeleton, pose: tuple[Array, Array] | None = None, reading: Reading = DEGREES, up: str = "Y"
+) -> Stance:
+    """The reference pose: positions (J, 3) and rotations (J, 4) of a frame, by default the rest pose."""
+    kept = None if pose is None else ReferencePose(*(tuple(map(tuple, part.tolist())) for part in pose))
+    found = stance_of(Reference(up, kept), skeleton, reading)
+    assert found is not None
+    return found
 
 
 def part_of(stretch: Stretch, first: int, end: int, joints: Sequence[str] | None = None) -> Stretch:

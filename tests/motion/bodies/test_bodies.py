@@ -122,7 +122,7 @@ def test_gaps_leaps_and_any_axis_that_is_up(seed: int) -> None:
     calibration = replace(
         whole.calibration,
         up=("-" if up[axis] < 0 else "") + "XYZ"[axis],
-        leaps=bool(rng.random() < 0.5),
+        skipped=int(rng.integers(0, 4)),
         metres=None if rng.random() < 0.2 else whole.calibration.metres,
         floor=None if rng.random() < 0.2 else whole.calibration.floor,
         leg=None if rng.random() < 0.2 else whole.calibration.leg,
@@ -147,7 +147,7 @@ def test_a_part_with_its_halo_is_that_part_of_the_whole(seed: int) -> None:
     """To the bit, with no more joints than are asked for."""
     rng = np.random.default_rng(seed)
     whole = stretch_of(clip_of(person(seed, 60, float(rng.choice([1 / 120, 1 / 30])))))
-    whole = replace(whole, calibration=replace(whole.calibration, leaps=bool(rng.random() < 0.5)))
+    whole = replace(whole, calibration=replace(whole.calibration, skipped=int(rng.integers(0, 4))))
     for steps in whole.places.values():
         steps[rng.random(60) < 0.02] = UNSEEN
     first, end = sorted(rng.integers(0, 61, 2).tolist())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +10,16 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from service.errors import VocabularyError
+from service.motion.anatomical_axes import segments_of
 from service.motion.bodies.limb_angles import NEEDS_ROTATIONS, turn_named
-from service.motion.bodies.turned_angles import reference_stance, turned_angle
+from service.motion.bodies.turned_angles import turned_angle
 from service.motion.hub import rest_of, walked
 from service.motion.kinematics import Walker
 from service.motion.skeleton import Array, Skeleton
 from service.motion.units import reading_of
 from tests.formats.test_real_files import opened
 from tests.motion.bodies.made import named, stretch_of
+from tests.motion.bodies.made import stance as stance_of_pose
 from tests.motion.test_movement_names import BODIES, body, made, offsets_of
 
 UP = np.array([0.0, 1.0, 0.0])
@@ -42,7 +45,7 @@ def test_one_joint_turned_has_its_angle(case: tuple[str, str, str, str, Array, b
         path = Rotation.from_rotvec(np.radians(degrees)[:, None] * axis)
         positions, rotations = world_of(skeleton, made(skeleton, arms_out, turn, joint, path))
         pose = (positions[4], rotations[4]) if arms_out else None
-        stance = reference_stance(skeleton, UP, pose)
+        stance = stance_of_pose(skeleton, pose)
         name = "-".join(word for word in (side, part.strip(), movement) if word)
         found = turned_angle(name, skeleton, rest_of(skeleton), stance, rotations)
         expected = -degrees if opposite else degrees
@@ -63,7 +66,7 @@ def test_a_pelvis_tilts_wherever_it_faces() -> None:
     facing = Rotation.from_rotvec(np.radians(np.arange(-170, 180, 20))[:, None] * UP)
     path = facing * Rotation.from_rotvec([np.radians(25), 0, 0])
     _, rotations = world_of(skeleton, made(skeleton, False, 0.0, "Root", path))
-    stance = reference_stance(skeleton, UP)
+    stance = stance_of_pose(skeleton)
     tilt = turned_angle("pelvis-anterior-tilt", skeleton, rest_of(skeleton), stance, rotations)
     np.testing.assert_allclose(tilt, 25, atol=1e-9)
     turned = turned_angle("pelvis-right-rotation", skeleton, rest_of(skeleton), stance, rotations)
@@ -74,10 +77,71 @@ def test_a_pelvis_tilts_wherever_it_faces() -> None:
     assert abs(found[0]) == pytest.approx(180)
 
 
+@pytest.mark.parametrize("bend", [0.0, 30.0, 60.0, 90.0, 120.0, 150.0])
+def test_a_forearm_is_turned_as_far_however_the_elbow_is_bent(bend: float) -> None:
+    """By one joint that bends and turns, about the axis of the elbow, then about the forearm itself."""
+    skeleton = body(False, 0.0)
+    stance = stance_of_pose(skeleton)
+    rest = rest_of(skeleton)
+    arm = next(
+        found for found in segments_of(skeleton, rest, stance) if (found.part.name, found.side) == ("forearm", "left")
+    )
+    pronated = np.array([-170.0, -90.0, -60.0, 0.0, 20.0, 60.0, 90.0, 179.0])
+    hinge = Rotation.from_rotvec(np.radians(bend) * np.cross(arm.bone, stance.on))
+    path = hinge * Rotation.from_rotvec(np.radians(pronated)[:, None] * arm.bone)
+    _, rotations = world_of(skeleton, made(skeleton, False, 0.0, "left_low_arm", path))
+    found = turned_angle("left-forearm-pronation", skeleton, rest, stance, rotations)
+    np.testing.assert_allclose(found, pronated, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["left-arm-medial-rotation", "right-leg-medial-rotation", "head-left-rotation"])
+@pytest.mark.parametrize("swing", [0.0, 45.0, 100.0])
+def test_other_bones_too(name: str, swing: float) -> None:
+    skeleton = body(False, 0.0)
+    stance, rest = stance_of_pose(skeleton), rest_of(skeleton)
+    part, side, _ = turn_named(name) or ("", "", "")
+    segment = next(
+        found for found in segments_of(skeleton, rest, stance) if (found.part.name, found.side) == (part, side)
+    )
+    axis = stance.up if part == "head" else segment.bone
+    across = stance.left if abs(float(axis @ stance.left)) < 0.5 else stance.on
+    across = across - (across @ axis) * axis
+    twists = np.array([-120.0, 40.0, 75.0])
+    path = Rotation.from_rotvec(np.radians(swing) * across / np.linalg.norm(across))
+    path = path * Rotation.from_rotvec(np.radians(twists)[:, None] * axis)
+    joint = skeleton.joints[segment.joint].name
+    _, rotations = world_of(skeleton, made(skeleton, False, 0.0, joint, path))
+    found = turned_angle(name, skeleton, rest, stance, rotations)
+    np.testing.assert_allclose(np.abs(found), np.abs(twists), atol=1e-9)
+    assert (np.sign(found) == np.sign(found[0]) * np.sign(twists) * np.sign(twists[0])).all()
+
+
+def test_half_a_turn_of_swing_tells_no_twist() -> None:
+    skeleton = body(False, 0.0)
+    _, rotations = world_of(skeleton, made(skeleton, False, 0.0, "Root", Rotation.from_rotvec([[np.pi, 0, 0]])))
+    stance = stance_of_pose(skeleton)
+    assert np.isnan(turned_angle("pelvis-left-rotation", skeleton, rest_of(skeleton), stance, rotations)).all()
+
+
+def test_joints_that_are_missing_or_never_turned_have_no_angle() -> None:
+    skeleton = body(False, 0.0)
+    stance, rest = stance_of_pose(skeleton), rest_of(skeleton)
+    path = Rotation.from_rotvec(np.radians([[0.0, 20.0, 0.0]] * 4))
+    _, rotations = world_of(skeleton, made(skeleton, False, 0.0, "Head", path))
+    unseen = np.zeros((4, len(skeleton)), bool)
+    unseen[2, skeleton.names.index("Head")] = True
+    found = turned_angle("head-left-rotation", skeleton, rest, stance, rotations, unseen)
+    assert np.isnan(found).tolist() == [False, False, True, False]
+    places = replace(skeleton, joints=tuple(replace(one, channels=("Tx", "Ty", "Tz")) for one in skeleton.joints))
+    for name in ("head-left-rotation", "left-forearm-pronation", "pelvis-anterior-tilt", "left-foot-inversion"):
+        assert np.isfinite(turned_angle(name, skeleton, rest, stance, rotations)).all(), name
+        assert np.isnan(turned_angle(name, places, rest, stance, rotations)).all(), name
+
+
 def test_what_is_not_there_is_unknown() -> None:
     skeleton = body(False, 0.0)
     alone = Skeleton(skeleton.joints[:1])
-    stance = reference_stance(skeleton, UP)
+    stance = stance_of_pose(skeleton)
     rotations = np.tile([0.0, 0.0, 0.0, 1.0], (3, 1, 1))
     assert np.isnan(turned_angle("head-flexion", alone, rest_of(alone), stance, rotations)).all()
     with pytest.raises(VocabularyError):
@@ -95,7 +159,7 @@ def test_walkers_hold_their_heads(shared: Path, name: str) -> None:
     positions, rotations = (np.concatenate(each) for each in zip(*poses, strict=True))
     frame = calibration.reference
     pose = None if frame is None else (positions[frame], rotations[frame])
-    stance = reference_stance(skeleton, UP, pose, reading)
+    stance = stance_of_pose(skeleton, pose, reading)
     for angle in ("head-flexion", "neck-left-rotation", "pelvis-anterior-tilt", "right-leg-medial-rotation"):
         found = turned_angle(angle, skeleton, rest_of(skeleton, reading), stance, rotations)
         assert np.ptp(found) < 40, angle

@@ -107,9 +107,8 @@ class Twin:
         self.frames = len(next(iter(places.values())))
         self.time = frame_time
         self.calibration = calibration
-        if calibration.leaps:
-            for item in self.places.values():
-                item[0] = None
+        for item in self.places.values():
+            item[: calibration.skipped] = [None] * calibration.skipped
         self.up = np.zeros(3)
         self.up["XYZ".index(calibration.up[-1])] = -1.0 if calibration.up[0] == "-" else 1.0
         self.metres = NAN if calibration.metres is None else calibration.metres * calibration.step

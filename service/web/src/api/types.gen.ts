@@ -1964,6 +1964,8 @@ export interface components {
         Body_read_music: {
             /** Format: binary */
             file: string;
+            bpm?: number | null;
+            beats_per_bar?: number | null;
         };
         Body_search_file: {
             file: string[];
@@ -3241,6 +3243,8 @@ export interface components {
              * @enum {string}
              */
             factor: "1/2" | "1" | "2";
+            /** @default 4 */
+            beats_per_bar: number;
         };
         MusicBeats: {
             music: components["schemas"]["Music"];
@@ -3248,6 +3252,13 @@ export interface components {
             even: boolean;
             residual_seconds: number;
             bars: number;
+            clear: boolean;
+            rivals: components["schemas"]["TempoRival"][];
+            meters: components["schemas"]["MusicMeter"][];
+        };
+        MusicMeter: {
+            beats_per_bar: number;
+            strength: number;
         };
         Naming: {
             rig: string;
@@ -4114,6 +4125,11 @@ export interface components {
             name?: string | null;
             project?: string | null;
             parameters: components["schemas"]["ReachWish"];
+        };
+        TempoRival: {
+            bpm: number;
+            ratio: string;
+            strength: number;
         };
         TextFound: {
             place?: components["schemas"]["TextPlace"] | null;

@@ -42,11 +42,11 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
       bench.job.value = null;
     }
   };
-  const open = async (file: File) => {
+  const open = async (file: File, bpm?: number) => {
     setError(null);
     setReading(file.name);
     try {
-      bench.music.value = await readMusic(file);
+      bench.music.value = await readMusic(file, bpm);
     } catch (refused) {
       setError(refused);
     } finally {
@@ -59,6 +59,8 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
         <span class="row"><strong>{d("bench", { n: bench.documents.length })}</strong>{onOthers && <button type="button" class="button quiet dense" onClick={onOthers}>{d("others")}</button>}</span>
         {music ? (
           <span class="row bench-music"><Icon name="beat" /><span class="cut">{music.file.name}</span><span class="dim">{music.even ? number(music.bpm, 1) : d("uneven")}</span>
+            {music.rivals.length > 1 && <label class="row" title={d("rivalsHelp")}>{music.clear ? d("tempo") : d("ambiguous")}<select class="field dense" value={0} onChange={(event) => void open(music.file, music.rivals[Number(event.currentTarget.value)].bpm)}>{music.rivals.map((one, at) => <option key={at} value={at}>{d("rival", { bpm: number(one.bpm, 1), strength: number(one.strength, 2) })}</option>)}</select></label>}
+            <label class="row">{d("perBar")}<select class="field dense" value={music.beatsPerBar} onChange={(event) => (bench.music.value = withChoice(music, { beatsPerBar: Number(event.currentTarget.value) }))}>{[2, 3, 4].map((one) => <option key={one} value={one}>{one}</option>)}</select></label>
             <label class="row">{d("downbeat")}<select class="field dense" value={music.downbeat} onChange={(event) => (bench.music.value = withChoice(music, { downbeat: Number(event.currentTarget.value) }))}>{music.beats.slice(0, 16).map((_, at) => <option key={at} value={at + 1}>{at + 1}</option>)}</select></label>
             <label class="row">{d("factor")}<select class="field dense" value={music.factor} onChange={(event) => (bench.music.value = withChoice(music, { factor: event.currentTarget.value as "1" }))}>{["1/2", "1", "2"].map((one) => <option key={one} value={one}>{one}</option>)}</select></label>
             <label class="row">{d("offset")}<NumberField step={0.01} value={offsetNow()} onChange={(value) => setOffset(value ?? 0)} /> s</label>

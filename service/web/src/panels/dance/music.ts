@@ -19,20 +19,26 @@ export interface Music {
   /** Which beat, from 1, the first bar starts on. */
   downbeat: number;
   factor: "1/2" | "1" | "2";
+  beatsPerBar: number;
+  /** Tempi that it may have, with their strength, the one taken first; none of music that was kept. */
+  rivals: Schemas["TempoRival"][];
+  /** Whether the tempo taken fits clearly better than its rivals, or was chosen. */
+  clear: boolean;
   readonly wish: Schemas["Music"];
 }
 
-export function withChoice(music: Music, choice: Partial<Pick<Music, "downbeat" | "factor">>): Music {
+export function withChoice(music: Music, choice: Partial<Pick<Music, "downbeat" | "factor" | "beatsPerBar">>): Music {
   const next = { ...music, ...choice };
-  return { ...next, wish: { beats: next.beats, downbeat: next.downbeat, factor: next.factor } };
+  return { ...next, wish: { beats: next.beats, downbeat: next.downbeat, factor: next.factor, beats_per_bar: next.beatsPerBar } };
 }
 
-/** Beats by the server, sound by the browser. ApiError for what holds no beats. */
-export async function readMusic(file: File): Promise<Music> {
+/** Beats by the server, sound by the browser. bpm: one of the rivals. ApiError for what holds no beats. */
+export async function readMusic(file: File, bpm?: number): Promise<Music> {
   const form = new FormData();
   form.append("file", file, file.name);
+  if (bpm) form.append("bpm", String(bpm));
   const found = (await (await fetched("/api/v1/music", { method: "POST", body: form })).json()) as Schemas["MusicBeats"];
-  return soundOf(file, found.music, found.bpm, found.even);
+  return { ...(await soundOf(file, found.music, found.bpm, found.even)), rivals: found.rivals, clear: found.clear };
 }
 
 /** The music that was kept with a dance, and the second of it at which the dance begins; null where there is none. */
@@ -51,9 +57,9 @@ async function soundOf(file: File, given: Schemas["Music"], bpm: number, even: b
   const buffer = seconds > MOST_DECODED ? null : await decoded(file);
   const plays = !buffer && Number.isFinite(seconds);
   if (!plays) URL.revokeObjectURL(source);
-  const { beats, downbeat, factor } = given;
+  const { beats, downbeat, factor, beats_per_bar: beatsPerBar } = given;
   return {
-    file, buffer, beats, downbeat, factor, bpm, even, wish: given, seconds: buffer?.duration ?? (plays ? seconds : (beats.at(-1) ?? 0)),
+    file, buffer, beats, downbeat, factor, beatsPerBar, rivals: [], clear: true, bpm, even, wish: given, seconds: buffer?.duration ?? (plays ? seconds : (beats.at(-1) ?? 0)),
     address: plays ? source : null, peaks: buffer ? peaksOf(buffer.getChannelData(0), PEAKS) : null,
   };
 }
