@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -16,12 +17,14 @@ from mcml.files import write_file
 from mcml.folders import Told, import_paths
 from mcml.frames import Frames
 from schemas.documents import DocumentChange, DocumentDetail, DocumentSummary, FileProblem, Label, LabelRequest
-from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem
+from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem, ValueItem
 from schemas.skeletons import SkeletonView
 from service.actions.exporting.convert_files import files_to_write, format_of
 from service.actions.reading.read_numbers import Space
+from service.errors import QueryError
 from service.operations.call import Content
 
+_IN_FRAME = re.compile(r"/mcml(?:\[1\])?/motion(?:\[1\])?/frame\[(\d+)\]")
 _URLS = ("http://", "https://")
 
 
@@ -140,6 +143,7 @@ class Query:
         self._client = client
         self._expression = expression
         self._asked = asked
+        self._times: dict[str, float | None] = {}
 
     def __repr__(self) -> str:
         return f"<Query {self._expression!r}>"
@@ -160,24 +164,58 @@ class Query:
         Several values, such as those of distinct-values(), are a list.
         """
         pages = list(self._pages("json"))
-        if pages[0].value is not None:
-            return pages[0].value
-        if pages[0].type in ("strings", "values"):
-            return [item.value for page in pages for item in page.items or () if not isinstance(item, RunItem)]
-        return {
-            item.document: item.value for page in pages for item in page.items or () if isinstance(item, ScalarItem)
-        }
+        first = pages[0]
+        if first.value is not None:
+            return first.value
+        if first.type in ("strings", "values"):
+            return [item.value for page in pages for item in page.items or () if isinstance(item, ValueItem)]
+        if first.type in ("number", "string", "boolean"):
+            items = [item for page in pages for item in page.items or ()]
+            return {item.document: item.value for item in items if isinstance(item, ScalarItem)}
+        raise QueryError(
+            "The answer is nodes, not a value.", remedy="Take nodes(), runs() or count(), or write string() around it."
+        )
 
     def count(self) -> int:
         """How many nodes it finds."""
         found = Query(self._client, f"count({self._expression})", self._asked).value()
         return int(sum(found.values()) if isinstance(found, dict) else found)
 
-    def to_pandas(self) -> Any:
-        """A DataFrame of its nodes: document, revision, kind, address, value. Needs pandas."""
+    def to_pandas(self, **quantities: str) -> Any:
+        """A DataFrame of its frames, nodes or values: document, frame, time (seconds since frame 1, NaN where unknown),
+        and what was asked. Needs pandas.
+
+        Of values there is a column `value`; of nodes kind, address and value. quantities: columns more, each an
+        expression that is asked of every frame: repo.xpath("//frame").to_pandas(speed="mo:speed('right_hand')").
+        """
         import pandas as pd
 
-        return pd.DataFrame([item.model_dump() for item in self.nodes()])
+        items = [item for page in self._pages("json") for item in page.items or () if not isinstance(item, RunItem)]
+        rows = [item.model_dump() | ({} if isinstance(item, ValueItem) else self._place(item)) for item in items]
+        first = ("document", "frame", "time")
+        names = dict.fromkeys((*first, *(name for row in rows for name in row)))
+        table = pd.DataFrame(rows, columns=list(names))
+        for name in ("frame", "time"):
+            table[name] = pd.to_numeric(table[name])
+        for name, expression in quantities.items():
+            asked = Query(self._client, f"({self._expression})/({expression})", self._asked)
+            found = [item for page in asked._pages("json") for item in page.items or () if isinstance(item, ValueItem)]
+            known = {(item.document, item.frame): item.value for item in found}
+            values = [known.get((row["document"], row.get("frame"))) for row in rows]
+            table[name] = pd.to_numeric(pd.Series(values, dtype=object), errors="coerce")
+        return table
+
+    def _place(self, item: NodeItem | ScalarItem) -> dict[str, Any]:
+        """The frame that a node is or lies in, and its time."""
+        found = _IN_FRAME.match(item.address) if isinstance(item, NodeItem) else None
+        if found is None:
+            return {}
+        frame = int(found[1])
+        if item.document not in self._times:
+            summary: DocumentSummary = self._client.call("get_document", id=item.document)
+            self._times[item.document] = summary.seconds_per_frame
+        seconds = self._times[item.document]
+        return {"frame": frame, "time": None if seconds is None else (frame - 1) * seconds}
 
     def _pages(self, form: str) -> Iterator[QueryAnswer]:
         cursor: str | None = None

@@ -65,9 +65,13 @@ class RunTotals(BaseModel):
 
 
 class ValueItem(BaseModel):
-    """One of several values, such as those of distinct-values()."""
+    """One of several values, such as those of distinct-values(). document, frame, time: of what it is the value, where
+    it is one of a node; time in seconds since frame 1."""
 
     value: str | float | bool
+    document: str | None = None
+    frame: int | None = None
+    time: float | None = None
 
 
 class Explain(BaseModel):

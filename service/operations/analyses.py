@@ -46,7 +46,9 @@ def read_music(
     bpm: Annotated[
         float | None, Field(ge=40, le=240, description="Beats a minute, where the tempo is known", examples=[150])
     ] = None,
-    beats_per_bar: Annotated[BeatsPerBar | None, Field(description="Beats of a bar, where they are known")] = None,
+    beats_per_bar: Annotated[
+        BeatsPerBar | None, Field(description="Beats of a bar, where they are known", examples=[3])
+    ] = None,
 ) -> MusicBeats:
     """Needs the extra `audio`; nothing is kept. Tempi that fit nearly as well are told as rivals."""
     return beats_of(file, call.settings, bpm, beats_per_bar)

@@ -30,7 +30,7 @@ from service.xpath.engine.values import TooLongError
 from service.xpath.engine.whole import Whole
 from service.xpath.language.certain import conditions
 from service.xpath.language.complete import Completion, complete
-from service.xpath.language.hints import unknown_names
+from service.xpath.language.hints import hints
 from service.xpath.language.labels import without_index
 from service.xpath.language.parse import Query, parse
 from service.xpath.language.rules import normal
@@ -116,7 +116,7 @@ class Queries:
                 raise
             if request.explain:
                 answer.explain = asking.explained((time.perf_counter() - start) * 1000)
-            answer.warnings += [*query.warnings, *unknown_names(query.tree), *scope.unused_names(query.tree)]
+            answer.warnings += [*query.warnings, *hints(query.tree), *scope.unused_names(query.tree)]
             answer.warnings += asking.looked.notes()
         return answer
 

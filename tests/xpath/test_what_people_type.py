@@ -33,7 +33,7 @@ SHAPES = [
 
 @pytest.fixture
 def engine(database: Database) -> Iterator[Queries]:
-    store(database, {"a.bvh": bvh(5)})
+    store(database, {"a.bvh": bvh(5), "empty.bvh": bvh(0)})
     queries = Queries(database, Settings(cache_dir="none"))
     yield queries
     queries.close()
@@ -68,6 +68,8 @@ def test_numbers_of_any_size(engine: Queries, shape: str) -> None:
 @pytest.mark.parametrize(
     ("text", "value"),
     [
+        ("count(1 to 2000000000)", 2000000000),
+        ("count(1 to 30)", 30),
         ("substring-before('abc', '')", ""),
         ("substring-before('abc', ())", ""),
         ("substring-after('abc', '')", "abc"),

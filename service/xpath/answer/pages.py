@@ -19,6 +19,7 @@ from service.xpath.engine.parts import Part, Parts
 from service.xpath.engine.source import Source
 from service.xpath.library.caches import Caches
 from service.xpath.nodes.node import Node, Run
+from service.xpath.nodes.numbering import documents_of, frames_of
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ class Page:
                 if len(nodes) < len(some):
                     return self.of_items(tx, items, more=True)
             else:
-                items += [ValueItem(value=plain(value)) for value in some.values()]
+                items += _values(some)
             if len(items) > self.limit:
                 break
         return self.of_items(tx, items[: self.limit], more=len(items) > self.limit)
@@ -94,3 +95,16 @@ class Page:
         commit = min(tx.newest_commit(), tx.at)
         following = self.offset + (self.limit if shown is None else shown)
         return str(Cursor(commit, tx.pruning.whole_since(), following, question(self.request)))
+
+
+def _values(part: Part) -> list[ValueItem]:
+    """The values of a part, each with the frame that it is of."""
+    values = map(plain, part.values())
+    if part.of is None:
+        return [ValueItem(value=value) for value in values]
+    found = []
+    for value, place, frame in zip(values, documents_of(part.of).tolist(), frames_of(part.of).tolist(), strict=True):
+        listed = part.forest.documents[place]
+        seconds = None if not frame or listed.frame_time is None else (frame - 1) * float(listed.frame_time)
+        found.append(ValueItem(value=value, document=listed.uuid, frame=frame or None, time=seconds))
+    return found

@@ -20,10 +20,12 @@ from service.xpath.nodes.texts import Strings
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """Items one after the other: nodes of a forest, or values."""
+    """Items one after the other: nodes of a forest, or values. of: of values, the nodes that they are of, where they
+    are of nodes."""
 
     forest: Forest
     column: Column
+    of: Ints | None = None
 
     def __len__(self) -> int:
         return len(self.column)
@@ -43,7 +45,7 @@ class Part:
         return column.list() if isinstance(column, Strings) else column.tolist()
 
     def chosen(self, which: np.ndarray) -> Part:
-        return replace(self, column=self.column[which])
+        return replace(self, column=self.column[which], of=None if self.of is None else self.of[which])
 
 
 class Parts:

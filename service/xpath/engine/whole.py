@@ -44,7 +44,6 @@ from service.xpath.language.tree import (
     Function,
     If,
     Let,
-    Literal,
     Operation,
     Path,
     Quantified,
@@ -55,6 +54,7 @@ from service.xpath.language.tree import (
     with_children,
 )
 from service.xpath.language.types import distinct_of, type_of
+from service.xpath.language.values import literal, require_room, sequence_of
 from service.xpath.library.caches import Caches
 from service.xpath.library.forest import Forest
 from service.xpath.library.groups import Group
@@ -134,9 +134,9 @@ class Whole:
             return self._aggregate(plain)
         found = self.parts(self.reduced(inner))
         if call.function == "count":
-            return _literal(float(sum(map(len, found))))
+            return literal(float(sum(map(len, found))))
         if call.function in aggregates.TRUTH_AGGREGATES:
-            return _literal(any(map(len, found)) == (call.function == "exists"))
+            return literal(any(map(len, found)) == (call.function == "exists"))
         parts = _bounded(found)
         as_number = call.function != "string-join"
         joined = self._joined([replace(part, column=values_of(part, as_number=as_number)) for part in parts])
@@ -146,17 +146,18 @@ class Whole:
 
     def _aggregate(self, call: Call) -> Expression:
         found = aggregates.value(call, self._source(distinct_of(call) or call.arguments[0]))
-        return Sequence(()) if found is None else _literal(found)
+        return Sequence(()) if found is None else literal(found)
 
     def _truth(self, expression: Quantified) -> Expression:
         test = For(expression.variable, expression.source, Call("boolean", (expression.body,)))
         found = [part.column for part in self.parts(self.reduced(test))]
         holds = np.concatenate([np.asarray(column, bool) for column in found] or [np.empty(0, bool)])
-        return _literal(bool(holds.any() if expression.quantifier == "some" else holds.all()))
+        return literal(bool(holds.any() if expression.quantifier == "some" else holds.all()))
 
     def _let(self, expression: Let) -> Expression:
         """What is bound, in the place of the variable: as it stands, inside of predicates its values."""
         source = self.reduced(expression.source)
+        require_room(expression, source)
         values = cache(lambda: self.values(source))
         return normal(put(expression.body, expression.variable, source, values))
 
@@ -179,7 +180,7 @@ class Whole:
                     remedy="Narrow it by a predicate, or write distinct-values() around it.",
                     code="query-too-large",
                 )
-        return _sequence_of(found)
+        return sequence_of(found)
 
     # -- sequences -------------------------------------------------------------------------------------------------
 
@@ -250,7 +251,8 @@ class Whole:
             yield from self._slice(expression, part.chosen(np.arange(half, len(part))), position + half, total)
             return
         if len(found):
-            yield Part(part.forest, found.column)
+            of = np.asarray(part.column, np.int64)[found.groups] if part.are_nodes else None
+            yield Part(part.forest, found.column, None if found.kind == "nodes" else of)
 
     def _one_by_one(self, body: Expression, variable: str, part: Part) -> Iterator[Part]:
         """A body that asks the scope anew for each item: it is evaluated once for each different one."""
@@ -260,8 +262,8 @@ class Whole:
         known: dict[float | str | bool, list[Part]] = {}
         for item in listed(column):
             if item not in known:
-                literal = _literal(item)
-                asked = normal(put(body, variable, literal, partial(_same, literal)))
+                written = literal(item)
+                asked = normal(put(body, variable, written, partial(_same, written)))
                 known[item] = list(self.parts(self.reduced(asked)))
             yield from known[item]
 
@@ -386,15 +388,5 @@ def _same(value: Expression) -> Expression:
     return value
 
 
-def _literal(value: float | str | bool) -> Expression:
-    if isinstance(value, bool):
-        return Call("true" if value else "false", ())
-    return Literal(value)
-
-
 def _sequence(items: Items) -> Expression:
-    return _sequence_of(list(listed(items.column)))
-
-
-def _sequence_of(values: list[float | str | bool]) -> Expression:
-    return _literal(values[0]) if len(values) == 1 else Sequence(tuple(map(_literal, values)))
+    return sequence_of(list(listed(items.column)))

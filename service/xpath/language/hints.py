@@ -7,27 +7,46 @@ from difflib import get_close_matches
 from typing import Literal
 
 from service.mcml.content import declarations
-from service.mcml.vocabulary import FRAME_BONE, MOTION_NAME, NAME, ROOT
-from service.xpath.language.motion_functions import ANGLE, JOINTS, MOTION_FUNCTIONS
+from service.mcml.vocabulary import FRAME, FRAME_BONE, MOTION_NAME, NAME, ROOT
+from service.xpath.language.motion_functions import (
+    ANGLE,
+    JOINTS,
+    KNOWN,
+    MOTION_FUNCTIONS,
+    OF_DOCUMENT,
+    OF_FRAME_SETS,
+    TOP,
+)
 from service.xpath.language.reach import DOCUMENT, Types, types_of
 from service.xpath.language.rules import after
 from service.xpath.language.tree import (
     Call,
+    Each,
     Expression,
     Filter,
+    For,
+    Let,
     Operation,
     Path,
+    Quantified,
     Step,
     Written,
     children,
+    walk,
 )
 from service.xpath.language.tree import Literal as Text
 
 Kind = Literal["bone", "span"]
 _NAMED = {"bone": "bone here is named", "span": "motion name here is"}
+IN_FRAMES = frozenset({FRAME, FRAME_BONE, MOTION_NAME})
 _IS_MOTION_NAME = frozenset({MOTION_NAME, f"#{MOTION_NAME}"})
 _IS_BONE_NAME = frozenset({NAME, f"#{NAME}"})
 _HAS_BONE_NAME = frozenset({f"@{FRAME_BONE}", f"@{ROOT}"})
+
+
+def hints(tree: Expression) -> list[str]:
+    """All of them, but those that only what a store holds can tell."""
+    return [*unknown_names(tree), *lost_contexts(tree)]
 
 
 def unknown_names(tree: Expression) -> list[str]:
@@ -41,6 +60,24 @@ def unknown_names(tree: Expression) -> list[str]:
                 if types and not reached:
                     found += _hint(types, step)
                 types = reached
+    return list(dict.fromkeys(found))
+
+
+def lost_contexts(tree: Expression) -> list[str]:
+    """For each function of a frame's body that is asked of a whole document, which is in no frame, what is meant."""
+    bound = [
+        part.variable
+        for part in walk(tree)
+        if isinstance(part, For | Let | Quantified) and types_of(part.source, frozenset({DOCUMENT})) & IN_FRAMES
+    ]
+    found = [
+        f"{call.function} is asked of the document here, which is in no frame, so it is NaN; write "
+        f"{f'${bound[0]}' if bound else '//frame'}/{call.function}(…)"
+        for call, context in _with_contexts(tree, frozenset({DOCUMENT}))
+        if isinstance(call, Call)
+        and call.function in MOTION_FUNCTIONS.keys() - OF_DOCUMENT - OF_FRAME_SETS - {KNOWN}
+        and context == {DOCUMENT}
+    ]
     return list(dict.fromkeys(found))
 
 
@@ -103,6 +140,12 @@ def _with_contexts(expression: Expression, context: Types) -> Iterator[tuple[Exp
         yield from _with_contexts(expression.operand, context)
         for predicate in expression.predicates:
             yield from _with_contexts(predicate, types_of(expression.operand, context))
+    elif isinstance(expression, Each):
+        yield from _with_contexts(expression.source, context)
+        yield from _with_contexts(expression.body, types_of(expression.source, context))
+    elif isinstance(expression, Call) and expression.function == TOP:
+        for place, argument in enumerate(expression.arguments):
+            yield from _with_contexts(argument, frozenset({FRAME}) if place == 2 else context)
     else:
         # What stands around the parts of a written one is not known.
         context = frozenset() if isinstance(expression, Written) else context

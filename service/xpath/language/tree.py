@@ -185,7 +185,7 @@ class Written:
     variables: the values of those that it does not bind itself. function, arguments: of a call that makes one value of
     all documents. nodes: whether its operator gives nodes. spans: whether a function of sequences, or a quantifier,
     stands inside of it, which asks for the items of all documents together. motion: the calls of functions of bodies in
-    motion in it.
+    motion in it. constant: no document can change the value.
     """
 
     text: str
@@ -195,6 +195,7 @@ class Written:
     nodes: bool = False
     spans: bool = False
     motion: tuple[Call, ...] = ()
+    constant: bool = False
     span: Span = field(default=(0, 0), compare=False)
 
 

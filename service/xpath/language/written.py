@@ -6,7 +6,7 @@ Such an expression must not reach out of the document, so the functions it may c
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from elementpath.exceptions import ElementPathError
@@ -16,7 +16,7 @@ from elementpath.xpath31 import XPath31Parser
 from service.errors import Place, QueryError
 from service.xpath.language.arity import check_arity
 from service.xpath.language.calls import MOTION_CALL, argument_spans, written_calls
-from service.xpath.language.functions import AGGREGATES, SAFE_FUNCTIONS
+from service.xpath.language.functions import AGGREGATES, OF_CONTEXT, SAFE_FUNCTIONS
 from service.xpath.language.motion_functions import MOTION_FUNCTIONS, PREFIX, RUNS, WINDOW
 from service.xpath.language.tree import Written
 
@@ -80,7 +80,8 @@ def read_xpath2(text: str, variables: Mapping[str, str | float | bool]) -> Writt
     function = root.symbol if inner else ""
     spans = any(_is_of_sequences(token) for token in root.iter() if token is not root or not function)
     motion = tuple(found.call for found in written_calls(text, dict(bound)))
-    return Written(text, bound, function, tuple(inner), _gives_nodes(root), spans, motion)
+    constant = not motion and not any(map(_is_of_nodes, _with_parents(root)))
+    return Written(text, bound, function, tuple(inner), _gives_nodes(root), spans, motion, constant)
 
 
 def spell_for_elementpath(text: str) -> str:
@@ -149,6 +150,26 @@ def _check(token: Any, name: str) -> None:
 def _is_of_sequences(token: Any) -> bool:
     known = SAFE_FUNCTIONS.get(token.symbol) if token.label == "function" else None
     return token.symbol in ("some", "every") or (known is not None and known.takes_items)
+
+
+def _with_parents(root: Any) -> Iterator[tuple[Any, Any]]:
+    """All tokens, each with that in which it is."""
+    waiting = [(root, None)]
+    while waiting:
+        token, parent = waiting.pop()
+        yield token, parent
+        waiting += [(child, token) for child in token]
+
+
+def _is_of_nodes(pair: tuple[Any, Any]) -> bool:
+    """Whether a token is a step, or looks at the context."""
+    token, parent = pair
+    if token.symbol == "(name)":
+        return parent is None or parent.symbol not in ("$", ":")
+    if token.label == "function" and token.symbol in OF_CONTEXT | {"position", "last", "id", "lang", "root"}:
+        return True
+    is_step = token.symbol in ("/", "//", "@", ".", "..") or token.label in ("axis", "kind test", "wildcard symbol")
+    return is_step or (token.symbol == "*" and not len(token))
 
 
 def _gives_nodes(token: Any) -> bool:

@@ -14,11 +14,12 @@ from service.xpath.language.functions import AGGREGATES
 from service.xpath.language.labels import without_index
 from service.xpath.language.parse import Query
 from service.xpath.language.scopes import spans_documents
-from service.xpath.language.tree import Call, Expression, Literal, Written
+from service.xpath.language.tree import Call, Expression, Filter, Literal, Path, Written, walk
 from service.xpath.language.types import type_of
 from service.xpath.language.unparse import unparse
 from service.xpath.library.caches import Caches
 from service.xpath.library.groups import Group
+from service.xpath.library.motion_notes import motion_calls
 from service.xpath.limits import Limits
 from service.xpath.nodes.node import Node, Run
 from service.xpath.xml.body_values import BodyValues, Values
@@ -53,6 +54,8 @@ class Sequences:
         inner, self.nth = without_index(query.tree)
         query = replace(query, tree=inner)
         self.tree = query.tree
+        if _is_constant(query.tree):
+            del self.documents[1:]
         self.xml = Xml(tx, limits, query.tree)
         self.text = query.text
         self.variables = dict(self.tree.variables) if isinstance(self.tree, Written) else {}
@@ -187,3 +190,10 @@ def _extreme(function: str, values: Sequence[Atomic]) -> Atomic | None:
         return math.nan
     chosen: Atomic = min(values) if function == "min" else max(values)
     return chosen
+
+
+def _is_constant(tree: Expression) -> bool:
+    """Whether no document can change the value: then one is asked."""
+    if isinstance(tree, Written):
+        return tree.constant
+    return not any(isinstance(part, Path | Filter | Written) for part in walk(tree)) and not motion_calls(tree)

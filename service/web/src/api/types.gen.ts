@@ -4188,6 +4188,9 @@ export interface components {
         };
         ValueItem: {
             value: string | number | boolean;
+            document?: string | null;
+            frame?: number | null;
+            time?: number | null;
         };
         Vocabulary: {
             project: string;
