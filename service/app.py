@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import cache
+from threading import Thread
 from typing import Any
 
 from fastapi import APIRouter, Depends, FastAPI
@@ -55,12 +56,17 @@ document need `If-Match` with the revision that was read.
 
 
 def create_app(
-    settings: Settings, database: Database | None = None, secret: Callable[[], str | None] = lambda: None
+    settings: Settings,
+    database: Database | None = None,
+    secret: Callable[[], str | None] = lambda: None,
+    *,
+    ready: bool = False,
 ) -> FastAPI:
     """The service on a store whose schema is current.
 
     database: of whoever uses the service in its own process; default from the settings. secret: what is read each time
-    that it is asked for; who sends it from this machine may come in as the owner of the store.
+    that it is asked for; who sends it from this machine may come in as the owner of the store. ready: start what
+    evaluates questions before the first one comes.
     """
     read_names_in_forms()
     store = database or Database(settings.database_url, settings.database_read_url)
@@ -88,6 +94,9 @@ def create_app(
         if settings.derive:
             deriver.start()
         sender.start()
+        if ready:
+            # A server starts without mathematics, which takes a second.
+            Thread(target=repository.begin, daemon=True).start()
         app.state.stopping = asyncio.Event()
         yield {"stopping": app.state.stopping}
         deriver.stop()
@@ -154,4 +163,4 @@ def app_from_environment() -> FastAPI:
     """The service as the environment describes it: what `uvicorn --factory service.app:app_from_environment` serves."""
     folder = data_folder()
     keep_secret(folder)
-    return create_app(Settings(), secret=lambda: read_secret(folder))
+    return create_app(Settings(), secret=lambda: read_secret(folder), ready=True)

@@ -67,6 +67,13 @@ class Repository:
 
         return Results(self.database, self.settings)
 
+    def begin(self) -> None:
+        """Start what evaluates the questions of others before the first one comes."""
+        from service.xpath.query_pool import PooledQueries
+
+        if isinstance(self.queries, PooledQueries):
+            self.queries.begin()
+
     def close(self) -> None:
         """End the processes that evaluate queries and read imports; the store is its owner's."""
         if self.import_pool is not None:

@@ -49,6 +49,11 @@ class QueryPool:
         self._is_closed = False
         self._context = _context()
 
+    def begin(self) -> None:
+        """Have a process ready before the first question comes."""
+        with self._worker() as worker:
+            worker.is_free = True
+
     def running(self) -> list[Running]:
         """The questions that are evaluated now, oldest first."""
         with self._lock:
@@ -188,6 +193,10 @@ class PooledQueries(Queries):
     def __init__(self, database: Database, settings: Settings) -> None:
         super().__init__(database, settings)
         self.pool = QueryPool(database, settings, settings.heavy_at_once)
+
+    def begin(self) -> None:
+        """Get ready before the first question comes."""
+        self.pool.begin()
 
     def close(self) -> None:
         self.pool.close()

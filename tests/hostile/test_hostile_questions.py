@@ -12,14 +12,17 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from random import Random
 
 import httpx
 import psutil
 import pytest
+from hypothesis import settings
 
 from service.storage.database import Database
 from tests.api.test_lanes import until
 from tests.builders import bvh, one_kind, store
+from tests.hostile.hostile_expressions import hostile_expression
 
 
 def grown(first: str, by: str, times: int, end: str) -> str:
@@ -55,6 +58,7 @@ BOMBS = {
 SECONDS = 2
 MEMORY_MIB = 384
 MOST_RESIDENT = 1536 << 20
+OK = (200, 422)
 
 
 def environment(url: str, folder: Path) -> dict[str, str]:
@@ -170,3 +174,23 @@ def test_no_question_takes_all_of_a_command(name: str, database_url: str, databa
     assert asking.returncode in (0, 1), said.decode()
     assert b"Traceback" not in said
     assert resident.most < MOST_RESIDENT
+
+
+@one_kind
+@pytest.mark.fuzz(seeds=20)
+def test_expressions_that_chance_makes_to_hurt(
+    database_url: str, database: Database, tmp_path: Path, seed: int
+) -> None:
+    """Each is answered or refused, the server stays within its memory, and others are answered."""
+    store(database, {f"{name}.bvh": bvh(100) for name in "abc"})
+    chance = Random(seed)
+    count = 250 if settings.get_current_profile_name() == "fuzz" else 40
+    expressions = [hostile_expression(chance) for _ in range(count)]
+    with served(database_url, tmp_path) as (client, resident):
+        with ThreadPoolExecutor(4) as pool:
+            asked = [pool.submit(client.post, "/xpath", json={"q": text, "limit": 10}) for text in expressions]
+            answers = [future.result() for future in asked]
+        odd = [(text, one.text) for text, one in zip(expressions, answers, strict=True) if one.status_code not in OK]
+        assert odd == []
+        assert client.get("/xpath", params={"q": "count(//frame)"}).json()["value"] == 300
+        assert resident.most < MOST_RESIDENT
