@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import resource
 import signal
 import sys
@@ -30,6 +31,15 @@ def end_after(seconds: float | None) -> None:
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.setitimer(signal.ITIMER_REAL, 0 if seconds is None else seconds + GRACE_SECONDS)
 
+
+def end_with_parent() -> None:
+    """Have the system kill this process once the one that started it is gone, whatever runs here. On Linux alone."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+PR_SET_PDEATHSIG = 1
+"""As prctl.h of Linux has it."""
 
 LOOK_SECONDS = 0.25
 """How often a process that is bounded for a while looks whether it must end."""

@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection
 from typing import Any, Literal
 
 from service.errors import LimitError, McmlError
-from service.processes.bounds import bounded
+from service.processes.bounds import bounded, end_with_parent
 from service.settings import Settings
 from service.storage.database import Database
 from service.storage.views import View
@@ -100,6 +100,7 @@ class _Turn:
 def serve(connection: Connection, url: str, read_url: str | None, settings: Settings) -> None:
     """Answer what comes, until the connection ends. SIGUSR1 cancels the question that is evaluated."""
     turn = _Turn()
+    end_with_parent()
     # The terminal tells all processes of a server to end; it alone knows when.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)

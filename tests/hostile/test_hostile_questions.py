@@ -194,3 +194,26 @@ def test_expressions_that_chance_makes_to_hurt(
         assert odd == []
         assert client.get("/xpath", params={"q": "count(//frame)"}).json()["value"] == 300
         assert resident.most < MOST_RESIDENT
+
+
+@one_kind
+def test_what_evaluates_ends_with_a_server_that_is_killed(
+    database_url: str, database: Database, tmp_path: Path
+) -> None:
+    store(database, {"a.bvh": bvh(200)})
+    with served(database_url, tmp_path) as (client, _), ThreadPoolExecutor(1) as pool:
+        asked = pool.submit(client.post, "/xpath", json={"q": BOMBS["frames by frames"]})
+        until(lambda: client.get("/running-queries").json()["items"])
+        server = psutil.Process(asked_by(client))
+        started = server.children(recursive=True)
+        assert started
+        server.kill()
+        until(lambda: not any(one.is_running() and one.status() != psutil.STATUS_ZOMBIE for one in started))
+        with suppress(httpx.TransportError):
+            asked.result()
+
+
+def asked_by(client: httpx.Client) -> int:
+    """The process that listens where a client asks."""
+    port = client.base_url.port
+    return next(one.pid for one in psutil.net_connections("tcp") if one.laddr.port == port and one.status == "LISTEN")
