@@ -42,11 +42,14 @@ def restore(database: Database, source: Path) -> int:
     if not source.is_file():
         raise StoreError(f"{source} is not a file.", remedy="Name a file that `mcml db backup` wrote.")
     with database.read() as tx:
-        if tx.newest_commit():
-            raise ConflictError("The store holds documents, or held some.", remedy="Restore into a new store.")
+        held = [table.name for table in _COPIED if tx.connection.execute(select(table).limit(1)).first() is not None]
+        if held or tx.newest_commit():
+            raise ConflictError(
+                f"The store is not empty: it has rows in {', '.join(held)}.", remedy="Restore into a new store."
+            )
     copy = Database(f"sqlite:///{source}")
     try:
-        copy.require_schema()
+        _require_schema(copy, source)
         _copy(copy, database)
     finally:
         copy.close()
@@ -54,13 +57,30 @@ def restore(database: Database, source: Path) -> int:
         return int(tx.connection.execute(select(func.count()).select_from(document)).scalar_one())
 
 
+_COPIED = [table for table in metadata.sorted_tables if table is not store]
+"""All tables but what a store says of itself, which its migration and `_copy` write."""
+
+
+def _require_schema(copy: Database, source: Path) -> None:
+    """StoreError unless a backup has this program's schema."""
+    found, wanted = copy.schema_versions()
+    if found is None:
+        raise StoreError(f"{source} is no backup of a store.", remedy="Name a file that `mcml db backup` wrote.")
+    if found < (wanted or ""):
+        raise StoreError(
+            f"The backup's schema is {found}, this program needs {wanted}.",
+            remedy=f"Upgrade a copy of it first: mcml db upgrade --database sqlite:///{source}",
+        )
+    copy.require_schema()
+
+
 def _copy(source: Database, target: Database) -> None:
     with source.read() as old, target.write("backup") as new:
-        # What the target says of itself, its migration wrote.
-        for table in [table for table in metadata.sorted_tables if table is not store]:
+        for table in _COPIED:
             rows = old.connection.execute(
                 select(table).order_by(*table.primary_key).execution_options(yield_per=ROWS)
             ).mappings()
             for block in rows.partitions(ROWS):
                 new.connection.execute(insert(table), [dict(row) for row in block])
-        new.dialect.after_copy(new.connection)
+        new.pruning.let_go(old.pruning.whole_since())
+        new.dialect.after_copy(new.connection, old.dialect.last_keys(old.connection))
