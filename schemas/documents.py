@@ -22,6 +22,7 @@ from schemas.examples import (
 )
 from schemas.media import MediaInfo
 from schemas.problem import Problem
+from schemas.request_body import RequestBody
 from schemas.revisions import FrameRange
 
 _IMPORTED = {
@@ -64,10 +65,10 @@ _CLIP = {
 }
 
 
-class Property(BaseModel):
+class Property(RequestBody):
     """An attribute of the clip, such as the age of the actor."""
 
-    model_config = ConfigDict(json_schema_extra=shown(PROPERTY), extra="forbid")
+    model_config = ConfigDict(json_schema_extra=shown(PROPERTY))
 
     name: str = Field(min_length=1, max_length=256)
     value: str = Field(max_length=262_144)
@@ -267,11 +268,10 @@ class DocumentPage(BaseModel):
     total: int = Field(description="Documents that match, on all pages")
 
 
-class DocumentChange(BaseModel):
+class DocumentChange(RequestBody):
     """What to change; what is left out stays. An empty text removes description, unit or up axis."""
 
     model_config = ConfigDict(
-        extra="forbid",
         json_schema_extra=shown({"name": "walk, second take", "unit": "cm", "up": "Y", "properties": [PROPERTY]}),
     )
 
@@ -285,8 +285,8 @@ class DocumentChange(BaseModel):
     message: str = Field("", max_length=4096, description="Why, for the history")
 
 
-class LabelRequest(BaseModel):
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(LABEL_REQUEST))
+class LabelRequest(RequestBody):
+    model_config = ConfigDict(json_schema_extra=shown(LABEL_REQUEST))
 
     name: str = Field(min_length=1, max_length=1024)
     first: int = Field(ge=1)

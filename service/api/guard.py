@@ -33,6 +33,8 @@ COUNTED_METHODS = SAFE_METHODS | {"POST", "PUT", "PATCH", "DELETE"}
 OPEN_PATHS = {"/healthz", "/readyz"}
 OPEN_FILES = ("/assets/", "/favicon.svg", "/shared")
 """The program of the studio, which is no secret; and the page for who has a link to some documents."""
+ASKERS = ("Cookie", "Authorization")
+"""Headers of requests by which answers differ."""
 ENTRIES = {LOGIN_PATH, "/api/v1/session", SHARED, f"{LOGIN_PATH}/openid", f"{LOGIN_PATH}/openid/back"}
 """Where one who has no session yet may ask for one."""
 
@@ -70,7 +72,7 @@ class Guard:
             refusal = await run_in_threadpool(self._entry, scope, headers, self.doors.shared_refusal)
             path = path.replace("/shared", "", 1)
             scope = {**scope, "path": path, "raw_path": path.encode()}
-        elif refusal is None and path not in OPEN_PATHS | ENTRIES and not path.startswith(OPEN_FILES):
+        elif refusal is None and path not in ENTRIES and depends_on_asker(path):
             if self.doors.stand_open(scope, headers):
                 refusal = foreign_name(headers)
             else:
@@ -88,6 +90,8 @@ class Guard:
                 status = message["status"]
                 _tag_compressed(message)
                 _protect(message, request, scope["scheme"])
+                if depends_on_asker(path):
+                    _keep_private(message)
             elif method == "HEAD":
                 message = {**message, "body": b""}
             await send(message)
@@ -178,6 +182,21 @@ def _protect(message: MutableMapping[str, Any], request: str, scheme: str) -> No
     headers["x-request-id"] = request
     for name, value in (*DEFAULTS, ONLY_TLS) if scheme == "https" else DEFAULTS:
         headers.setdefault(name, value)
+
+
+def depends_on_asker(path: str) -> bool:
+    """Whether answers at an address differ with who asks: all but what is open to everybody."""
+    return path not in OPEN_PATHS and not path.startswith(OPEN_FILES)
+
+
+def _keep_private(message: MutableMapping[str, Any]) -> None:
+    """Let no cache give an answer to somebody else (RFC 9111, 3.5 and 4.1)."""
+    headers = MutableHeaders(raw=message["headers"])
+    told = headers.get("cache-control", "")
+    if "private" not in told and "no-store" not in told:
+        headers["cache-control"] = f"private, {told}" if told else "private"
+    for name in ASKERS:
+        headers.add_vary_header(name)
 
 
 def _tag_compressed(message: MutableMapping[str, Any]) -> None:

@@ -14,6 +14,7 @@ from service.cli.shared import (
     DatabaseOption,
     ForceOption,
     JsonOption,
+    RawOption,
     ServerOption,
     console,
     opened,
@@ -41,6 +42,7 @@ def xpath(
         list[str] | None, typer.Option("--var", help="name=value, for $name in the expression; may be repeated")
     ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Write xml, ndjson or csv to this file")] = None,
+    raw: RawOption = False,
     force: ForceOption = False,
     per: Annotated[str | None, typer.Option(help="document: each document has an answer of its own")] = None,
     guesses: Annotated[
@@ -69,6 +71,7 @@ def xpath(
         "per": per,
         "guesses": guesses,
         "explain": explain,
+        "raw": raw,
         "variables": variables,
         "with": with_,
     }

@@ -28,6 +28,9 @@ RevisionOption = Annotated[
     int | None, typer.Option("--revision", min=1, help="Only if the document is still at this revision")
 ]
 ForceOption = Annotated[bool, typer.Option("--force", help="Replace a file of that name")]
+RawOption = Annotated[
+    bool, typer.Option("--raw", help="In CSV, also texts that spreadsheets take for formulas as they are")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts")]
 
 # Names of files and documents may hold brackets: nothing that is printed is markup.

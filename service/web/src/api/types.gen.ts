@@ -2558,6 +2558,8 @@ export interface components {
             unit?: string | null;
             up?: string | null;
             frame_time?: string | null;
+            /** @default false */
+            raw: boolean;
         };
         ExpressionCandidate: {
             document: string;
@@ -3507,6 +3509,8 @@ export interface components {
             guesses: "yes" | "no";
             /** @default false */
             explain: boolean;
+            /** @default false */
+            raw: boolean;
             with?: string | null;
             variables?: {
                 [key: string]: string | number | boolean;
@@ -5160,6 +5164,7 @@ export interface operations {
                 up?: string | null;
                 original?: boolean;
                 frame_time?: string | null;
+                raw?: boolean;
             };
             header?: never;
             path: {
@@ -6084,6 +6089,7 @@ export interface operations {
                 tips?: boolean;
                 reduce?: "minmax" | null;
                 pixels?: number;
+                raw?: boolean;
             };
             header?: never;
             path: {
@@ -6500,6 +6506,7 @@ export interface operations {
                 project?: string | null;
                 document?: string[] | null;
                 format?: "csv" | "arrow" | "parquet";
+                raw?: boolean;
             };
             header?: never;
             path?: never;
@@ -7085,6 +7092,7 @@ export interface operations {
                 per?: "document" | null;
                 guesses?: "yes" | "no";
                 explain?: boolean;
+                raw?: boolean;
                 with?: string | null;
             };
             header?: never;
