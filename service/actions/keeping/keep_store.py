@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
+from contextlib import closing
+from datetime import UTC, datetime
 from pathlib import Path
 
 from sqlalchemy import func, insert, select
 
-from service.errors import ConflictError, StoreError
+from service.errors import ConflictError, SpaceError, StoreError
 from service.storage.database import Database
+from service.storage.dialects.sqlite import PRIVATE
 from service.storage.schema import metadata
 from service.storage.tables import document, store
 
@@ -35,6 +39,39 @@ def backup(database: Database, target: Path) -> int:
         copy.close()
         part.unlink(missing_ok=True)
     return target.stat().st_size
+
+
+def upgrade(database: Database) -> Path | None:
+    """Bring a store to this program's schema, or make a new one. Answers where an SQLite store is kept as it was; None
+    where nothing was upgraded, or the store is a server's, which has backups of its own.
+
+    SpaceError where there is no room for the copy: then nothing is upgraded.
+    """
+    found, wanted = database.schema_versions()
+    path = database.dialect.file
+    kept = None
+    if path is not None and found is not None and wanted is not None and found < wanted:
+        kept = path.with_name(f"{path.name}.schema-{found}.{datetime.now(UTC):%Y%m%dT%H%M%SZ}.backup")
+        _copy_file(path, kept)
+    database.migrate()
+    return kept
+
+
+def _copy_file(path: Path, target: Path) -> None:
+    """Copy an SQLite store as it is while others use it. SpaceError."""
+    os.close(os.open(target, os.O_CREAT | os.O_EXCL | os.O_RDWR, PRIVATE))
+    try:
+        with closing(sqlite3.connect(path)) as source, closing(sqlite3.connect(target)) as copy:
+            source.backup(copy)
+            copy.execute("PRAGMA journal_mode=DELETE")
+    except sqlite3.Error as error:
+        target.unlink()
+        if getattr(error, "sqlite_errorcode", None) != sqlite3.SQLITE_FULL:
+            raise
+        raise SpaceError(
+            f"There is no room to copy the store to {target}, so it was not upgraded.",
+            remedy=f"Make {path.stat().st_size / 1e6:,.0f} MB of room on that disk, then try again.",
+        ) from error
 
 
 def restore(database: Database, source: Path) -> int:
