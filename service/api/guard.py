@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import re
+import sys
 import time
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
@@ -20,13 +21,14 @@ from service.api.policy import DEFAULTS, ONLY_TLS
 from service.api.problems import answer, plain
 from service.api.sessions import LOGIN_PATH, login_page
 from service.api.traffic import FOLLOWING, Traffic
-from service.errors import McmlError
+from service.errors import McmlError, SpaceError
 from service.settings import Settings
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 
+START_AGAIN = "Make room on the disk of the store, then start the server again."
 LOGIN_WORDS = "This repository opens with an account or a token."
 SAFE_METHODS = {"GET", "HEAD", "OPTIONS"}
 COUNTED_METHODS = SAFE_METHODS | {"POST", "PUT", "PATCH", "DELETE"}
@@ -56,7 +58,7 @@ class Guard:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
-            await self.app(scope, receive, send)
+            await self.app(scope, receive, _in_words(send))
             return
         began = time.perf_counter()
         scope = as_the_client_sent_it(scope, self.proxies)
@@ -170,6 +172,19 @@ class Guard:
         if length.isdigit() and (len(length) > 18 or int(length) > self.max_bytes):
             return plain(413, f"The request has {length} bytes, the limit is {self.max_bytes}.", "Send it in parts.")
         return None
+
+
+def _in_words(send: Send) -> Send:
+    """Tells a start that fails for a reason of ours as this reason, in the place of a traceback."""
+
+    async def told(message: MutableMapping[str, Any]) -> None:
+        error = sys.exc_info()[1]
+        if message["type"] == "lifespan.startup.failed" and isinstance(error, McmlError):
+            remedy = START_AGAIN if isinstance(error, SpaceError) else error.remedy
+            message = {**message, "message": f"{error.what} {remedy or ''}".strip()}
+        await send(message)
+
+    return told
 
 
 def _is_page(scope: Scope, headers: Headers) -> bool:
