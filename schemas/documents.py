@@ -20,6 +20,7 @@ from schemas.examples import (
     TIME,
     shown,
 )
+from schemas.frame_time import FrameTime
 from schemas.media import MediaInfo
 from schemas.problem import Problem
 from schemas.request_body import RequestBody
@@ -281,7 +282,7 @@ class DocumentChange(RequestBody):
     properties: list[Property] | None = None
     unit: str | None = None
     up: str | None = None
-    frame_time: str | None = Field(None, description="Seconds a frame, as a decimal text")
+    frame_time: FrameTime | None = Field(None, description="Seconds a frame: a number, or a text such as 1/120")
     message: str = Field("", max_length=4096, description="Why, for the history")
 
 

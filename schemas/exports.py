@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import ConfigDict, Field
 
 from schemas.examples import PROJECT, shown
+from schemas.frame_time import FrameTime
 from schemas.jobs import Selection
 from schemas.request_body import RequestBody
 
@@ -21,5 +22,5 @@ class ExportRequest(RequestBody):
     names: str | None = Field(None, description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's")
     unit: str | None = Field(None, description="Scale lengths to this unit; the documents must state their own")
     up: str | None = Field(None, description="Turn so that this axis points up")
-    frame_time: str | None = Field(None, description="Seconds a frame, for documents that do not say")
+    frame_time: FrameTime | None = Field(None, description="Seconds a frame, for documents that do not say")
     raw: bool = Field(False, description="csv: also texts that spreadsheets take for formulas as they are")

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from mcml.choosing import id_of
-from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
+from schemas.queries import NodeItem, RunItem, ScalarItem, ValueItem
 from service.cli.shared import (
     DatabaseOption,
     ForceOption,
@@ -76,11 +76,11 @@ def xpath(
         "with": with_,
     }
     if form in STREAMS:
-        found = client.call("post_query", request=QueryRequest(**asked, limit=limit, **{"as": form}))
+        found = client.call("post_query", request=dict(**asked, limit=limit, **{"as": form}))
         write_blocks(found.blocks, output, force=force)
         return
     limit = limit or 1000
-    request = QueryRequest(**asked, limit=limit, **{"as": form})
+    request = dict(**asked, limit=limit, **{"as": form})
     answer = client.call("post_query", request=request)
     if as_json:
         print_json(answer)

@@ -10,6 +10,7 @@ from pydantic import Field
 from schemas.elements import TextFound, TextPlace
 from schemas.examples import MCML
 from schemas.exports import ExportRequest
+from schemas.frame_time import FrameTime
 from service.actions.exporting.export_motion import ExportOptions
 from service.actions.exporting.export_motion import export_document as exported
 from service.actions.exporting.text_windows import find_text as find
@@ -74,7 +75,11 @@ def export_document(
     up: Annotated[str | None, Field(description="Turn so that this axis points up", examples=["Z"])] = None,
     original: Annotated[bool, Field(description="Answer the kept bytes of an unedited document")] = True,
     frame_time: Annotated[
-        str | None, Field(description="Seconds a frame, where the document does not say", examples=["0.0083333"])
+        FrameTime | None,
+        Field(
+            description="Seconds a frame, where the document does not say, as 0.0083333 or 1/120",
+            examples=["0.0083333"],
+        ),
     ] = None,
     raw: Raw = False,
 ) -> Content:

@@ -51,7 +51,7 @@ class ExportOptions:
     up: str | None = None
     pretty: bool = False
     original: bool = True
-    frame_time: str | None = None
+    frame_time: str | float | None = None
     raw: bool = False
 
     @property
@@ -157,11 +157,11 @@ def _kept(tx: Transaction, stored: StoredDocument, part: str | None) -> Export |
     return Export(f"{file_stem(stored.name)}.zip", "application/zip", zipped(files.items()))
 
 
-def _timed(source: StoredClip, frame_time: str | None) -> StoredClip:
+def _timed(source: StoredClip, frame_time: str | float | None) -> StoredClip:
     """The clip with a frame time, where it states none. Raises ConversionError where it states another."""
     if frame_time is None:
         return source
-    check_frame_time(frame_time)
+    frame_time = check_frame_time(frame_time)
     head = source.clip.head
     stated = head.seconds_per_frame()
     if stated is not None and not math.isclose(stated, float(frame_time), rel_tol=1e-6):

@@ -1995,7 +1995,7 @@ export interface components {
             translation: "auto" | "absolute" | "relative";
             unit?: string | null;
             up?: string | null;
-            frame_time?: string | null;
+            frame_time?: string | number | null;
             skeleton?: string | null;
             /**
              * @default new
@@ -2456,7 +2456,7 @@ export interface components {
             properties?: components["schemas"]["Property"][] | null;
             unit?: string | null;
             up?: string | null;
-            frame_time?: string | null;
+            frame_time?: string | number | null;
             /** @default  */
             message: string;
         };
@@ -2557,7 +2557,7 @@ export interface components {
             names?: string | null;
             unit?: string | null;
             up?: string | null;
-            frame_time?: string | null;
+            frame_time?: string | number | null;
             /** @default false */
             raw: boolean;
         };
@@ -5163,7 +5163,7 @@ export interface operations {
                 unit?: string | null;
                 up?: string | null;
                 original?: boolean;
-                frame_time?: string | null;
+                frame_time?: string | number | null;
                 raw?: boolean;
             };
             header?: never;
