@@ -167,8 +167,14 @@ EXTRAS = {"arrow": "pyarrow", "audio": "librosa", "plots": "matplotlib", "usd": 
 """What can be installed beside the program, and a module of it."""
 
 
-def doctor(database: DatabaseOption = None) -> None:
+def doctor(
+    database: DatabaseOption = None,
+    project: Annotated[
+        str | None, typer.Option(help="Look at the documents of this project alone, for what would be read otherwise")
+    ] = None,
+) -> None:
     """Say what this installation has, what it lacks, and how to mend it."""
+    from service.cli.differing import tell_differing
     from service.clips.bodies import MADE
     from service.storage.replica import Replica
     from service.xpath.library.part_file import path_of, why_not
@@ -231,6 +237,9 @@ def doctor(database: DatabaseOption = None) -> None:
                 f"{count - missing:,} of {count:,} documents have theirs",
                 remedy=f"{way}: mcml {'serve, or mcml ' * settings.derive}db derive." if missing else "",
             )
+            with store.read() as tx:
+                listed = len(tx.documents.uuids(DocumentFilter(project=project)))
+            tell_differing(store, project, listed)
             place = path_of(store, settings.cache_dir)
             trouble = "" if place is None else why_not(place)
             if place is None:
