@@ -14,11 +14,11 @@ RUN useradd --create-home --uid 10001 mcml
 COPY --from=build /wheels /wheels
 RUN pip install --no-cache-dir --no-index --find-links /wheels "mcml-repository[plots,openid]" && rm -rf /wheels
 USER mcml
-# Made by its owner, or Docker would make the volume's folder as root.
-RUN mkdir /home/mcml/data
+# Made by their owner, or Docker would make the volumes' folders as root.
+RUN mkdir /home/mcml/data /home/mcml/cache /home/mcml/backups
 ENV MCML_HOST=0.0.0.0 MCML_PORT=8000 XDG_DATA_HOME=/home/mcml/data
 VOLUME /home/mcml/data
 EXPOSE 8000
 HEALTHCHECK --interval=10s --timeout=3s --start-period=20s \
-  CMD ["python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:8000/readyz', timeout=2)"]
+  CMD ["python", "-c", "import urllib.request; urllib.request.urlopen('http://127.0.0.1:8000/healthz', timeout=2)"]
 CMD ["mcml", "serve"]

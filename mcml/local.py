@@ -61,8 +61,9 @@ def _holding(held: ExitStack, blocks: Iterator[bytes | memoryview]) -> Iterator[
 
 
 def open_store(address: str) -> Local:
-    """A store by its file or SQLAlchemy URL, brought to this program's schema; a file that is not there is made."""
+    """A store by its file or SQLAlchemy URL; a file that is not there is made. StoreError for an older schema, which
+    `mcml db upgrade` upgrades."""
     settings = Settings(database=address if "://" in address else f"sqlite:///{address}")
     database = Database(settings.database_url)
-    database.migrate()
+    database.make_or_require()
     return Local(database, settings, owned=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from fractions import Fraction
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 
 from mcml.files import Files, check_free, opened_files, paths_of, write_file
 from mcml.frames import Frames
+from service.actions.checking.check_names import check_frame_time
 from service.actions.exporting.convert_files import Converted, convert_files, files_to_write, format_of
 from service.actions.reading.gather_files import gathered
 from service.actions.reading.import_options import ImportOptions
@@ -61,16 +63,18 @@ class Motion:
         return Frames.of(values, found.columns, np.arange(len(values)) * seconds, ids)
 
 
-def read(files: Files, *, encoding: str | None = None, frame_time: str | None = None) -> Motion:
+def read(files: Files, *, encoding: str | None = None, frame_time: str | float | Fraction | None = None) -> Motion:
     """The one motion in a file, or in several that belong together (ASF and AMC).
 
-    encoding: of their text, if it is not UTF-8. frame_time: seconds a frame, where they do not say.
+    encoding: of their text, if it is not UTF-8. frame_time: seconds a frame, where they do not say, as a number or a
+    text such as "1/120".
     Raises Error: what is wrong, in which line, and how to mend it.
 
     >>> read("walk.bvh").frames("Root", space="positions").shape
     (240, 1, 3)
     """
-    options = ImportOptions(encoding=encoding, frame_time=frame_time)
+    seconds = None if frame_time is None else check_frame_time(frame_time)
+    options = ImportOptions(encoding=encoding, frame_time=seconds)
     settings = Settings()
     with opened_files(files) as sources, gathered(sources, settings) as found:
         for _, error in found.problems:
@@ -78,7 +82,7 @@ def read(files: Files, *, encoding: str | None = None, frame_time: str | None = 
         if len(found.clips) != 1:
             raise FormatError(f"The files hold {len(found.clips)} motions, not one.", remedy="Read one at a time.")
         opened = open_clip(found.clips[0], options, settings)
-        head = to_head(opened.document, frame_time or opened.stream.head.frame_time)
+        head = to_head(opened.document, seconds or opened.stream.head.frame_time)
         return Motion(Path(found.clips[0].name).stem, opened.stream.with_head(head))
 
 

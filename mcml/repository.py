@@ -16,8 +16,8 @@ from mcml.client import Client
 from mcml.files import write_file
 from mcml.folders import Told, import_paths
 from mcml.frames import Frames
-from schemas.documents import DocumentChange, DocumentDetail, DocumentSummary, FileProblem, Label, LabelRequest
-from schemas.queries import NodeItem, QueryAnswer, QueryRequest, RunItem, ScalarItem, ValueItem
+from schemas.documents import DocumentDetail, DocumentSummary, FileProblem, Label
+from schemas.queries import NodeItem, QueryAnswer, RunItem, ScalarItem, ValueItem
 from schemas.skeletons import SkeletonView
 from service.actions.exporting.convert_files import files_to_write, format_of
 from service.actions.reading.read_numbers import Space
@@ -220,7 +220,7 @@ class Query:
     def _pages(self, form: str) -> Iterator[QueryAnswer]:
         cursor: str | None = None
         while True:
-            asked = QueryRequest(q=self._expression, cursor=cursor, limit=1000, **self._asked, **{"as": form})
+            asked = {"q": self._expression, "cursor": cursor, "limit": 1000, **self._asked, "as": form}
             page: QueryAnswer = self._client.call("post_query", request=asked)
             yield page
             cursor = page.next_cursor
@@ -312,19 +312,22 @@ class Document:
 
     def rename(self, name: str, message: str = "") -> Document:
         """Give it another name."""
-        return self._change(DocumentChange(name=name, message=message))
+        return self._change(name=name, message=message)
 
     def move(self, project: str, message: str = "") -> Document:
         """Move it to a project, which is made if it is new."""
-        return self._change(DocumentChange(project=project, message=message))
+        return self._change(project=project, message=message)
 
-    def set(self, message: str = "", **facts: str) -> Document:
-        """State what its file does not say: unit, up, frame_time, description. Nothing is converted."""
-        return self._change(DocumentChange.model_validate(facts | {"message": message}))
+    def set(self, message: str = "", **facts: Any) -> Document:
+        """State what its file does not say: unit, up, description, frame_time (a number, or a text such as "1/120").
+
+        Nothing is converted.
+        """
+        return self._change(**facts, message=message)
 
     def label(self, name: str, first: int = 1, last: int | None = None) -> Document:
         """Name frames first to last."""
-        asked = LabelRequest(name=name, first=first, last=len(self) if last is None else last)
+        asked = {"name": name, "first": first, "last": len(self) if last is None else last}
         self._call("add_labels", labels=[asked], if_match="*")
         return self.refresh()
 
@@ -337,7 +340,7 @@ class Document:
         """Hide it; the operation restore_document brings it back."""
         self._call("delete_document", if_match="*")
 
-    def _change(self, change: DocumentChange) -> Document:
+    def _change(self, **change: Any) -> Document:
         self._call("change_document", change=change, if_match="*")
         return self.refresh()
 

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import TIME, shown
+from schemas.request_body import RequestBody
 
 Role: TypeAlias = Literal["member", "reader", "editor", "owner"]
 """In the repository: of all its projects; a member has a role in some of them alone."""
@@ -70,26 +71,26 @@ class AccountList(BaseModel):
     items: list[AccountView]
 
 
-class AccountChange(BaseModel):
+class AccountChange(RequestBody):
     """What is left out stays."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"role": "reader"}))
+    model_config = ConfigDict(json_schema_extra=shown({"role": "reader"}))
 
     role: Role | None = None
     closed: bool | None = Field(None, description="Closed accounts open nothing; their tokens and sessions end")
 
 
-class PasswordChange(BaseModel):
+class PasswordChange(RequestBody):
     model_config = ConfigDict(
-        extra="forbid", json_schema_extra=shown({"current": "four words in a row", "new": "five other words in a row"})
+        json_schema_extra=shown({"current": "four words in a row", "new": "five other words in a row"})
     )
 
     current: str = Field(max_length=256)
     new: str = Field(max_length=256)
 
 
-class InvitationRequest(BaseModel):
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"role": "editor", "hours": 72}))
+class InvitationRequest(RequestBody):
+    model_config = ConfigDict(json_schema_extra=shown({"role": "editor", "hours": 72}))
 
     role: Role = "editor"
     project: str | None = Field(None, min_length=1, max_length=256, description="Where alone the role is given")
@@ -123,8 +124,8 @@ class InvitationList(BaseModel):
     items: list[InvitationView]
 
 
-class TokenRequest(BaseModel):
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"name": "render-farm", "scope": "read"}))
+class TokenRequest(RequestBody):
+    model_config = ConfigDict(json_schema_extra=shown({"name": "render-farm", "scope": "read"}))
 
     name: str = Field(min_length=1, max_length=256, description="What uses it")
     scope: Scope = Field("read", description="What it may do; no more than who makes it")
@@ -180,7 +181,7 @@ class MemberList(BaseModel):
     items: list[MemberView]
 
 
-class MemberChange(BaseModel):
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"role": "editor"}))
+class MemberChange(RequestBody):
+    model_config = ConfigDict(json_schema_extra=shown({"role": "editor"}))
 
     role: ProjectRole

@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import shown
+from schemas.request_body import RequestBody
 
 _VIEW = {
     "unit": {"value": "cm", "metres": 0.01, "origin": "stated", "reason": "cm"},
@@ -51,11 +52,10 @@ class Calibration(BaseModel):
     kept: bool = Field(description="Whether the body is kept; else each question works it out (`mcml db derive`)")
 
 
-class CalibrationChange(BaseModel):
+class CalibrationChange(RequestBody):
     """What is left out stays; null goes back to what the file says or shows."""
 
     model_config = ConfigDict(
-        extra="forbid",
         coerce_numbers_to_str=True,
         json_schema_extra=shown({"unit": "cm", "floor": 0.0, "reference": "24"}),
     )

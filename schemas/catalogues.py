@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import HASH, MOTION_NAME, PROJECT, shown
+from schemas.request_body import RequestBody
 
 _BVH = {
     "name": "bvh",
@@ -152,10 +153,10 @@ class ProjectView(BaseModel):
     most_bytes: int | None = None
 
 
-class ProjectChange(BaseModel):
+class ProjectChange(RequestBody):
     """What is left out stays."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"archived": True}))
+    model_config = ConfigDict(json_schema_extra=shown({"archived": True}))
 
     archived: bool | None = Field(None, description="Nothing in an archived project changes")
     most_documents: int | None = Field(

@@ -9,6 +9,7 @@ from pydantic import Base64Bytes, BaseModel, ConfigDict, Field, model_validator
 from schemas.documents import DocumentChange, LabelRequest
 from schemas.elements import Edit
 from schemas.examples import FRAME_BONE, LABEL_REQUEST, shown
+from schemas.request_body import RequestBody
 
 _CHANGES = {
     "frames": [{"first": 100, "columns": ["left_up_leg.Rx"], "values": [[45.2], [None], [45.9]]}],
@@ -28,11 +29,9 @@ _CONFLICT = {
 }
 
 
-class FrameBlock(BaseModel):
+class FrameBlock(RequestBody):
     """Samples of consecutive frames: `values`, rows of numbers; or `data`, the same as little-endian doubles, row after
     row, as base64. null, or NaN, leaves a sample as it is."""
-
-    model_config = ConfigDict(extra="forbid")
 
     first: int = Field(ge=1, le=2**31 - 1, description="Frame of the first row")
     columns: list[str] = Field(min_length=1, max_length=100_000, description="BONE.CHANNEL of each column")
@@ -46,11 +45,11 @@ class FrameBlock(BaseModel):
         return self
 
 
-class ChangeSet(BaseModel):
+class ChangeSet(RequestBody):
     """What shall change: everything is said of the document as it is before any of it. labels: all that it shall have
     afterwards; left out, they stay."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_CHANGES))
+    model_config = ConfigDict(json_schema_extra=shown(_CHANGES))
 
     frames: list[FrameBlock] = Field(default_factory=list, max_length=10_000)
     elements: list[Edit] = Field(default_factory=list, max_length=10_000)

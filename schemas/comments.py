@@ -7,6 +7,7 @@ from typing import Annotated, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from schemas.examples import CURSOR, TIME, shown
+from schemas.request_body import RequestBody
 
 Text: TypeAlias = Annotated[
     str,
@@ -28,10 +29,10 @@ _COMMENT = {
 }
 
 
-class CommentRequest(BaseModel):
+class CommentRequest(RequestBody):
     """About the document as a whole, or some of its frames, or one joint, or one joint in some frames."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"text": _TEXT, **_PLACE}))
+    model_config = ConfigDict(json_schema_extra=shown({"text": _TEXT, **_PLACE}))
 
     text: Text
     first: int | None = Field(None, ge=1, le=2**31 - 1, description="First frame, a position from 1")
@@ -46,8 +47,8 @@ class CommentRequest(BaseModel):
         return self
 
 
-class CommentChange(BaseModel):
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"text": _TEXT}))
+class CommentChange(RequestBody):
+    model_config = ConfigDict(json_schema_extra=shown({"text": _TEXT}))
 
     text: Text
 

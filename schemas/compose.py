@@ -8,13 +8,12 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT, shown
 from schemas.frames import PreviewMotion
+from schemas.request_body import RequestBody
 from schemas.retarget import WantedMapping
 
 
-class Layer(BaseModel):
+class Layer(RequestBody):
     """Bones that move as in another clip, frame by frame from frame `at` of the segment on."""
-
-    model_config = ConfigDict(extra="forbid")
 
     document: str
     first: int = Field(1, ge=1)
@@ -26,10 +25,8 @@ class Layer(BaseModel):
     mapping: WantedMapping = None
 
 
-class Segment(BaseModel):
+class Segment(RequestBody):
     """Frames of a document, or the runs of frames that an XPath expression finds, in order."""
-
-    model_config = ConfigDict(extra="forbid")
 
     document: str | None = Field(None, description="Document; with `xpath`: look only there", examples=[DOCUMENT])
     revision: int | None = Field(None, ge=1)
@@ -55,11 +52,10 @@ class Segment(BaseModel):
         return self
 
 
-class ComposeRequest(BaseModel):
+class ComposeRequest(RequestBody):
     """A new document of segments, one after the other."""
 
     model_config = ConfigDict(
-        extra="forbid",
         json_schema_extra=shown(
             {
                 "segments": [
@@ -150,10 +146,10 @@ class Composed(BaseModel):
     motion: PreviewMotion | None = Field(None, description="Positions, if asked")
 
 
-class SplitRequest(BaseModel):
+class SplitRequest(RequestBody):
     """Where a document is cut: before some frames, or around the frames of a motion name."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"at": [101, 241]}, {"label": MOTION_NAME}))
+    model_config = ConfigDict(json_schema_extra=shown({"at": [101, 241]}, {"label": MOTION_NAME}))
 
     at: list[Annotated[int, Field(ge=2)]] = Field([], max_length=1000, description="First frames of parts; 1 is one")
     label: str | None = Field(None, min_length=1, max_length=1024, description="Every range of this name is a part")

@@ -20,8 +20,10 @@ from schemas.examples import (
     TIME,
     shown,
 )
+from schemas.frame_time import FrameTime
 from schemas.media import MediaInfo
 from schemas.problem import Problem
+from schemas.request_body import RequestBody
 from schemas.revisions import FrameRange
 
 _IMPORTED = {
@@ -64,10 +66,10 @@ _CLIP = {
 }
 
 
-class Property(BaseModel):
+class Property(RequestBody):
     """An attribute of the clip, such as the age of the actor."""
 
-    model_config = ConfigDict(json_schema_extra=shown(PROPERTY), extra="forbid")
+    model_config = ConfigDict(json_schema_extra=shown(PROPERTY))
 
     name: str = Field(min_length=1, max_length=256)
     value: str = Field(max_length=262_144)
@@ -267,11 +269,10 @@ class DocumentPage(BaseModel):
     total: int = Field(description="Documents that match, on all pages")
 
 
-class DocumentChange(BaseModel):
+class DocumentChange(RequestBody):
     """What to change; what is left out stays. An empty text removes description, unit or up axis."""
 
     model_config = ConfigDict(
-        extra="forbid",
         json_schema_extra=shown({"name": "walk, second take", "unit": "cm", "up": "Y", "properties": [PROPERTY]}),
     )
 
@@ -281,12 +282,12 @@ class DocumentChange(BaseModel):
     properties: list[Property] | None = None
     unit: str | None = None
     up: str | None = None
-    frame_time: str | None = Field(None, description="Seconds a frame, as a decimal text")
+    frame_time: FrameTime | None = Field(None, description="Seconds a frame: a number, or a text such as 1/120")
     message: str = Field("", max_length=4096, description="Why, for the history")
 
 
-class LabelRequest(BaseModel):
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(LABEL_REQUEST))
+class LabelRequest(RequestBody):
+    model_config = ConfigDict(json_schema_extra=shown(LABEL_REQUEST))
 
     name: str = Field(min_length=1, max_length=1024)
     first: int = Field(ge=1)

@@ -7,15 +7,15 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import ADDRESS, FRAME_BONE, shown
+from schemas.request_body import RequestBody
 
 Path = Annotated[str, Field(min_length=1, max_length=10_000)]
 
 
-class ElementChange(BaseModel):
+class ElementChange(RequestBody):
     """New values of an element: attributes (null removes one) and the text of a leaf; what is left out stays."""
 
     model_config = ConfigDict(
-        extra="forbid",
         json_schema_extra=shown({"attributes": {"Rx": "45.25", "SF": None}, "message": "a spike"}),
     )
 
@@ -24,10 +24,8 @@ class ElementChange(BaseModel):
     message: str = Field("", max_length=4096, description="Why, for the history")
 
 
-class ChangeEdit(BaseModel):
+class ChangeEdit(RequestBody):
     """Change attributes or text."""
-
-    model_config = ConfigDict(extra="forbid")
 
     do: Literal["change"]
     xpath: Path
@@ -35,30 +33,24 @@ class ChangeEdit(BaseModel):
     text: str | None = None
 
 
-class DeleteEdit(BaseModel):
+class DeleteEdit(RequestBody):
     """Delete elements or attributes."""
-
-    model_config = ConfigDict(extra="forbid")
 
     do: Literal["delete"]
     xpath: Path
     renumber: bool = Field(False, description="Ids of frames that counted up by one do so again")
 
 
-class ReplaceEdit(BaseModel):
+class ReplaceEdit(RequestBody):
     """Put other elements in the place of one."""
-
-    model_config = ConfigDict(extra="forbid")
 
     do: Literal["replace"]
     xpath: Path
     fragment: str = Field(description="One or more elements as XML")
 
 
-class InsertEdit(BaseModel):
+class InsertEdit(RequestBody):
     """Put elements beside one, or into it, at its end."""
-
-    model_config = ConfigDict(extra="forbid")
 
     do: Literal["insert"]
     xpath: Path
@@ -66,10 +58,8 @@ class InsertEdit(BaseModel):
     fragment: str = Field(description="One or more elements as XML")
 
 
-class MoveEdit(BaseModel):
+class MoveEdit(RequestBody):
     """Take an element from its place and put it beside another, or into it."""
-
-    model_config = ConfigDict(extra="forbid")
 
     do: Literal["move"]
     xpath: Path
@@ -80,14 +70,13 @@ class MoveEdit(BaseModel):
 Edit = Annotated[ChangeEdit | DeleteEdit | ReplaceEdit | InsertEdit | MoveEdit, Field(discriminator="do")]
 
 
-class ElementEdits(BaseModel):
+class ElementEdits(RequestBody):
     """Edits that become one revision: all, or none.
 
     Every expression means the document as it was before the first of them.
     """
 
     model_config = ConfigDict(
-        extra="forbid",
         json_schema_extra=shown(
             {
                 "edits": [

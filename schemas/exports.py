@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
 from schemas.examples import PROJECT, shown
+from schemas.frame_time import FrameTime
 from schemas.jobs import Selection
+from schemas.request_body import RequestBody
 
 
-class ExportRequest(BaseModel):
+class ExportRequest(RequestBody):
     """Which documents, and as what."""
 
-    model_config = ConfigDict(
-        extra="forbid", json_schema_extra=shown({"selection": {"project": PROJECT}, "format": "bvh"})
-    )
+    model_config = ConfigDict(json_schema_extra=shown({"selection": {"project": PROJECT}, "format": "bvh"}))
 
     selection: Selection = Field(description="Which documents")
     format: str = Field(
@@ -22,4 +22,5 @@ class ExportRequest(BaseModel):
     names: str | None = Field(None, description="Joint names: mcml, bvh1, bvh2, asf or htr; default the source's")
     unit: str | None = Field(None, description="Scale lengths to this unit; the documents must state their own")
     up: str | None = Field(None, description="Turn so that this axis points up")
-    frame_time: str | None = Field(None, description="Seconds a frame, for documents that do not say")
+    frame_time: FrameTime | None = Field(None, description="Seconds a frame, for documents that do not say")
+    raw: bool = Field(False, description="csv: also texts that spreadsheets take for formulas as they are")

@@ -7,13 +7,12 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import DOCUMENT, shown
+from schemas.request_body import RequestBody
 
 Position = Annotated[int, Field(ge=1, le=2**31 - 1)]
 
 
-class _Range(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
+class _Range(RequestBody):
     first: Position = Field(description="First frame, a position from 1")
     last: Position = Field(description="Last frame, included")
 
@@ -66,7 +65,7 @@ class SmoothFrames(_Range):
 
     do: Literal["smooth"]
     seconds: float = Field(0.05, gt=0, le=10, description="Standard deviation")
-    bones: Bones = []
+    bones: Bones = Field([])
     ease: Ease = 0
 
 
@@ -77,14 +76,12 @@ class AdjustFrames(_Range):
     channels: list[Literal["Tx", "Ty", "Tz", "Rx", "Ry", "Rz", "SF", "residual"]] = Field(min_length=1)
     factor: float = Field(1.0, ge=-1e9, le=1e9)
     offset: float = Field(0.0, ge=-1e12, le=1e12, description="In the channel's own unit")
-    bones: Bones = []
+    bones: Bones = Field([])
     ease: Ease = 0
 
 
-class ResampleFrames(BaseModel):
+class ResampleFrames(RequestBody):
     """Bring the whole document to another frame rate; rotations on the shortest way between two frames."""
-
-    model_config = ConfigDict(extra="forbid")
 
     do: Literal["resample"]
     rate: float = Field(gt=0, le=100_000, description="Frames a second")
@@ -104,11 +101,10 @@ FrameEdit = Annotated[
 ]
 
 
-class FrameEdits(BaseModel):
+class FrameEdits(RequestBody):
     """Changes, one after the other, as one revision: all or none."""
 
     model_config = ConfigDict(
-        extra="forbid",
         json_schema_extra=shown(
             {"edits": [{"do": "keep", "first": 100, "last": 400}, {"do": "reverse", "first": 1, "last": 301}]}
         ),
@@ -119,12 +115,10 @@ class FrameEdits(BaseModel):
     message: str = Field("", max_length=4096, description="Why, for the history")
 
 
-class FrameValues(BaseModel):
+class FrameValues(RequestBody):
     """Rows of numbers, a row a frame, a column for each bone and channel."""
 
-    model_config = ConfigDict(
-        json_schema_extra=shown({"columns": ["left_up_leg.Rx"], "values": [[45.2], [45.9]]}), extra="forbid"
-    )
+    model_config = ConfigDict(json_schema_extra=shown({"columns": ["left_up_leg.Rx"], "values": [[45.2], [45.9]]}))
 
     columns: list[str] = Field(min_length=1, max_length=100_000, description="BONE.CHANNEL of each column")
     values: list[list[float]] = Field(min_length=1)

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from schemas.analyses.dance import Music
 from schemas.examples import CURSOR, DOCUMENT, JOB, PROJECT, RESULT, TIME, shown
 from schemas.problem import Problem
+from schemas.request_body import RequestBody
 
 _SELECTION = {"project": PROJECT, "property": ["age:20..30"]}
 _INPUT = {"document": DOCUMENT, "revision": 1}
@@ -53,10 +54,10 @@ _ANALYSIS = {
 }
 
 
-class Selection(BaseModel):
+class Selection(RequestBody):
     """Which documents an analysis reads: those that fulfil every condition that is given, at least one."""
 
-    model_config = ConfigDict(json_schema_extra=shown(_SELECTION), extra="forbid")
+    model_config = ConfigDict(json_schema_extra=shown(_SELECTION))
 
     documents: list[str] = Field([], max_length=10_000, description="Ids of documents")
     project: str | None = Field(None, description="All of this project", examples=[PROJECT])
@@ -219,10 +220,8 @@ class AnalysisList(BaseModel):
     items: list[AnalysisInfo]
 
 
-class Saving(BaseModel):
+class Saving(RequestBody):
     """Whether the clip that an operation makes becomes a document, and under which name."""
-
-    model_config = ConfigDict(extra="forbid")
 
     save: bool = Field(False, description="Store the clip as a document")
     name: str | None = Field(

@@ -6,12 +6,13 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import MOTION_NAME, PROJECT, QUERY, shown
 from schemas.queries import MOST_DOCUMENTS
+from schemas.request_body import RequestBody
 
 
-class LabelChange(BaseModel):
+class LabelChange(RequestBody):
     """What becomes of a label; what is left out stays."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"name": MOTION_NAME, "last": 150}))
+    model_config = ConfigDict(json_schema_extra=shown({"name": MOTION_NAME, "last": 150}))
 
     name: str | None = Field(None, min_length=1, max_length=1024)
     first: int | None = Field(None, ge=1)
@@ -19,12 +20,10 @@ class LabelChange(BaseModel):
     split: int | None = Field(None, ge=2, description="Make two of it; the second begins with this frame")
 
 
-class LabelQuery(BaseModel):
+class LabelQuery(RequestBody):
     """A motion name for every frame that an expression selects, or in which it selects something."""
 
-    model_config = ConfigDict(
-        extra="forbid", json_schema_extra=shown({"name": "raised", "xpath": QUERY, "project": PROJECT})
-    )
+    model_config = ConfigDict(json_schema_extra=shown({"name": "raised", "xpath": QUERY, "project": PROJECT}))
 
     name: str = Field(min_length=1, max_length=1024)
     xpath: str = Field(min_length=1, max_length=10_000)

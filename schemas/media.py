@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import HASH, shown
+from schemas.request_body import RequestBody
 
 
 class MediaInfo(BaseModel):
@@ -23,9 +24,9 @@ class MediaInfo(BaseModel):
     offset: float = Field(description="Seconds in it at the first frame of the motion")
 
 
-class MediaChange(BaseModel):
+class MediaChange(RequestBody):
     """Where the motion begins in it."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"offset": 1.3}))
+    model_config = ConfigDict(json_schema_extra=shown({"offset": 1.3}))
 
     offset: float = Field(ge=-86_400, le=86_400, description="Seconds in it at the first frame of the motion")

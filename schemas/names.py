@@ -7,23 +7,24 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import DOCUMENT, PROJECT, TIME, shown
+from schemas.request_body import RequestBody
 
 _NAME = Field(min_length=1, max_length=1024)
 
 
-class Alias(BaseModel):
+class Alias(RequestBody):
     """source: a name in files; case and punctuation do not count. name: MCML's own, which it means."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(frozen=True)
 
     source: Annotated[str, _NAME]
     name: Annotated[str, _NAME]
 
 
-class SavedAliases(BaseModel):
+class SavedAliases(RequestBody):
     """All aliases of a project."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"items": [{"source": "Hüfte", "name": "Root"}]}))
+    model_config = ConfigDict(json_schema_extra=shown({"items": [{"source": "Hüfte", "name": "Root"}]}))
 
     items: list[Alias] = Field(min_length=1, max_length=10_000)
 

@@ -7,14 +7,15 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import TIME, shown
+from schemas.request_body import RequestBody
 
 _PRESENT = {"name": "kim", "doing": "editing", "since": TIME}
 
 
-class PresenceRequest(BaseModel):
+class PresenceRequest(RequestBody):
     """tab: which of several windows of the same person, each of which says what is done there."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"doing": "editing", "tab": "t1"}))
+    model_config = ConfigDict(json_schema_extra=shown({"doing": "editing", "tab": "t1"}))
 
     doing: Literal["viewing", "editing"] = "viewing"
     tab: str = Field("", max_length=36, pattern="^[0-9a-zA-Z-]*$")

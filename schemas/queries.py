@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import CURSOR, DOCUMENT, NODE, QUERY, shown
+from schemas.request_body import RequestBody
 
 WITH = r"^(totals|range)(,(totals|range))*$"
 MOST_DOCUMENTS = 10_000
@@ -117,11 +118,10 @@ class QueryAnswer(BaseModel):
     explain: Explain | None = None
 
 
-class QueryRequest(BaseModel):
+class QueryRequest(RequestBody):
     """An XPath question in a body, for long expressions."""
 
     model_config = ConfigDict(
-        extra="forbid",
         populate_by_name=True,
         json_schema_extra=shown({"q": QUERY, "document": [DOCUMENT], "as": "runs", "explain": True}),
     )
@@ -142,6 +142,7 @@ class QueryRequest(BaseModel):
         "yes", description="no: functions of bodies leave out documents whose unit, up axis or floor is guessed"
     )
     explain: bool = False
+    raw: bool = Field(False, description="csv: also texts that spreadsheets take for formulas as they are")
     with_: str | None = Field(None, alias="with", pattern=WITH, description="Of runs: totals, range, or both")
     variables: dict[str, str | float | bool] = Field(
         default_factory=dict, max_length=100, description="Values of $name in the expression"

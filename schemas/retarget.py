@@ -10,12 +10,13 @@ from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT, TIME, example_of, s
 from schemas.frames import PreviewMotion
 from schemas.jobs import Selection
 from schemas.problem import Problem
+from schemas.request_body import RequestBody
 
 
-class JointPair(BaseModel):
+class JointPair(RequestBody):
     """A joint of the source and the one of the target that moves as it does, by their MCML names."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(frozen=True)
 
     source: str
     target: str
@@ -28,10 +29,8 @@ WantedMapping = Annotated[
 ]
 
 
-class Retargeting(BaseModel):
+class Retargeting(RequestBody):
     """Whose skeleton, and which joint is which."""
-
-    model_config = ConfigDict(extra="forbid")
 
     skeleton: str = Field(description="Document whose skeleton the motion is brought to", examples=[DOCUMENT])
     mapping: WantedMapping = None
@@ -72,11 +71,10 @@ class RetargetMany(Retargeting):
     selection: Selection = Field(description="Which documents; the one with the skeleton is left out")
 
 
-class SavedMapping(BaseModel):
+class SavedMapping(RequestBody):
     """Which joint is which, under a name, for the documents of a project."""
 
     model_config = ConfigDict(
-        extra="forbid",
         json_schema_extra=shown(
             {"pairs": [{"source": "left_up_leg", "target": "left_hip"}, {"source": "torso7", "target": "waist"}]}
         ),

@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from schemas.examples import CURSOR, DOCUMENT, MOTION_NAME, PROJECT, QUERY, TIME, shown
+from schemas.request_body import RequestBody
 
 _QUERY = {"q": QUERY, "description": "Frames in which the leg is bent."}
 _COLLECTION = {"documents": [DOCUMENT], "description": "The calm takes."}
@@ -18,20 +19,18 @@ _WORDS = {"items": [{"name": MOTION_NAME, "description": "away from the body", "
 _SHORT = Field(None, max_length=1024)
 
 
-class QueryToSave(BaseModel):
+class QueryToSave(RequestBody):
     """An XPath question that is asked again."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_QUERY))
+    model_config = ConfigDict(json_schema_extra=shown(_QUERY))
 
     q: str = Field(min_length=1, max_length=10_000)
     variables: dict[str, str | float | bool] = Field(default_factory=dict, max_length=100)
     description: str = Field("", max_length=4096)
 
 
-class Conditions(BaseModel):
+class Conditions(RequestBody):
     """Conditions, as the list of documents has them."""
-
-    model_config = ConfigDict(extra="forbid")
 
     project: str | None = _SHORT
     q: str | None = _SHORT
@@ -43,10 +42,10 @@ class Conditions(BaseModel):
     rate: str | None = Field(None, max_length=1024, description="LEAST..GREATEST")
 
 
-class CollectionToSave(BaseModel):
+class CollectionToSave(RequestBody):
     """Documents that are named; or conditions, so that it holds whatever fulfils them when it is asked."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_COLLECTION, {"where": {"project": PROJECT}}))
+    model_config = ConfigDict(json_schema_extra=shown(_COLLECTION, {"where": {"project": PROJECT}}))
 
     documents: Annotated[list[str], Field(max_length=100_000)] | None = None
     where: Conditions | None = None
@@ -105,10 +104,10 @@ class CollectionPage(BaseModel):
 Colour = Annotated[str, Field(pattern=r"^(#[0-9A-Fa-f]{6}|[a-z][a-z0-9-]{0,31})$")]
 
 
-class ColoursToSave(BaseModel):
+class ColoursToSave(RequestBody):
     """Colours of motion names: #RRGGBB, or a name that a palette has."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_COLOURS))
+    model_config = ConfigDict(json_schema_extra=shown(_COLOURS))
 
     items: dict[str, Colour] = Field(max_length=10_000)
 
@@ -126,20 +125,20 @@ class Colours(ColoursToSave):
     changed: str
 
 
-class VocabularyWord(BaseModel):
+class VocabularyWord(RequestBody):
     """A motion name that a project agrees on. description: what it means there. colour: of the eight of the studio."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_WORDS["items"][0]))
+    model_config = ConfigDict(json_schema_extra=shown(_WORDS["items"][0]))
 
     name: str = Field(min_length=1, max_length=1024)
     description: str = Field("", max_length=4096)
     colour: int | None = Field(None, ge=0, le=7)
 
 
-class VocabularyToSave(BaseModel):
+class VocabularyToSave(RequestBody):
     """All motion names that a project agrees on, in the order in which they are offered."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_WORDS))
+    model_config = ConfigDict(json_schema_extra=shown(_WORDS))
 
     items: list[VocabularyWord] = Field(min_length=1, max_length=10_000)
 

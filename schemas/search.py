@@ -7,6 +7,7 @@ from typing import Annotated, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from schemas.examples import DOCUMENT, PROJECT, shown
+from schemas.request_body import RequestBody
 
 MOST_HITS = 1_000
 MOST_FRAMES = 2_000
@@ -22,10 +23,10 @@ Point: TypeAlias = Annotated[list[Coordinate], Field(min_length=3, max_length=3)
 Frame: TypeAlias = Annotated[list[Point | None], Field(max_length=MOST_POINTS)]
 
 
-class SearchRequest(BaseModel):
+class SearchRequest(RequestBody):
     """A pose or a motion: frames of a stored document, or joints with their positions."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_ASKED))
+    model_config = ConfigDict(json_schema_extra=shown(_ASKED))
 
     document: str | None = Field(None, description="A document: its id", examples=[DOCUMENT])
     revision: int | None = Field(None, ge=1, le=2**31 - 1, description="Of this document; default the newest")

@@ -7,31 +7,29 @@ from pydantic import BaseModel, ConfigDict, Field
 from schemas.documents import DocumentChange
 from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT, shown
 from schemas.jobs import Selection
+from schemas.request_body import RequestBody
 
 
-class ManyDocuments(BaseModel):
+class ManyDocuments(RequestBody):
     """Documents by their ids."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"documents": [DOCUMENT]}))
+    model_config = ConfigDict(json_schema_extra=shown({"documents": [DOCUMENT]}))
 
     documents: list[str] = Field(min_length=1, max_length=100_000)
 
 
-class ManyLabel(BaseModel):
+class ManyLabel(RequestBody):
     """A motion name on frames of each; without `last`, to its end."""
-
-    model_config = ConfigDict(extra="forbid")
 
     name: str = Field(min_length=1, max_length=1024)
     first: int = Field(1, ge=1)
     last: int | None = Field(None, ge=1)
 
 
-class ManyChanges(BaseModel):
+class ManyChanges(RequestBody):
     """What shall change in each of the documents; their names stay."""
 
     model_config = ConfigDict(
-        extra="forbid",
         json_schema_extra=shown(
             {
                 "selection": {"project": PROJECT},
@@ -46,12 +44,10 @@ class ManyChanges(BaseModel):
     labels: list[ManyLabel] = Field(default_factory=list, max_length=1000)
 
 
-class ManyCopies(BaseModel):
+class ManyCopies(RequestBody):
     """project: where the copies go; a new one is made."""
 
-    model_config = ConfigDict(
-        extra="forbid", json_schema_extra=shown({"selection": {"documents": [DOCUMENT]}, "project": PROJECT})
-    )
+    model_config = ConfigDict(json_schema_extra=shown({"selection": {"documents": [DOCUMENT]}, "project": PROJECT}))
 
     selection: Selection
     project: str = Field(min_length=1, max_length=256)

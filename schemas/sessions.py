@@ -5,15 +5,14 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import shown
+from schemas.request_body import RequestBody
 
 
-class SessionRequest(BaseModel):
+class SessionRequest(RequestBody):
     """What a session is opened with: a token; name and password; or the code of a link or of an invitation, with the
     name and password of the account that is made."""
 
-    model_config = ConfigDict(
-        extra="forbid", json_schema_extra=shown({"name": "kim", "password": "four words in a row"})
-    )
+    model_config = ConfigDict(json_schema_extra=shown({"name": "kim", "password": "four words in a row"}))
 
     token: str | None = Field(None, max_length=256, description="As `mcml token add` made it")
     name: str | None = Field(None, max_length=256, description="Of an account")

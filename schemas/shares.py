@@ -7,6 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.examples import DOCUMENT, PROJECT, TIME, shown
+from schemas.request_body import RequestBody
 
 SharedFormat: TypeAlias = Literal[
     "bvh", "asf-amc", "asf", "amc", "htr", "c3d", "trc", "glb", "usd", "usda", "mot", "sto", "mcml", "csv"
@@ -26,9 +27,8 @@ _SHARE = {
 _MOTION = {"id": DOCUMENT, "name": "walk", "revision": 3, "frames": 1197, "seconds_per_frame": 0.0083333}
 
 
-class ShareRequest(BaseModel):
+class ShareRequest(RequestBody):
     model_config = ConfigDict(
-        extra="forbid",
         json_schema_extra=shown({"name": "for the client", "documents": [DOCUMENT], "formats": ["bvh"], "days": 14}),
     )
 
@@ -76,8 +76,8 @@ class ShareList(BaseModel):
     items: list[ShareView]
 
 
-class SharedRequest(BaseModel):
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"secret": "Jx0…"}))
+class SharedRequest(RequestBody):
+    model_config = ConfigDict(json_schema_extra=shown({"secret": "Jx0…"}))
 
     secret: str = Field(max_length=256, description="What stands behind # in the link")
 

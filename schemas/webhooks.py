@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.activity import ActivityKind
 from schemas.examples import CURSOR, PROJECT, TIME, shown
+from schemas.request_body import RequestBody
 
 _URL = "https://hooks.example/mcml"
 _WEBHOOK = {
@@ -30,9 +31,9 @@ _DELIVERY = {
 }
 
 
-class WebhookRequest(BaseModel):
+class WebhookRequest(RequestBody):
     model_config = ConfigDict(
-        extra="forbid", json_schema_extra=shown({"url": _URL, "project": PROJECT, "kinds": ["document", "comment"]})
+        json_schema_extra=shown({"url": _URL, "project": PROJECT, "kinds": ["document", "comment"]})
     )
 
     url: str = Field(min_length=8, max_length=2000, description="Where messages are sent, with https")

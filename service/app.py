@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import logging
+import os
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import cache
@@ -34,8 +36,10 @@ from service.local_secret import keep_secret, read_secret
 from service.operations import all_operations
 from service.operations.call import Repository
 from service.resources import program_version
-from service.settings import Settings, data_folder
+from service.settings import Settings, data_folder, unknown_variables
 from service.storage.database import Database
+
+log = logging.getLogger("mcml")
 
 EXPOSED = [
     *("ETag", "Link", "Location", "Retry-After", "Content-Disposition", "X-Total-Count", "X-Request-ID"),
@@ -161,6 +165,8 @@ def _routes() -> list[BaseRoute]:
 
 def app_from_environment() -> FastAPI:
     """The service as the environment describes it: what `uvicorn --factory service.app:app_from_environment` serves."""
+    for fault in unknown_variables(os.environ):
+        log.warning("%s", fault)
     folder = data_folder()
     keep_secret(folder)
     return create_app(Settings(), secret=lambda: read_secret(folder), ready=True)

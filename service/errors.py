@@ -164,8 +164,12 @@ class AttemptsError(McmlError):
 class SpaceError(StoreError):
     """The disk is full. Nothing of the request was stored."""
 
-    def __init__(self, what: str = "There is no room left on the disk.") -> None:
-        super().__init__(what, remedy="Make room on the server, then repeat the request.")
+    def __init__(
+        self,
+        what: str = "There is no room left on the disk.",
+        remedy: str = "Make room on the server, then repeat the request.",
+    ) -> None:
+        super().__init__(what, remedy=remedy)
 
 
 def is_full(error: OSError) -> bool:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import ipaddress
 import os
 import sys
+from collections.abc import Iterable
 from contextlib import suppress
+from difflib import get_close_matches
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
@@ -58,6 +60,39 @@ def is_loopback(host: str) -> bool:
 
 def _networks_in(text: str) -> list[ipaddress.IPv4Network | ipaddress.IPv6Network]:
     return [ipaddress.ip_network(part.strip(), strict=False) for part in text.split(",") if part.strip()]
+
+
+OTHERS = frozenset(
+    f"MCML_{name}"
+    for name in (
+        *(
+            "BENCH_SCRUB",
+            "DB_PASSWORD",
+            "FUZZ_SEED",
+            "GLB",
+            "LIBRARIES",
+            "LOAD_SECONDS",
+            "LOAD_STORES",
+            "SHARED",
+            "TEST_LAG",
+        ),
+        *("SERVER", "THUMBNAILS"),
+    )
+)
+"""Variables that are no settings: `docker-compose.yml`, tests and measurements read them."""
+
+
+def unknown_variables(names: Iterable[str]) -> list[str]:
+    """What is wrong with variables of the environment that look like settings and are none, each in a sentence."""
+    known = [f"MCML_{name.upper()}" for name in Settings.model_fields]
+    told = []
+    for name in sorted(names):
+        upper = name.upper()
+        if upper.startswith("MCML_") and upper not in known and upper not in OTHERS:
+            near = get_close_matches(upper, known, 1)
+            hint = f"Did you mean {near[0]}?" if near else "See docs/settings.md."
+            told.append(f"{name} is no setting. {hint}")
+    return told
 
 
 class Settings(BaseSettings):

@@ -10,17 +10,14 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
 from schemas.examples import DOCUMENT
+from schemas.request_body import RequestBody
 
 _DANCE: dict[str, JsonValue] = {"bpm": 120, "bars": 16, "labels": ["bars", "beats"]}
 Seconds = Annotated[float, Field(ge=0, le=1e6)]
 Twofold = Literal["1/2", "1", "2"]
 
 
-class _Parameters(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-
-class ClipBeats(_Parameters):
+class ClipBeats(RequestBody):
     """What a person knows better about one of the clips; the rest is found."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"document": DOCUMENT, "beats_from": "tracked"}]})
@@ -40,7 +37,7 @@ class ClipBeats(_Parameters):
     )
 
 
-class BeatsParameters(_Parameters):
+class BeatsParameters(RequestBody):
     """How beats and bars are found."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"beats_from": "auto", "labels": ["bars"]}]})
@@ -140,7 +137,7 @@ class GraphParameters(BeatsParameters):
     )
 
 
-class EdgesWish(_Parameters):
+class EdgesWish(RequestBody):
     """Another threshold for a graph that was made."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"threshold": 0.08}]})
@@ -189,7 +186,7 @@ class GraphEdges(BaseModel):
     components: list[int]
 
 
-class AllowedBars(_Parameters):
+class AllowedBars(RequestBody):
     """What may be danced at a position, or anywhere. Given together, all must hold."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"position": 1, "bars": [3]}]})
@@ -207,7 +204,7 @@ class AllowedBars(_Parameters):
 BeatsPerBar: TypeAlias = Annotated[int, Field(ge=2, le=4)]
 
 
-class Music(_Parameters):
+class Music(RequestBody):
     """Beats of music, as found in an upload and perhaps corrected."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"beats": [0.4, 0.9, 1.4, 1.9, 2.4], "downbeat": 1}]})

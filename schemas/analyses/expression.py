@@ -11,6 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from schemas.examples import DOCUMENT, shown
+from schemas.request_body import RequestBody
 
 _FRAME = {"document": DOCUMENT, "frame": 120}
 _OTHER = {"document": DOCUMENT, "frame": 183}
@@ -20,10 +21,10 @@ _LINK = {"a": 3, "b": 4, "length_mm": 310.2, "bridge": False}
 _TAKE = {"document": DOCUMENT, "name": "face_001_joy"}
 
 
-class ExpressionParameters(BaseModel):
+class ExpressionParameters(RequestBody):
     """How a space of expressions is built. What is left out follows from the method."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"method": "robust"}))
+    model_config = ConfigDict(json_schema_extra=shown({"method": "robust"}))
 
     method: Literal["robust", "paper"] = Field(
         "robust", description="robust, or paper: as published, with its weak points", examples=["robust"]
@@ -138,10 +139,10 @@ class ExpressionWarning(BaseModel):
     what: str = Field(description="One sentence", examples=["The path crosses a bridge."])
 
 
-class ExpressionStride(BaseModel):
+class ExpressionStride(RequestBody):
     """Which frames' places on the map."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"stride": 4}))
+    model_config = ConfigDict(json_schema_extra=shown({"stride": 4}))
 
     stride: int = Field(1, ge=1, le=100_000, description="Every so many frames", examples=[4])
 
@@ -165,10 +166,10 @@ class ExpressionPoints(BaseModel):
     takes: list[ExpressionTake] = Field(description="All takes of the space")
 
 
-class ExpressionLevelChoice(BaseModel):
+class ExpressionLevelChoice(RequestBody):
     """Which level."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"level": 0}))
+    model_config = ConfigDict(json_schema_extra=shown({"level": 0}))
 
     level: int = Field(0, ge=0, le=20, description="0 is the coarsest", examples=[0])
     most_links: int = Field(
@@ -218,20 +219,20 @@ class ExpressionLevel(BaseModel):
     coverage_mm: float = Field(description="No frame is farther from its candidate on the map", examples=[396.6])
 
 
-class ExpressionKey(ExpressionFrame):
+class ExpressionKey(RequestBody, ExpressionFrame):
     """A captured frame that is a candidate."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_FRAME))
+    model_config = ConfigDict(json_schema_extra=shown(_FRAME))
 
 
 Key = Annotated[int, Field(ge=0, description="Its id, as `level` shows it")] | ExpressionKey
 """A candidate of a level, by its id there or by the frame that it is."""
 
 
-class ExpressionCandidateChoice(BaseModel):
+class ExpressionCandidateChoice(RequestBody):
     """Which candidate's neighbours: by its id, or by the frame that it is."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"level": 0, "id": 3}))
+    model_config = ConfigDict(json_schema_extra=shown({"level": 0, "id": 3}))
 
     level: int = Field(0, ge=0, le=20, description="0 is the coarsest", examples=[0])
     id: int | None = Field(None, ge=0, description="Its id, as `level` shows it", examples=[3])

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from schemas.analyses.expression import ExpressionFrame, ExpressionWarning, Key
 from schemas.examples import DOCUMENT, shown
+from schemas.request_body import RequestBody
 
 _FRAME = {"document": DOCUMENT, "frame": 120}
 _OTHER = {"document": DOCUMENT, "frame": 183}
@@ -16,10 +17,10 @@ _OFFER = {**_OTHER, "segment": 0, "position_mm": 151.4, "apart_mm": 4.8, "accept
 _SAMPLE = {"frame_a": _FRAME, "frame_b": _OTHER, "alpha": 0.25, "position_mm": 77.1}
 
 
-class ExpressionPathWish(BaseModel):
+class ExpressionPathWish(RequestBody):
     """A path over key frames."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"level": 0, "keys": [3, 4]}))
+    model_config = ConfigDict(json_schema_extra=shown({"level": 0, "keys": [3, 4]}))
 
     level: int = Field(0, ge=0, le=20, description="Whose candidates the keys are", examples=[0])
     keys: list[Key] = Field(
@@ -76,10 +77,10 @@ class ExpressionPath(BaseModel):
     warnings: list[ExpressionWarning] = Field(description="bridge-crossed, keys-lost")
 
 
-class ExpressionRefinement(BaseModel):
+class ExpressionRefinement(RequestBody):
     """How a path is refined. With neither keys nor auto nothing is kept: the answer says what is offered."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"level": 3, "auto": True}))
+    model_config = ConfigDict(json_schema_extra=shown({"level": 3, "auto": True}))
 
     level: int = Field(ge=0, le=20, description="Whose candidates are offered", examples=[3])
     keys: list[Key] = Field(
@@ -107,10 +108,10 @@ class ExpressionRefinement(BaseModel):
     )
 
 
-class ExpressionPlayback(BaseModel):
+class ExpressionPlayback(RequestBody):
     """How a path is played."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"fps": 60}))
+    model_config = ConfigDict(json_schema_extra=shown({"fps": 60}))
 
     fps: FiniteFloat = Field(60.0, gt=0, le=1000, description="Frames a second", examples=[60])
     speed_mm_s: FiniteFloat | None = Field(

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 from schemas.examples import DOCUMENT, shown
+from schemas.request_body import RequestBody
 
 _TIMES = {"t1": 6.4, "t2": 30.2, "end": 70}
 _ATTRIBUTES = {"age": 23, "height": 175, "hbp": 355}
@@ -20,22 +21,20 @@ _CLIP = {"document": DOCUMENT, "revision": 1, "name": "reach_01_001", "subject":
 Fps = Annotated[float, Field(gt=0, le=1000)]
 
 
-class ReachTimes(BaseModel):
+class ReachTimes(RequestBody):
     """Phase times of a clip in place of those found: frames that have passed at the clip's rate, 0 < t1 < t2 < end."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown(_TIMES))
+    model_config = ConfigDict(json_schema_extra=shown(_TIMES))
 
     t1: FiniteFloat = Field(gt=0, description="The reach begins", examples=[6.4])
     t2: FiniteFloat = Field(gt=0, description="The reach ends", examples=[30.2])
     end: FiniteFloat = Field(gt=0, description="The last moment that counts, at most the last frame", examples=[70])
 
 
-class ReachParameters(BaseModel):
+class ReachParameters(RequestBody):
     """How a model of reach motions is fitted. What is left out follows from the method."""
 
-    model_config = ConfigDict(
-        extra="forbid", json_schema_extra=shown({"method": "robust", "attributes": ["age", "height", "hbp"]})
-    )
+    model_config = ConfigDict(json_schema_extra=shown({"method": "robust", "attributes": ["age", "height", "hbp"]}))
 
     method: Literal["robust", "paper"] = Field(
         "robust", description="robust, or paper: as published, with its weak points", examples=["robust"]
@@ -138,10 +137,10 @@ class ReachParameters(BaseModel):
     force: bool = Field(False, description="Take attributes outside the usual ranges as they are", examples=[False])
 
 
-class ReachWish(BaseModel):
+class ReachWish(RequestBody):
     """The motion that is wanted."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"attributes": _ATTRIBUTES}))
+    model_config = ConfigDict(json_schema_extra=shown({"attributes": _ATTRIBUTES}))
 
     attributes: dict[str, FiniteFloat] = Field(
         max_length=16,
@@ -250,10 +249,10 @@ class ReachMotion(BaseModel):
     warnings: list[ReachWarning] = Field(description="sparse-region, in-gap, clamped, attribute-not-modelled, …")
 
 
-class ReachClipChoice(BaseModel):
+class ReachClipChoice(RequestBody):
     """Which clip's phases."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra=shown({"document": DOCUMENT}))
+    model_config = ConfigDict(json_schema_extra=shown({"document": DOCUMENT}))
 
     document: str = Field(description="Id of a clip that the fit was given", examples=[DOCUMENT])
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import re
+import sys
 import time
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
@@ -20,19 +21,22 @@ from service.api.policy import DEFAULTS, ONLY_TLS
 from service.api.problems import answer, plain
 from service.api.sessions import LOGIN_PATH, login_page
 from service.api.traffic import FOLLOWING, Traffic
-from service.errors import McmlError
+from service.errors import McmlError, SpaceError
 from service.settings import Settings
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 
+START_AGAIN = "Make room on the disk of the store, then start the server again."
 LOGIN_WORDS = "This repository opens with an account or a token."
 SAFE_METHODS = {"GET", "HEAD", "OPTIONS"}
 COUNTED_METHODS = SAFE_METHODS | {"POST", "PUT", "PATCH", "DELETE"}
 OPEN_PATHS = {"/healthz", "/readyz"}
 OPEN_FILES = ("/assets/", "/favicon.svg", "/shared")
 """The program of the studio, which is no secret; and the page for who has a link to some documents."""
+ASKERS = ("Cookie", "Authorization")
+"""Headers of requests by which answers differ."""
 ENTRIES = {LOGIN_PATH, "/api/v1/session", SHARED, f"{LOGIN_PATH}/openid", f"{LOGIN_PATH}/openid/back"}
 """Where one who has no session yet may ask for one."""
 
@@ -54,7 +58,7 @@ class Guard:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
-            await self.app(scope, receive, send)
+            await self.app(scope, receive, _in_words(send))
             return
         began = time.perf_counter()
         scope = as_the_client_sent_it(scope, self.proxies)
@@ -70,7 +74,7 @@ class Guard:
             refusal = await run_in_threadpool(self._entry, scope, headers, self.doors.shared_refusal)
             path = path.replace("/shared", "", 1)
             scope = {**scope, "path": path, "raw_path": path.encode()}
-        elif refusal is None and path not in OPEN_PATHS | ENTRIES and not path.startswith(OPEN_FILES):
+        elif refusal is None and path not in ENTRIES and depends_on_asker(path):
             if self.doors.stand_open(scope, headers):
                 refusal = foreign_name(headers)
             else:
@@ -88,6 +92,8 @@ class Guard:
                 status = message["status"]
                 _tag_compressed(message)
                 _protect(message, request, scope["scheme"])
+                if depends_on_asker(path):
+                    _keep_private(message)
             elif method == "HEAD":
                 message = {**message, "body": b""}
             await send(message)
@@ -168,6 +174,19 @@ class Guard:
         return None
 
 
+def _in_words(send: Send) -> Send:
+    """Tells a start that fails for a reason of ours as this reason, in the place of a traceback."""
+
+    async def told(message: MutableMapping[str, Any]) -> None:
+        error = sys.exc_info()[1]
+        if message["type"] == "lifespan.startup.failed" and isinstance(error, McmlError):
+            remedy = START_AGAIN if isinstance(error, SpaceError) else error.remedy
+            message = {**message, "message": f"{error.what} {remedy or ''}".strip()}
+        await send(message)
+
+    return told
+
+
 def _is_page(scope: Scope, headers: Headers) -> bool:
     """Whether a person looks at this with a browser."""
     return scope["method"] == "GET" and "text/html" in headers.get("accept", "")
@@ -178,6 +197,21 @@ def _protect(message: MutableMapping[str, Any], request: str, scheme: str) -> No
     headers["x-request-id"] = request
     for name, value in (*DEFAULTS, ONLY_TLS) if scheme == "https" else DEFAULTS:
         headers.setdefault(name, value)
+
+
+def depends_on_asker(path: str) -> bool:
+    """Whether answers at an address differ with who asks: all but what is open to everybody."""
+    return path not in OPEN_PATHS and not path.startswith(OPEN_FILES)
+
+
+def _keep_private(message: MutableMapping[str, Any]) -> None:
+    """Let no cache give an answer to somebody else (RFC 9111, 3.5 and 4.1)."""
+    headers = MutableHeaders(raw=message["headers"])
+    told = headers.get("cache-control", "")
+    if "private" not in told and "no-store" not in told:
+        headers["cache-control"] = f"private, {told}" if told else "private"
+    for name in ASKERS:
+        headers.add_vary_header(name)
 
 
 def _tag_compressed(message: MutableMapping[str, Any]) -> None:

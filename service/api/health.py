@@ -8,7 +8,9 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import PlainTextResponse
 
 from schemas.catalogues import Health
+from service.api.routes import call_of
 from service.clips.bodies import MADE
+from service.errors import AccessError
 from service.storage.database import Database
 from service.storage.filtering import DocumentFilter
 from service.storage.replica import Replica
@@ -39,7 +41,13 @@ def readyz(request: Request, response: Response) -> Health:
 
 @router.get("/metrics", operation_id="metrics", response_class=PlainTextResponse, responses=_METRICS)
 def metrics(request: Request) -> str:
-    """Counters in the Prometheus text format."""
+    """Counters in the Prometheus text format, for who may see the whole store."""
+    call = call_of(request)
+    if not call.view.is_whole:
+        raise AccessError(
+            f"/metrics counts the whole store, and {call.author} sees single projects.",
+            remedy="Ask an owner of the repository for a token of scope read that is limited to no project.",
+        )
     counts: dict[tuple[str, int], int] = request.app.state.requests
     lines = ["# HELP mcml_requests_total Requests answered.", "# TYPE mcml_requests_total counter"]
     lines += [

@@ -13,7 +13,7 @@ import typer
 from service.cli.collector import collect_again, spare_what_stays
 from service.cli.commands import command_of
 from service.cli.lazily import from_module, lazy_command, lazy_group
-from service.errors import McmlError, RequestError
+from service.errors import McmlError, RequestError, is_full
 from service.operations import OPERATIONS
 
 BY_HAND = {
@@ -172,6 +172,8 @@ def main() -> None:
         raise
     except OSError as error:
         print(f"mcml: {error.filename or 'the system'}: {error.strerror or error}", file=sys.stderr)
+        if is_full(error):
+            print("      Make room on that disk, then run the command again.", file=sys.stderr)
         sys.exit(1)
 
 

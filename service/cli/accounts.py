@@ -6,7 +6,6 @@ from typing import Annotated, Literal, TypeAlias
 
 import typer
 
-from schemas.accounts import AccountChange, InvitationRequest, MemberChange
 from schemas.shares import ShareRequest
 from service.cli.shared import DatabaseOption, ServerOption, chosen_settings, console, open_database, opened
 
@@ -26,7 +25,7 @@ def invite(
     server: ServerOption = None,
 ) -> None:
     """Make a link by which somebody makes an account. It is shown once."""
-    made = opened(database, server).call("invite", request=InvitationRequest(role=role, project=project, hours=hours))
+    made = opened(database, server).call("invite", request={"role": role, "project": project, "hours": hours})
     home = (server or f"http://127.0.0.1:{chosen_settings(database).port}").rstrip("/")
     print(f"{home}{made.path}")
     where = "" if project is None else f" of the project {project}"
@@ -64,7 +63,7 @@ def role(
     server: ServerOption = None,
 ) -> None:
     """Give somebody another role."""
-    opened(database, server).call("change_account", name=name, change=AccountChange(role=role))
+    opened(database, server).call("change_account", name=name, change={"role": role})
     console.print(f"{name}: {role}")
 
 
@@ -76,7 +75,7 @@ def add_member(
     server: ServerOption = None,
 ) -> None:
     """Let somebody belong to a project, or give them another role there."""
-    opened(database, server).call("set_member", name=name, change=MemberChange(role=role), project=project)
+    opened(database, server).call("set_member", name=name, change={"role": role}, project=project)
     console.print(f"{name} is {'an' if role[0] in 'eo' else 'a'} {role} of {project}")
 
 
@@ -99,13 +98,13 @@ def share(
 
 def close(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:
     """Close an account: it opens nothing from then on, nor do its tokens."""
-    opened(database, server).call("change_account", name=name, change=AccountChange(closed=True))
+    opened(database, server).call("change_account", name=name, change={"closed": True})
     console.print(f"{name} is closed")
 
 
 def reopen(name: Name, database: DatabaseOption = None, server: ServerOption = None) -> None:
     """Open a closed account again."""
-    opened(database, server).call("change_account", name=name, change=AccountChange(closed=False))
+    opened(database, server).call("change_account", name=name, change={"closed": False})
     console.print(f"{name} is open")
 
 

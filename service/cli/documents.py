@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from mcml.choosing import id_of
-from schemas.documents import DocumentChange, DocumentDetail
+from schemas.documents import DocumentDetail
 from service.cli.choosing import (
     IdsArgument,
     MotionNameOption,
@@ -68,7 +68,7 @@ def rename(
     """Give a document another name."""
     write_to_the_end()
     client = opened(database, server)
-    change = DocumentChange(name=name, message=message)
+    change = {"name": name, "message": message}
     _told(
         client.call("change_document", id=id_of(client, id), change=change, if_match=match_of(revision)),
         as_json,
@@ -92,7 +92,7 @@ def move(
     found = chosen(client, ids, project, motion_name, xpath)
     if not confirmed(found, yes, "moved"):
         return
-    change = DocumentChange(project=to, message=message)
+    change = {"project": to, "message": message}
 
     def move_one(item: Any) -> None:
         client.call("change_document", id=item.id, change=change, if_match="*")
@@ -123,7 +123,7 @@ def set_(
         raise typer.BadParameter("say what: --frame-time, --unit, --up or --description")
     write_to_the_end()
     client = opened(database, server)
-    change = DocumentChange(**given, message=message)
+    change = dict(**given, message=message)
 
     def set_one(item: Any) -> None:
         _told(client.call("change_document", id=item.id, change=change, if_match=match_of(revision)), as_json)

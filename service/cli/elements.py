@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from mcml.choosing import id_of
-from schemas.elements import ElementChange, ElementEdits
+from schemas.elements import ElementEdits
 from service.cli.present import present
 from service.cli.shared import DatabaseOption, JsonOption, MessageOption, RevisionOption, ServerOption, match_of, opened
 from service.operations import OPERATIONS
@@ -47,7 +47,7 @@ def set_(
         "change_element",
         id=id_of(client, id),
         xpath=xpath,
-        change=ElementChange(**body),
+        change=dict(**body),
         many=many,
         merge=merge,
         if_match=match_of(revision),

@@ -11,7 +11,7 @@ import typer
 from mcml.files import write_file
 from service.actions.exporting.convert_files import files_to_write
 from service.cli.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, chosen, for_each
-from service.cli.shared import DatabaseOption, ForceOption, ServerOption, console, opened, write_to_the_end
+from service.cli.shared import DatabaseOption, ForceOption, RawOption, ServerOption, console, opened, write_to_the_end
 
 
 def export(
@@ -32,6 +32,7 @@ def export(
     unit: Annotated[str | None, typer.Option(help="Scale lengths to this unit")] = None,
     up: Annotated[str | None, typer.Option(help="Turn so that this axis points up")] = None,
     frame_time: Annotated[str | None, typer.Option(help="Seconds a frame, where the document does not say")] = None,
+    raw: RawOption = False,
     original: Annotated[bool, typer.Option(help="The kept bytes of documents that were not edited")] = True,
     revision: Annotated[int | None, typer.Option(min=1, help="As this revision left it")] = None,
     database: DatabaseOption = None,
@@ -43,7 +44,7 @@ def export(
     found = chosen(client, ids, project, motion_name, xpath)
     written: set[Path] = set()
     stated: dict[str, Any] = {"first": first, "last": last, "names": names, "unit": unit, "up": up}
-    stated["frame_time"] = frame_time
+    stated |= {"frame_time": frame_time, "raw": raw}
 
     def export_one(item: Any) -> None:
         to_name = output is not None and str(output) != "-" and not output.is_dir() and len(found) == 1

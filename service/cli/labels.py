@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 from mcml.choosing import id_of
-from schemas.documents import LabelRequest
 from service.actions.reading.import_options import Label, parse_label
 from service.cli.present import present
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, write_to_the_end
@@ -55,13 +54,13 @@ def suggest(
     id = id_of(client, id)
     found = client.call("suggest_labels", id=id, confidence=confidence, facing=facing and facing.upper())
     if accept and found.items:
-        asked = [LabelRequest(name=item.name, first=item.first, last=item.last) for item in found.items]
+        asked = [{"name": item.name, "first": item.first, "last": item.last} for item in found.items]
         client.call("add_labels", id=id, labels=asked, strict=True, if_match="*")
     present(OPERATIONS["suggest_labels"], found, as_json)
     if not as_json:
         console.print(f"{len(found.items)} {'accepted' if accept else 'suggested'}")
 
 
-def _range(label: Label, frames: int) -> LabelRequest:
+def _range(label: Label, frames: int) -> dict[str, str | int]:
     first = 1 if label.first is None else label.first
-    return LabelRequest(name=label.name, first=first, last=frames if label.last is None else label.last)
+    return {"name": label.name, "first": first, "last": frames if label.last is None else label.last}

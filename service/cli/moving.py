@@ -8,7 +8,6 @@ from typing import Annotated, TypeAlias
 import typer
 
 from mcml.files import write_file
-from schemas.catalogues import ProjectChange
 from schemas.jobs import Selection
 from schemas.selections import ManyCopies
 from service.cli.shared import DatabaseOption, ForceOption, ServerOption, console, opened
@@ -19,13 +18,13 @@ Project: TypeAlias = Annotated[str, typer.Argument(help="Name of the project")]
 
 def archive(project: Project, database: DatabaseOption = None, server: ServerOption = None) -> None:
     """Let nothing in a project change from now on."""
-    opened(database, server).call("change_project", project=project, change=ProjectChange(archived=True))
+    opened(database, server).call("change_project", project=project, change={"archived": True})
     console.print(f"{project} is archived")
 
 
 def open_(project: Project, database: DatabaseOption = None, server: ServerOption = None) -> None:
     """Let an archived project change again."""
-    opened(database, server).call("change_project", project=project, change=ProjectChange(archived=False))
+    opened(database, server).call("change_project", project=project, change={"archived": False})
     console.print(f"{project} is open")
 
 
@@ -44,7 +43,7 @@ def quota(
     if documents is None and size is None:
         told = client.call("get_project", project=project)
     else:
-        change = ProjectChange(most_documents=documents, most_bytes=size)
+        change = {"most_documents": documents, "most_bytes": size}
         told = client.call("change_project", project=project, change=change)
     of = [f" of {most:,}" if most else "" for most in (told.most_documents, (told.most_bytes or 0) // 1_000_000)]
     console.print(f"{told.documents:,}{of[0]} documents, {told.bytes / 1e6:,.1f}{of[1]} MB")

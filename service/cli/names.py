@@ -9,7 +9,7 @@ import typer
 from mcml.choosing import choose_documents, id_of
 from schemas.documents import DocumentSummary
 from schemas.names import Alias, AppliedNames, SavedAliases
-from schemas.retarget import JointPair, RetargetRequest, SavedMapping
+from schemas.retarget import JointPair, SavedMapping
 from schemas.saved import VocabularyToSave, VocabularyWord
 from service.cli.choosing import IdsArgument, MotionNameOption, ProjectOption, XPathOption, for_each
 from service.cli.present import present
@@ -147,7 +147,7 @@ def save(
     pairs: dict[str, str] = {}
     if suggest is not None:
         one, other = (id_of(client, text) for text in suggest)
-        asked = RetargetRequest(skeleton=other, preview=True)
+        asked = {"skeleton": other, "preview": True}
         pairs = {match.target: match.source for match in client.call("retarget", id=one, request=asked).matches}
     pairs |= {pair.target: pair.source for pair in joint_pairs(joints)}
     if not pairs:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from mcml.choosing import id_of
-from service.cli.shared import DatabaseOption, ForceOption, ServerOption, opened, write_blocks
+from service.cli.shared import DatabaseOption, ForceOption, RawOption, ServerOption, opened, write_blocks
 from service.errors import RequestError
 
 _FORMS = ("csv", "npz", "npy", "arrow", "parquet")
@@ -29,6 +29,7 @@ def numbers(
     first: Annotated[int, typer.Option(help="First frame, a position from 1")] = 1,
     last: Annotated[int | None, typer.Option(help="Last frame, included")] = None,
     step: Annotated[int, typer.Option(help="Every step-th frame")] = 1,
+    raw: RawOption = False,
     force: ForceOption = False,
     database: DatabaseOption = None,
     server: ServerOption = None,
@@ -49,5 +50,6 @@ def numbers(
         last=last,
         step=step,
         format=form,
+        raw=raw,
     )
     write_blocks(answer.blocks, output, force=force)

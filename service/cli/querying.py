@@ -9,11 +9,12 @@ from typing import Annotated, Any
 import typer
 
 from mcml.choosing import id_of
-from schemas.queries import NodeItem, QueryRequest, RunItem, ScalarItem, ValueItem
+from schemas.queries import NodeItem, RunItem, ScalarItem, ValueItem
 from service.cli.shared import (
     DatabaseOption,
     ForceOption,
     JsonOption,
+    RawOption,
     ServerOption,
     console,
     opened,
@@ -41,6 +42,7 @@ def xpath(
         list[str] | None, typer.Option("--var", help="name=value, for $name in the expression; may be repeated")
     ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Write xml, ndjson or csv to this file")] = None,
+    raw: RawOption = False,
     force: ForceOption = False,
     per: Annotated[str | None, typer.Option(help="document: each document has an answer of its own")] = None,
     guesses: Annotated[
@@ -69,15 +71,16 @@ def xpath(
         "per": per,
         "guesses": guesses,
         "explain": explain,
+        "raw": raw,
         "variables": variables,
         "with": with_,
     }
     if form in STREAMS:
-        found = client.call("post_query", request=QueryRequest(**asked, limit=limit, **{"as": form}))
+        found = client.call("post_query", request=dict(**asked, limit=limit, **{"as": form}))
         write_blocks(found.blocks, output, force=force)
         return
     limit = limit or 1000
-    request = QueryRequest(**asked, limit=limit, **{"as": form})
+    request = dict(**asked, limit=limit, **{"as": form})
     answer = client.call("post_query", request=request)
     if as_json:
         print_json(answer)

@@ -10,7 +10,6 @@ import typer
 
 from mcml.choosing import id_of
 from mcml.files import opened_files
-from schemas.search import SearchRequest
 from service.cli.shared import DatabaseOption, JsonOption, ServerOption, console, opened, print_json, table
 
 
@@ -51,15 +50,15 @@ def search(
     elif len(what) > 1:
         raise typer.BadParameter("name one document, or files that are there")
     else:
-        asked = SearchRequest(
-            document=id_of(client, what[0]),
-            first=first,
-            last=last,
-            within=inside,
-            project=project,
-            limit=limit,
-            apart=apart,
-        )
+        asked = {
+            "document": id_of(client, what[0]),
+            "first": first,
+            "last": last,
+            "within": inside,
+            "project": project,
+            "limit": limit,
+            "apart": apart,
+        }
         answer = client.call("search_motion", request=asked)
     if as_json:
         print_json(answer)

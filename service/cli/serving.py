@@ -16,9 +16,18 @@ import typer
 from rich.text import Text
 
 from mcml.files import write_file
-from service.cli.shared import DatabaseOption, ForceOption, chosen_settings, console, open_database
+from service.cli.shared import (
+    DatabaseOption,
+    ForceOption,
+    chosen_settings,
+    console,
+    find_database,
+    open_database,
+    upgrade_database,
+)
 from service.errors import McmlError
 from service.resources import dtd_path, migrations_path
+from service.settings import unknown_variables
 from service.storage.filtering import DocumentFilter
 
 OPEN = "Open to everything on this machine, a proxy included, until the first account or token is made"
@@ -46,10 +55,12 @@ def serve(
     from service.api.lanes import share_heaps
     from service.api.logs import keep_log
 
+    for fault in unknown_variables(os.environ):
+        console.print(Text(f"mcml: {fault}", style="yellow"))
     settings = chosen_settings(database, port=port)
     settings = settings.model_copy(update={"host": host or settings.host})
     _check_port(settings.host, settings.port)
-    store = open_database(settings)
+    store = upgrade_database(settings)
     if with_demo:
         with store.read() as tx:
             empty = not tx.documents.page(DocumentFilter(), after=None, limit=1)
@@ -156,8 +167,14 @@ EXTRAS = {"arrow": "pyarrow", "audio": "librosa", "plots": "matplotlib", "usd": 
 """What can be installed beside the program, and a module of it."""
 
 
-def doctor(database: DatabaseOption = None) -> None:
+def doctor(
+    database: DatabaseOption = None,
+    project: Annotated[
+        str | None, typer.Option(help="Look at the documents of this project alone, for what would be read otherwise")
+    ] = None,
+) -> None:
     """Say what this installation has, what it lacks, and how to mend it."""
+    from service.cli.differing import tell_differing
     from service.clips.bodies import MADE
     from service.storage.replica import Replica
     from service.xpath.library.part_file import path_of, why_not
@@ -177,6 +194,9 @@ def doctor(database: DatabaseOption = None) -> None:
         "" if sys.version_info >= (3, 11) else "Use 3.11+.",
     )
     line("sqlite", sqlite3.sqlite_version)
+    for fault in unknown_variables(os.environ):
+        name, _, told = fault.partition(" ")
+        line("environment", f"{name} {told.partition('. ')[0]}", False, told.partition(". ")[2])
     line("mcml.dtd", str(dtd_path()))
     line("migrations", str(migrations_path()))
     for module, need in (("pcodec", True), ("simdjson", True), ("psycopg", False)):
@@ -185,7 +205,7 @@ def doctor(database: DatabaseOption = None) -> None:
     for extra, module in EXTRAS.items():
         there = importlib.util.find_spec(module) is not None
         line(f"extra {extra}", "installed" if there else f"not installed: pip install 'mcml-repository[{extra}]'")
-    store = open_database(settings, migrate=False)
+    store = find_database(settings)
     address = store.dialect.engine.url.render_as_string(hide_password=True)
     try:
         version, wanted = store.schema_versions()
@@ -217,6 +237,9 @@ def doctor(database: DatabaseOption = None) -> None:
                 f"{count - missing:,} of {count:,} documents have theirs",
                 remedy=f"{way}: mcml {'serve, or mcml ' * settings.derive}db derive." if missing else "",
             )
+            with store.read() as tx:
+                listed = len(tx.documents.uuids(DocumentFilter(project=project)))
+            tell_differing(store, project, listed)
             place = path_of(store, settings.cache_dir)
             trouble = "" if place is None else why_not(place)
             if place is None:

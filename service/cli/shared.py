@@ -28,6 +28,9 @@ RevisionOption = Annotated[
     int | None, typer.Option("--revision", min=1, help="Only if the document is still at this revision")
 ]
 ForceOption = Annotated[bool, typer.Option("--force", help="Replace a file of that name")]
+RawOption = Annotated[
+    bool, typer.Option("--raw", help="In CSV, also texts that spreadsheets take for formulas as they are")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts")]
 
 # Names of files and documents may hold brackets: nothing that is printed is markup.
@@ -45,14 +48,31 @@ def chosen_settings(database: str | None = None, **changes: Any) -> Settings:
         raise McmlError(f"{name}: {fault['msg']}.", remedy="See docs/settings.md for what it may be.") from None
 
 
-def open_database(settings: Settings, *, migrate: bool = True) -> Database:
-    """The store; a new SQLite file is made, and its schema brought up to date."""
+def find_database(settings: Settings) -> Database:
+    """The store as it is, whatever its schema; the folder of an SQLite file is made."""
     url = settings.database_url
     if url.startswith("sqlite:///"):
         private_folder(Path(url.removeprefix("sqlite:///")).parent)
-    database = Database(url)
-    if migrate:
-        database.migrate()
+    return Database(url)
+
+
+def open_database(settings: Settings) -> Database:
+    """The store; a new one is made. StoreError where an older program made it: only `mcml db upgrade` and `mcml serve`
+    upgrade a store."""
+    database = find_database(settings)
+    database.make_or_require()
+    return database
+
+
+def upgrade_database(settings: Settings) -> Database:
+    """The store, made or upgraded where it is needed; says what was upgraded, and where it is kept as it was."""
+    from service.actions.keeping.keep_store import upgrade
+
+    database = find_database(settings)
+    before, wanted = database.schema_versions()
+    kept = upgrade(database)
+    if before not in (None, wanted):
+        console.print(f"schema {before} -> {wanted}" + (f"; the store as it was: {kept}" if kept else ""))
     return database
 
 

@@ -12,17 +12,30 @@ import typer
 from service.actions.keeping.check_uploads import compare_all
 from service.actions.keeping.keep_room import compact_store, forget_activity, prune_history
 from service.actions.keeping.keep_store import backup, restore
-from service.cli.shared import DatabaseOption, JsonOption, chosen_settings, console, open_database, print_json, table
+from service.cli.shared import (
+    DatabaseOption,
+    JsonOption,
+    chosen_settings,
+    console,
+    find_database,
+    open_database,
+    print_json,
+    table,
+    upgrade_database,
+)
 from service.errors import McmlError
 from service.storage.identifiers import now
 
 
 def upgrade(database: DatabaseOption = None) -> None:
-    """Bring the store's schema to this program's version."""
-    store = open_database(chosen_settings(database), migrate=False)
-    before, wanted = store.schema_versions()
-    store.migrate()
-    console.print(f"schema {before or 'none'} -> {wanted}" if before != wanted else f"schema {wanted}, nothing to do")
+    """Bring the store's schema to this program's version; an SQLite store is copied beside itself before."""
+    settings = chosen_settings(database)
+    before, wanted = find_database(settings).schema_versions()
+    upgrade_database(settings)
+    if before is None:
+        console.print(f"schema none -> {wanted}")
+    elif before == wanted:
+        console.print(f"schema {wanted}, nothing to do")
 
 
 def backup_(output: Annotated[Path, typer.Argument(help="File to write")], database: DatabaseOption = None) -> None:

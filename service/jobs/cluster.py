@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import threading
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from service.errors import StoreError
 from service.settings import Settings
 from service.storage.database import Database
+
+REPLACE_SECONDS = 5.0
+"""How often workers that are gone are replaced."""
 
 
 class Cluster:
@@ -36,6 +40,9 @@ class Cluster:
     def client(self) -> Any:
         """A `distributed.Client`."""
         with self._lock:
+            if self._client is not None and self._client.status not in ("running", "connecting"):
+                # Its scheduler ended.
+                self._drop()
             if self._client is None:
                 self._client = self._connected()
             return self._client
@@ -44,6 +51,7 @@ class Cluster:
         # Imported late: it takes a second, and most commands and many servers never run a job.
         import dask
         from distributed import Client, LocalCluster, Security
+        from tornado.ioloop import PeriodicCallback
 
         # A worker that dies takes its job to another one once; the second death is the job's own fault.
         dask.config.set(
@@ -65,7 +73,11 @@ class Cluster:
             worker_dashboard_address="127.0.0.1:0",
             silence_logs=50,
         )
-        return Client(cluster, set_as_default=False, security=security)
+        # A process that is killed while it starts is not started again by whoever watches over it.
+        again = PeriodicCallback(partial(cluster.scale, self._settings.jobs_at_a_time), REPLACE_SECONDS * 1000)
+        client: Any = Client(cluster, set_as_default=False, security=security)
+        client.loop.add_callback(again.start)
+        return client
 
     def _security(self) -> Any:
         """The certificates of a team's cluster, None for a scheduler without."""
@@ -93,7 +105,10 @@ class Cluster:
 
     def close(self) -> None:
         with self._lock:
-            client, self._client = self._client, None
+            self._drop()
+
+    def _drop(self) -> None:
+        client, self._client = self._client, None
         if client is None:
             return
         with suppress(OSError, TimeoutError):

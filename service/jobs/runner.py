@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from typing import Any
@@ -37,6 +38,10 @@ KILL_SECONDS = 10.0
 """How long a cancelled job may go on before its worker is killed."""
 
 
+class InterruptionError(McmlError):
+    """What ran a job ended before the job had begun, through no fault of the job."""
+
+
 class Runner:
     """Started and stopped with the server."""
 
@@ -45,6 +50,7 @@ class Runner:
         self._settings = settings
         self._cluster = Cluster(database, settings)
         self._name = new_uuid()
+        self._deaths: Counter[str] = Counter()
         self._wake = threading.Event()
         self._stopping = threading.Event()
         self._free = threading.Semaphore(settings.jobs_at_a_time)
@@ -74,6 +80,8 @@ class Runner:
                 self._take()
             except McmlError as error:
                 log.warning("cannot look for jobs: %s", error)
+            # Once it was spent, or where there was no room when the server started.
+            self._database.reserve.keep()
             self._wake.wait(LOOK_SECONDS)
             self._wake.clear()
 
@@ -100,15 +108,15 @@ class Runner:
 
     def _drive(self, job: StoredJob) -> None:
         try:
-            if job.attempt > MOST_ATTEMPTS:
-                self._fail(job, f"The job was begun {MOST_ATTEMPTS} times, and each time what ran it died.")
-            elif job.cancel:
+            if job.cancel:
                 self._end(job, "cancelled")
             else:
                 self._run(job)
         except (ConflictError, UnavailableError) as error:
             # A store that is away fails no job: it is begun anew when its lease is over.
             log.warning("job %s: %s", job.uuid, error)
+        except InterruptionError as error:
+            self._begin_again(job, error)
         except McmlError as error:
             log.warning("job %s failed: %s", job.uuid, error)
             self._fail(job, error.what, error.remedy)
@@ -121,8 +129,9 @@ class Runner:
 
     def _run(self, job: StoredJob) -> None:
         self._tell(job, "starting a worker", 0.0)
-        client = self._cluster.client()
-        key = f"{job.uuid}-{job.attempt}"
+        client = self._client()
+        # Another server that was cut off may still have the job done under a name that is no longer ours.
+        key, known = f"{job.uuid}-{job.attempt}-{new_uuid()}", len(client.get_events(job.uuid))
         replica = self._database.replica
         urls = self._database.url, None if replica is None else replica.url
         future = client.submit(on_dask, urls, job.uuid, job.analysis, job.inputs, job.parameters, key=key, pure=False)
@@ -133,7 +142,8 @@ class Runner:
                 if not self._stopping.is_set():
                     self._end(job, "cancelled")
                 return
-            keep_outcome(self._database, self._settings, job, self._name, self._outcome(future))
+            begun = len(client.get_events(job.uuid)) > known
+            keep_outcome(self._database, self._settings, job, self._name, self._outcome(future, begun=begun))
         finally:
             future.release()
 
@@ -157,20 +167,45 @@ class Runner:
                 return False
         return True
 
-    def _outcome(self, future: Any) -> Outcome | None:
-        """What the worker gave; None where it heard that the job was cancelled."""
+    def _client(self) -> Any:
+        """InterruptionError where no worker can be started, or no scheduler answers."""
+        try:
+            return self._cluster.client()
+        except (OSError, RuntimeError) as error:
+            raise InterruptionError(
+                f"No worker could be started: {str(error) or type(error).__name__}.",
+                remedy="Look at the server's log and its free memory, then start the job again.",
+            ) from error
+
+    def _outcome(self, future: Any, *, begun: bool) -> Outcome | None:
+        """What the worker gave; None where it heard that the job was cancelled. begun: whether the job told of itself.
+        InterruptionError where nobody can give what it found."""
         from distributed import KilledWorker
+        from distributed.client import FutureCancelledError
 
         try:
             outcome: Outcome = future.result()
         except CancelledError:
             return None
+        except FutureCancelledError as error:
+            raise InterruptionError("The scheduler of the workers ended.", remedy="Start the job again.") from error
         except KilledWorker as error:
-            raise McmlError(
-                "The worker died twice on this job; it may have taken too much memory.",
-                remedy=f"Choose fewer clips, or raise MCML_JOB_MEMORY_MIB ({self._settings.job_memory_mib}).",
-            ) from error
+            what = "The worker died twice on this job; it may have taken too much memory."
+            remedy = f"Choose fewer clips, or raise MCML_JOB_MEMORY_MIB ({self._settings.job_memory_mib})."
+            raise (McmlError if begun else InterruptionError)(what, remedy=remedy) from error
         return outcome
+
+    def _begin_again(self, job: StoredJob, error: McmlError) -> None:
+        """Let a job wait again, a few times. Deaths of servers do not count: those are no fault of a job either, and
+        leave nobody to count them."""
+        self._deaths[job.uuid] += 1
+        log.warning("job %s: %s", job.uuid, error)
+        if self._deaths[job.uuid] < MOST_ATTEMPTS:
+            with suppress(McmlError), self._database.write("jobs") as tx:
+                tx.jobs.give_back(job.uuid, self._name)
+            return
+        del self._deaths[job.uuid]
+        self._fail(job, f"The job was begun {MOST_ATTEMPTS} times in vain. {error.what}", error.remedy)
 
     def _tell(self, job: StoredJob, stage: str, share: float) -> bool:
         with self._database.write("jobs") as tx:

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 from schemas.analyses.dance import BeatsPerBar
 from schemas.examples import DOCUMENT, JOB, PROJECT, example_of, shown
 from schemas.jobs import AnalysisInfo, AnalysisList, ClipMotion, Job, MusicBeats, Saving, Selection
+from schemas.request_body import RequestBody
 from service.actions.analysing.describe_job import analysis_answer, job_answer
 from service.actions.analysing.read_music import read_music as beats_of
 from service.actions.analysing.start_analysis import find_analysis, start_analysis
@@ -117,7 +118,8 @@ def _request(analysis: Analysis) -> type[BaseModel]:
     }
     model: type[BaseModel] = create_model(
         f"{''.join(word.title() for word in analysis.name.split('-'))}Request",
-        __config__=ConfigDict(extra="forbid", json_schema_extra=shown(example)),
+        __base__=RequestBody,
+        __cls_kwargs__={"json_schema_extra": shown(example)},
         __doc__=f"Clips and parameters of {analysis.title.lower()}.",
         inputs=(Selection, ...),
         parameters=(analysis.parameters, Field(default_factory=analysis.parameters)),

@@ -43,6 +43,9 @@ IfMatch = Annotated[
         examples=['"7"'],
     ),
 ]
+Raw = Annotated[
+    bool, Field(description="CSV: also texts that spreadsheets take for formulas as they are, without an apostrophe")
+]
 Item = TypeVar("Item")
 
 

@@ -10,13 +10,14 @@ from pydantic import Field
 from schemas.elements import TextFound, TextPlace
 from schemas.examples import MCML
 from schemas.exports import ExportRequest
+from schemas.frame_time import FrameTime
 from service.actions.exporting.export_motion import ExportOptions
 from service.actions.exporting.export_motion import export_document as exported
 from service.actions.exporting.text_windows import find_text as find
 from service.actions.exporting.text_windows import frames_window, head_window
 from service.formats import WRITERS
 from service.mcml.writer import Layout
-from service.operations.arguments import MOST, AtRevision, DocumentId, First, Last, at_revision, tag
+from service.operations.arguments import MOST, AtRevision, DocumentId, First, Last, Raw, at_revision, tag
 from service.operations.call import Call, Content
 from service.operations.operation import gives
 
@@ -74,11 +75,16 @@ def export_document(
     up: Annotated[str | None, Field(description="Turn so that this axis points up", examples=["Z"])] = None,
     original: Annotated[bool, Field(description="Answer the kept bytes of an unedited document")] = True,
     frame_time: Annotated[
-        str | None, Field(description="Seconds a frame, where the document does not say", examples=["0.0083333"])
+        FrameTime | None,
+        Field(
+            description="Seconds a frame, where the document does not say, as 0.0083333 or 1/120",
+            examples=["0.0083333"],
+        ),
     ] = None,
+    raw: Raw = False,
 ) -> Content:
     """In its own format an unedited one comes back byte for byte."""
-    options = ExportOptions(format, first, last, names, unit, up, original=original, frame_time=frame_time)
+    options = ExportOptions(format, first, last, names, unit, up, original=original, frame_time=frame_time, raw=raw)
     return _content(call, id, revision, options)
 
 
@@ -88,8 +94,9 @@ def export_documents(call: Call, request: ExportRequest) -> Content:
     from service.actions.composing import export_documents as exporting
 
     options = ExportOptions(
-        request.format, names=request.names, unit=request.unit, up=request.up, frame_time=request.frame_time
-    )
+        request.format, names=request.names, unit=request.unit, up=request.up, frame_time=request.frame_time,
+        raw=request.raw,
+    )  # fmt: skip
     content = exporting.export_documents(call.database, call.queries, request.selection, options)
     return Content(content, "application/zip", f"{request.selection.project or 'documents'}.zip")
 
@@ -97,7 +104,7 @@ def export_documents(call: Call, request: ExportRequest) -> Content:
 def _content(call: Call, uuid: str, revision: int | None, options: ExportOptions) -> Content:
     then, stored = at_revision(call.read(), uuid, revision)
     if options.whole and not options.pretty:
-        call.tagged(tag(stored, options.format))
+        call.tagged(tag(stored, f"{options.format}{'-raw' * options.raw}"))
     export = exported(then, stored, options)
     # A conversion looks through the motion before its first block, and says then what the target cannot hold.
     content = chain((next(export.content, b""),), export.content)

@@ -43,6 +43,7 @@ from service.operations.arguments import (
     IfMatch,
     Last,
     Page,
+    Raw,
     at_revision,
     checked_for_write,
     encode_cursor,
@@ -111,6 +112,7 @@ def get_frames(
         Field(description="Channels: the least and the greatest sample of stretches of frames"),
     ] = None,
     pixels: Annotated[int, Field(ge=1, le=100_000, description="Most stretches", examples=[800])] = 1000,
+    raw: Raw = False,
 ) -> FramePage | Content:
     """`npz` holds `values`, `columns` (their names), `ids` and `times` (seconds from the first frame, NaN where the
     rate is unknown). Values of channels are (frames, columns), missing samples NaN; positions (frames, bones, 3),
@@ -143,7 +145,7 @@ def get_frames(
     if format != "json":
         asked_for = [asked_quantity(one) for one in dict.fromkeys(quantity or ())]
         then, stored = at_revision(call.read(), id, revision)
-        asked = f"{space}-{dtype}-{zlib.crc32(repr((bone, quantity)).encode())}-{origin}-{missing}-{tips}"
+        asked = f"{space}-{dtype}-{zlib.crc32(repr((bone, quantity)).encode())}-{origin}-{missing}-{tips}-{raw}"
         call.tagged(tag(stored, f"{format}-{first}-{last}-{step}-{asked}"), lasting=revision is not None)
         source = read_clip(then, stored, first=first, last=last, step=step, labelled=False)
         point = origin_of(then, source) if origin == "subtract" else None
@@ -153,7 +155,7 @@ def get_frames(
             (body,) = call.queries.caches.bodies.read(then, [cast("Listed", stored)])
             made = quantity_columns(then, stored, body, asked_for, source.first, source.last)[::step]
             numbers = with_quantities(numbers, asked_for, made, alone=not bone)
-        found = _file(source, numbers, first, step, dtype, format)
+        found = _file(source, numbers, first, step, dtype, format, raw=raw)
         if point is not None:
             found.facts["origin"] = ",".join(map(repr, point.tolist()))
         return found
@@ -202,7 +204,7 @@ def _reduced(
     return Content(content, TYPES[form], facts=facts)
 
 
-def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: str, form: str) -> Content:
+def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: str, form: str, *, raw: bool) -> Content:
     frames = source.clip.frames or 0
     shape = (frames, *numbers.shape)
     seconds = source.clip.head.seconds_per_frame()
@@ -251,7 +253,7 @@ def _file(source: StoredClip, numbers: Numbers, first: int, step: int, dtype: st
             done += len(block)
 
     if form == "csv":
-        return Content(write_csv(batches()), TYPES[form], name)
+        return Content(write_csv(batches(), raw=raw), TYPES[form], name)
     units = {} if numbers.units is None else dict(zip(columns, numbers.units, strict=True))
     return Content(write_columns(form, batches(), units=units), TYPES[form], name)
 

@@ -22,6 +22,7 @@ from service.operations.arguments import (
     IfMatch,
     InProject,
     Page,
+    Raw,
     at_revision,
     checked_for_write,
     tag,
@@ -118,6 +119,7 @@ def export_labels(
     format: Annotated[
         Literal["csv", "arrow", "parquet"], Field(description="Text, or columns (with the extra `arrow`)")
     ] = "csv",
+    raw: Raw = False,
 ) -> Content:
     with call.database.read() as tx:
         if document:
@@ -126,7 +128,7 @@ def export_labels(
             found = tx.documents.page(DocumentFilter(project=project), after=None, limit=MOST)
         rows = list(edit_labels.label_rows(tx, found))
     if format == "csv":
-        return Content(iter([edit_labels.label_table(rows).encode()]), "text/csv; charset=utf-8", "labels.csv")
+        return Content(iter([edit_labels.label_table(rows, raw=raw).encode()]), "text/csv; charset=utf-8", "labels.csv")
     kinds = dict(zip(edit_labels.HEADINGS, ("string", "string", "int64", "int64"), strict=True))
     table = write_columns(format, batches_of(iter(rows), list(kinds)), kinds)
     return Content(table, TYPES[format], f"labels.{format}")

@@ -12,10 +12,10 @@ from pydantic import Field
 from schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
 from schemas.queries import WITH, CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
 from service.actions.exporting.write_tables import TYPES, Batches, batches_of, write_columns
-from service.operations.arguments import MOST, InProject
+from service.operations.arguments import MOST, InProject, Raw
 from service.operations.call import Call, Content
 from service.operations.operation import gives
-from service.xpath.answer.writing import FIELDS, STREAMS, xml_item
+from service.xpath.answer.writing import FIELDS, RAW_CSV, STREAMS, xml_item
 
 _NUMBER = re.compile(r"-?(\d+(\.\d*)?|\.\d+)")
 
@@ -68,6 +68,7 @@ def get_query(
         Field(description="no: functions of bodies leave out documents whose unit, up axis or floor is guessed"),
     ] = "yes",
     explain: Annotated[bool, Field(description="Say how the query ran")] = False,
+    raw: Raw = False,
     with_: Annotated[
         str | None,
         Field(
@@ -92,6 +93,7 @@ def get_query(
         per=per,
         guesses=guesses,
         explain=explain,
+        raw=raw,
         **{"as": as_, "with": with_},
     )
     return post_query(call, request)
@@ -108,6 +110,7 @@ def post_query(call: Call, request: QueryRequest) -> QueryAnswer | Content:
         batches = _batches(STREAMS["ndjson"][0](found))
         return Content(write_columns(request.as_, batches, _COLUMNS), TYPES[request.as_], f"answer.{request.as_}")
     write, media_type = STREAMS[request.as_]
+    write = RAW_CSV if request.as_ == "csv" and request.raw else write
     return Content(write(found), media_type, facts={} if found.total is None else {"total-count": str(found.total)})
 
 

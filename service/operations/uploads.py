@@ -8,6 +8,7 @@ from pydantic import Field
 
 from schemas.documents import FileProblem, InspectResult, UploadResult
 from schemas.examples import DOCUMENT, MOTION_NAME, PROJECT
+from schemas.frame_time import FrameTime
 from service.actions.checking.describe_problem import UploadError, problem_of
 from service.actions.importing.upload_files import upload_files
 from service.actions.reading.import_options import ImportOptions, checked_repairs, parse_label, parse_property
@@ -64,7 +65,11 @@ def upload_documents(
     ] = None,
     up: Annotated[str | None, Field(description="Axis that points up", examples=["Y"])] = None,
     frame_time: Annotated[
-        str | None, Field(description="Seconds a frame, where the files do not say", examples=["0.0083333"])
+        FrameTime | None,
+        Field(
+            description="Seconds a frame, where the files do not say, as 0.0083333 or 1/120",
+            examples=["0.0083333"],
+        ),
     ] = None,
     skeleton: Annotated[
         str | None, Field(description="Stored document whose ASF an AMC alone shall use", examples=[DOCUMENT])

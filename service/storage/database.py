@@ -137,6 +137,13 @@ class Database:
             config.attributes["connection"] = connection
             command.upgrade(config, "head")
 
+    def make_or_require(self) -> None:
+        """Make a new store whole. StoreError where the schema of one that is there is not this program's."""
+        if self.schema_versions()[0] is None:
+            self.migrate()
+        else:
+            self.require_schema()
+
     def schema_versions(self) -> tuple[str | None, str | None]:
         """(the store's schema version, this program's)."""
         # A store on a full disk has to be opened before it can be emptied.
@@ -156,7 +163,7 @@ class Database:
             refuse_newer(found, wanted)
             raise StoreError(
                 f"The store's schema is {found or 'empty'}, this program needs {wanted}.",
-                remedy="Run `mcml db upgrade`.",
+                remedy="Run `mcml db upgrade`, or `mcml serve`; an SQLite store is copied beside itself before.",
             )
         self._require_layout()
 

@@ -22,7 +22,7 @@ LEASE_SECONDS = 12.0
 """How long a runner may be silent before another one takes its jobs."""
 
 MOST_ATTEMPTS = 3
-"""A job whose runners die this often is given up: it may well be what kills them."""
+"""So often a job is begun whose worker dies before the job has begun. Deaths of servers do not count."""
 
 ENDED = ("done", "failed", "cancelled")
 
@@ -203,6 +203,11 @@ class Jobs:
             self._tx.activity.note("job", "cancelled", project_key=found.project_key, subject=found.name)
         self._tx.connection.execute(update(job).where(job.c.uuid == uuid, job.c.state == "running").values(cancel=True))
         return found if found.state in ENDED else self.get(uuid)
+
+    def give_back(self, uuid: str, runner: str) -> None:
+        """Let a job wait again that its runner could not have done."""
+        mine = update(job).where(job.c.uuid == uuid, job.c.state == "running", job.c.runner == runner)
+        self._tx.connection.execute(mine.values(state="waiting", runner=None, lease=None))
 
     def release(self, runner: str) -> None:
         """Give back what a runner that stops in order has not finished; the attempt does not count."""

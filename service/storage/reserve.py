@@ -12,7 +12,7 @@ from typing import TypeVar
 from service.errors import SpaceError
 
 BYTES = 16 << 20
-ENOUGH = 8
+ENOUGH = 2
 """The reserve is made where so many times its size are free."""
 TO_OPEN = 256 << 10
 """What a store needs to be opened: SQLite makes two files beside it."""

@@ -10,7 +10,7 @@ from fastapi.testclient import TestClient
 
 from service import passwords
 from service.app import create_app
-from service.errors import AttemptsError
+from service.errors import AttemptsError, RequestError
 from service.settings import Settings
 from service.storage.attempts import attempt, count_attempt
 from service.storage.database import Database
@@ -105,6 +105,32 @@ def test_common_passwords_are_refused(kim: TestClient, nobody: TestClient, commo
     code = kim.post(f"{API}/invitations", json={"role": "reader"}).json()["code"]
     joined = nobody.post(f"{API}/session", json={"invitation": code, "name": "lee", "password": common})
     assert joined.status_code == 422
+
+
+GUESSED = [
+    *("ann ann ann", "ANN Ann ann", "nna nna nna", "ann.ann.ann", "ann123456789", "ann2024!!!", "annannannann1"),
+    *("aaaaaaaaaa", "abcabcabcabc", "password password", "pass-word-pass-word", "ab ab ab ab ab", "!!!!!!!!!!"),
+    *("qwertyuiop12", "asdfghjkl;", "9876543210", "1qaz2wsx3edc", "1122334455", "abcdefghijkl", "azerty qwertz"),
+]
+"""For somebody called ann."""
+WELL_CHOSEN = ["correct horse battery staple", "banana tree", "hello kitty", "mississippi river", "k3#vT9!qLm", WORDS]
+
+
+def test_names_repetitions_and_rows_of_keys_are_no_passwords(quick_hashes: None) -> None:
+    for password in GUESSED:
+        with pytest.raises(RequestError, match=r"easy to guess|tried first"):
+            print(password, passwords.hashed(password, "ann"))
+    for password in WELL_CHOSEN:
+        assert passwords.opens(password, passwords.hashed(password, "ann"))
+    with pytest.raises(RequestError, match="easy to guess"):
+        passwords.hashed("Jo Anne jo anne 1", "jo anne")
+
+
+@one_kind
+def test_the_api_refuses_what_is_guessed(kim: TestClient) -> None:
+    refused = kim.put(f"{API}/account/password", json={"current": WORDS, "new": "kim kim kim kim"})
+    assert refused.status_code == 422
+    assert "easy to guess" in refused.json()["detail"]
 
 
 def test_of_common_passwords_those_are_known_that_are_long_enough() -> None:

@@ -11,9 +11,13 @@ from typer.main import get_command
 from service.cli import app as cli
 from service.mcml import joint_names, motion_names
 from service.operations import all_operations
+from service.operations.operation import RIGHTS, Right
+from service.storage.accounts import ROLES
+from service.storage.members import PROJECT_ROLES
 from tests.builders import description
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
+PAGES = [*sorted(DOCS.rglob("*.md")), DOCS.parent / "README.md", DOCS.parent / "SECURITY.md"]
 BY_HAND = {
     "follow_job": "read",
     **dict.fromkeys(("healthz", "readyz", "open_session", "close_session", "open_shared"), "none"),
@@ -83,7 +87,20 @@ def movements() -> str:
     return "\n".join(lines) + "\n"
 
 
-TABLES = {"endpoints": endpoints, "commands": commands, "joint-names": joints, "movements": movements}
+def rights() -> str:
+    """Who has which right, and where."""
+    wheres = ("every project", "that project")
+    lines = ["| who | " + " | ".join(Right) + " |", "|---" * (1 + len(Right)) + "|"]
+    for roles, of, where in zip((ROLES, PROJECT_ROLES), ("the repository", "a project"), wheres, strict=True):
+        for role, scope in roles.items():
+            held = RIGHTS[scope] if scope else frozenset()
+            cells = ["the whole store" if right is Right.OPERATE else where for right in Right]
+            shown = [cell if right in held else "–" for cell, right in zip(cells, Right, strict=True)]
+            lines.append(f"| {role} of {of} | {' | '.join(shown)} |")
+    return "\n".join(lines) + "\n"
+
+
+TABLES = {"rights": rights, "endpoints": endpoints, "commands": commands, "joint-names": joints, "movements": movements}
 
 
 def renewed(text: str) -> str:
@@ -92,12 +109,12 @@ def renewed(text: str) -> str:
 
 
 def main() -> None:
-    for page in sorted(DOCS.rglob("*.md")):
+    for page in PAGES:
         text = page.read_text(encoding="utf-8")
         fresh = renewed(text)
         if fresh != text:
             page.write_text(fresh, encoding="utf-8")
-            typer.echo(f"wrote {page.relative_to(DOCS)}")
+            typer.echo(f"wrote {page.relative_to(DOCS.parent)}")
 
 
 if __name__ == "__main__":

@@ -9,9 +9,7 @@ import pytest
 
 from service.formats import FORMATS, WRITERS
 from service.settings import Settings
-from tests.docs.generate import DOCS, TABLES, renewed
-
-PAGES = [*sorted(DOCS.rglob("*.md")), DOCS.parent / "README.md"]
+from tests.docs.generate import DOCS, PAGES, TABLES, renewed
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

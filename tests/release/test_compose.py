@@ -20,6 +20,7 @@ import yaml
 from prometheus_client.parser import text_string_to_metric_families
 from sqlalchemy import make_url
 
+from service.settings import Settings
 from service.storage.database import Database
 from tests import postgres
 from tests.api.test_two_servers import is_ready, until
@@ -50,6 +51,7 @@ class Machine:
             "127.0.0.1:8000": f"127.0.0.1:{self.port}",
             "('127.0.0.1', 8786)": f"('127.0.0.1', {scheduler})",
             "/tmp": str(folder),
+            "/home/mcml/cache": str(folder / "cache"),
         }
         self.services: dict[str, Any] = yaml.safe_load(COMPOSE)["services"]
 
@@ -139,10 +141,69 @@ def test_what_it_starts_works_together(machine: Machine) -> None:
 def test_every_service_is_known() -> None:
     """A new one is started above, or is another's image."""
     services = yaml.safe_load(COMPOSE)["services"]
-    assert set(services) == {"database", "service", "scheduler", "worker", "prometheus"}
+    assert set(services) == {"database", "service", "scheduler", "worker", "backup", "prometheus"}
     ours = {name for name, service in services.items() if "build" in service}
-    assert ours == {"service", "scheduler", "worker"}
+    assert ours == {"service", "scheduler", "worker", "backup"}
     assert json.loads(re.findall(r"^CMD (\[.*\])$", DOCKERFILE, re.MULTILINE)[-1]) == services["service"]["command"]
     assert services["scheduler"]["networks"] == services["database"]["networks"] == ["inside"]
     for mount in services["prometheus"]["volumes"][:1]:
         assert (ROOT / mount.partition(":")[0]).is_file()
+
+
+def folders_of_the_image() -> set[str]:
+    """That its user may write, so that a volume there is theirs."""
+    before, _, after = DOCKERFILE.rpartition("USER mcml\n")
+    assert before
+    return {folder for made in re.findall(r"^RUN mkdir (.*)$", after, re.MULTILINE) for folder in made.split()}
+
+
+def test_every_service_has_bounds_and_writes_where_it_may() -> None:
+    found = yaml.safe_load(COMPOSE)
+    for name, service in found["services"].items():
+        assert re.fullmatch(r"\d+[mg]", service["mem_limit"]), name
+        for volume in service.get("volumes", []):
+            kept, place = volume.split(":")[:2]
+            assert kept.startswith(".") or kept in found["volumes"], volume
+            assert "build" not in service or place in folders_of_the_image(), volume
+    assert found["services"]["service"]["environment"]["MCML_CACHE_DIR"] in folders_of_the_image()
+    worker = found["services"]["worker"]
+    assert int(re.findall(r"(\d+)GiB", " ".join(worker["command"]))[0]) < int(worker["mem_limit"].removesuffix("g"))
+    assert "/healthz" in re.findall(r"^HEALTHCHECK .*\n.*$", DOCKERFILE, re.MULTILINE)[0]
+
+
+def test_the_proxy_of_the_machine_is_trusted_and_nobody_else() -> None:
+    """It comes through the bridge of the network that has a port outside."""
+    found = yaml.safe_load(COMPOSE)
+    (bridge,) = found["networks"]["outside"]["ipam"]["config"]
+    service = found["services"]["service"]
+    settings = Settings(trusted_proxies=service["environment"]["MCML_TRUSTED_PROXIES"])
+    assert [str(network) for network in settings.proxies] == [f"{bridge['gateway']}/32"]
+    assert all(port.startswith("127.0.0.1:") for port in service["ports"])
+    assert found["networks"]["inside"]["internal"] is True
+
+
+def test_the_backup_job_keeps_a_copy_a_day(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its command, with a day that ends at once and a store of this machine."""
+    shell, option, script = yaml.safe_load(COMPOSE)["services"]["backup"]["command"]
+    store = Database(f"sqlite:///{tmp_path}/store.db")
+    store.migrate()
+    fill(store)
+    store.close()
+    (tmp_path / "backups").mkdir()
+    monkeypatch.setenv("MCML_DATABASE", f"sqlite:///{tmp_path}/store.db")
+    words = f'mcml() {{ {shlex.quote(sys.executable)} -m service.cli "$@"; }}; sleep() {{ echo slept $1; exit; }}; '
+    command = [shell, option, words + script.replace("$$", "$")]
+    given = os.environ | {"PYTHONPATH": str(ROOT)}
+    for _ in range(2):
+        done = subprocess.run(
+            command, cwd=tmp_path / "backups", env=given, capture_output=True, text=True, check=False, timeout=60
+        )
+        assert "slept 86400" in done.stdout, done.stderr
+        (kept,) = (tmp_path / "backups").iterdir()
+        copy = Database(f"sqlite:///{kept}")
+        assert copy.check() == []
+        copy.close()
+    given = os.environ | {"PYTHONPATH": str(ROOT), "MCML_DATABASE": "nonsense"}
+    done = subprocess.run(command, cwd=tmp_path / "backups", env=given, capture_output=True, text=True, check=False)
+    assert "slept 600" in done.stdout
+    assert kept.exists(), "what was kept before stays where a new copy fails"

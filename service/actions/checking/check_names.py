@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
+from decimal import Decimal
+from fractions import Fraction
 
 from service.errors import DocumentError, LimitError, Place
 from service.mcml.elements import Element, header_of
@@ -16,6 +19,7 @@ LONGEST_VALUE = 1 << 18
 NAME_BYTES = 1024
 """Of a name in UTF-8: PostgreSQL indexes no longer rows than 2,700 bytes."""
 
+_RATIO = re.compile(r"([0-9]{1,15}(?:\.[0-9]{1,15})?) ?/ ?([0-9]{1,15}(?:\.[0-9]{1,15})?)")
 _CONTROL = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
 
 
@@ -43,10 +47,35 @@ def name_of_file(text: str) -> str:
     return name.rsplit(".", 1)[0].strip() or name
 
 
-def check_frame_time(text: str) -> None:
-    """DocumentError unless the text is a time in seconds, as MCML writes one."""
-    if not (is_decimal(text) and 1e-9 <= float(text) < 1e6 and len(text) <= 64):
-        raise DocumentError(f"frame_time {text[:80]!r} is no time.", remedy="Give seconds a frame, such as 0.0083333.")
+def check_frame_time(given: str | float | Fraction) -> str:
+    """Seconds a frame as MCML writes them. DocumentError for what is no such time.
+
+    given: a number, or a text such as 0.0083333 or 1/120. A decimal text stays as it is; all else becomes the
+    shortest one that is the same number.
+    """
+    text = _seconds(given)
+    if text is None or len(text) > 64 or not 1e-9 <= float(text) < 1e6:
+        raise DocumentError(
+            f"frame_time {str(given)[:80]!r} is no time.", remedy="Give seconds a frame, such as 0.0083333 or 1/120."
+        )
+    return text
+
+
+def _seconds(given: str | float | Fraction) -> str | None:
+    """As a decimal text, None where it is no finite number."""
+    if not isinstance(given, str):
+        return _decimal(float(given))
+    text = given.strip()
+    parts = _RATIO.fullmatch(text)
+    if parts is None:
+        return text if is_decimal(text) else None
+    above, below = map(Fraction, parts.groups())
+    return _decimal(float(above / below)) if below else None
+
+
+def _decimal(number: float) -> str | None:
+    """The shortest text of a number, without an exponent."""
+    return f"{Decimal(repr(number)):f}" if math.isfinite(number) else None
 
 
 def check_head(document: Element, head: ClipHead, max_joints: int) -> None:

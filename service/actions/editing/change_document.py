@@ -39,7 +39,7 @@ def change_document(
     properties: Iterable[tuple[str, str, str]] | None = None,
     unit: str | None = None,
     up: str | None = None,
-    frame_time: str | None = None,
+    frame_time: str | float | None = None,
 ) -> StoredDocument:
     """Apply what is given (None leaves a fact as it is) as one revision; answers the document as it then is."""
     what = set_facts(
@@ -69,7 +69,7 @@ def set_facts(
     properties: Iterable[tuple[str, str, str]] | None = None,
     unit: str | None = None,
     up: str | None = None,
-    frame_time: str | None = None,
+    frame_time: str | float | None = None,
 ) -> list[str]:
     """As `change_document`, but the caller makes the revision; answers which facts were given."""
     if name is not None:
@@ -84,7 +84,7 @@ def set_facts(
         )
         tx.heads.write_header(stored.key, document.children[0], tx.commit)
     if frame_time is not None:
-        check_frame_time(frame_time)
+        frame_time = check_frame_time(frame_time)
         changed.add("frame_time")
     current = tx.documents.get(stored.uuid)
     touched = changed & _HELD_BY_SOURCE.get(stored.format, changed)

@@ -118,8 +118,7 @@ def _change_motion_leaf(tx: Transaction, stored: StoredDocument, tag: str, chang
         raise DocumentError("frames is counted, not set.", at=Place(element=address), remedy="Insert or delete frames.")
     if change.text is None or change.attributes:
         raise DocumentError("frametime holds a text only.", at=Place(element=address), remedy="Give seconds.")
-    check_frame_time(change.text.strip())
-    _write_content(tx, stored, frame_time=(change.text or "").strip())
+    _write_content(tx, stored, frame_time=check_frame_time(change.text))
 
 
 def _write_content(tx: Transaction, stored: StoredDocument, **changed: Any) -> None:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 
+from service.actions.checking.check_names import check_frame_time
 from service.actions.exporting.export_motion import convert_clip, part_without_frames, targets
 from service.actions.reading.gather_files import gathered
 from service.actions.reading.import_options import ImportOptions
@@ -34,7 +35,7 @@ def convert_files(
     target: str,
     settings: Settings,
     *,
-    frame_time: str | None = None,
+    frame_time: str | float | None = None,
     encoding: str | None = None,
     names: str | None = None,
     unit: str | None = None,
@@ -50,6 +51,7 @@ def convert_files(
         raise UnsupportedError(
             f"Unknown format {target!r}.", remedy=f"Use one of: {', '.join(sorted(set(known) - {'csv'}))}."
         )
+    frame_time = None if frame_time is None else check_frame_time(frame_time)
     options = ImportOptions(encoding=encoding, frame_time=frame_time, unit=unit, up=up)
     with gathered(files, settings) as found:
         for _, error in found.problems:

@@ -14,6 +14,7 @@ import numpy as np
 import orjson
 
 from service.actions.checking.check_names import check_frame_time
+from service.cells import safe_cell
 from service.clips.bodies import read_bodies
 from service.clips.read_clip import StoredClip, read_clip
 from service.errors import ConversionError, Notice, UnsupportedError
@@ -38,7 +39,8 @@ class ExportOptions:
 
     names: table of joint names ("mcml", "bvh1", …) instead of the source's. unit, up: turn and scale to these; the
     document must state its own. frame_time: seconds of a frame, for a document that does not state them. original:
-    False writes the file from the elements even where the kept bytes would do.
+    False writes the file from the elements even where the kept bytes would do. raw: CSV has also texts that
+    spreadsheets take for formulas as they are.
     """
 
     format: str
@@ -49,7 +51,8 @@ class ExportOptions:
     up: str | None = None
     pretty: bool = False
     original: bool = True
-    frame_time: str | None = None
+    frame_time: str | float | None = None
+    raw: bool = False
 
     @property
     def whole(self) -> bool:
@@ -109,7 +112,11 @@ def export_document(tx: Transaction, stored: StoredDocument, options: ExportOpti
         )  # fmt: skip
         return Export(f"{stem}.mcml", "application/xml", content)
     if name == "csv":
-        return Export(f"{stem}.csv", "text/csv; charset=utf-8", _csv(source, _columns(tx, source)))
+        return Export(
+            f"{stem}.csv",
+            "text/csv; charset=utf-8",
+            _csv(source, _columns(tx, source), str if options.raw else safe_cell),
+        )
     clip = _converted(source, name, options)
     if name in WITH_REFERENCE:
         start = read_bodies(tx, tx.columns.documents([stored.key]))[stored.key].calibration.start
@@ -150,11 +157,11 @@ def _kept(tx: Transaction, stored: StoredDocument, part: str | None) -> Export |
     return Export(f"{file_stem(stored.name)}.zip", "application/zip", zipped(files.items()))
 
 
-def _timed(source: StoredClip, frame_time: str | None) -> StoredClip:
+def _timed(source: StoredClip, frame_time: str | float | None) -> StoredClip:
     """The clip with a frame time, where it states none. Raises ConversionError where it states another."""
     if frame_time is None:
         return source
-    check_frame_time(frame_time)
+    frame_time = check_frame_time(frame_time)
     head = source.clip.head
     stated = head.seconds_per_frame()
     if stated is not None and not math.isclose(stated, float(frame_time), rel_tol=1e-6):
@@ -209,13 +216,16 @@ def _columns(tx: Transaction, source: StoredClip) -> list[tuple[int, int]]:
     return list(found)
 
 
-def _csv(source: StoredClip, columns: list[tuple[int, int]]) -> Iterator[bytes]:
-    """Frames as rows: position, id, time, then one column a channel, named bone.channel; an empty cell is missing."""
+def _csv(source: StoredClip, columns: list[tuple[int, int]], shown: Callable[[str], str]) -> Iterator[bytes]:
+    """Frames as rows: position, id, time, then one column a channel, named bone.channel; an empty cell is missing.
+
+    shown: what stands in a cell for a text.
+    """
     seconds = source.clip.head.seconds_per_frame()
     position = source.first
     if seconds is not None and not math.isfinite(seconds * (position + (source.clip.frames or 0))):
         seconds = None
-    names = [_cell(f"{source.names[joint]}.{CHANNELS[channel]}") for joint, channel in columns]
+    names = [_cell(shown(f"{source.names[joint]}.{CHANNELS[channel]}")) for joint, channel in columns]
     yield (",".join(["frame", "id", "time", *names]) + "\n").encode()
     for block in source.clip.blocks():
         place = {column: index for index, column in enumerate(block.columns)}
@@ -223,7 +233,7 @@ def _csv(source: StoredClip, columns: list[tuple[int, int]]) -> Iterator[bytes]:
         known = [index for index, column in enumerate(columns) if column in place]
         values[:, known] = block.values[:, [place[columns[index]] for index in known]]
         rows = orjson.dumps(values, option=orjson.OPT_SERIALIZE_NUMPY)[2:-2].split(b"],[")
-        ids = [_cell(str(item)).encode() for item in block.ids]
+        ids = [_cell(shown(str(item))).encode() for item in block.ids]
         for row, frame_id in zip(rows, ids, strict=True):
             time = b"" if seconds is None else repr((position - 1) * seconds).encode()
             yield b"%d,%s,%s,%s\n" % (position, frame_id, time, row.replace(b"null", b""))

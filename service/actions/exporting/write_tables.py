@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.actions.exporting.export_motion import Tail, zipped
+from service.cells import safe_cell
 from service.errors import UnsupportedError
 from service.motion.skeleton import Array
 
@@ -69,16 +70,21 @@ def batches_of(rows: Iterator[tuple[Any, ...]], names: Sequence[str]) -> Batches
         yield dict(zip(names, map(list, zip(*some, strict=True)), strict=True))
 
 
-def write_csv(batches: Batches) -> Iterator[bytes]:
-    """Batches as CSV (RFC 4180) with a row of names; what is not known is empty."""
+def write_csv(batches: Batches, *, raw: bool = False) -> Iterator[bytes]:
+    """Batches as CSV (RFC 4180) with a row of names; what is not known is empty. raw: also texts that spreadsheets take
+    for formulas as they are."""
+    shown = str if raw else safe_cell
     head = True
     for batch in batches:
         content = io.StringIO()
         writer = csv.writer(content)
         if head:
-            writer.writerow(batch)
+            writer.writerow(map(shown, batch))
             head = False
-        columns = [np.asarray(column).tolist() for column in batch.values()]
+        columns = [
+            [shown(one) for one in column] if isinstance(next(iter(column), None), str) else np.asarray(column).tolist()
+            for column in batch.values()
+        ]
         writer.writerows(["" if value != value else value for value in row] for row in zip(*columns, strict=True))
         yield content.getvalue().encode()
 

@@ -95,8 +95,7 @@ def encode_clip(
 def _frame_time(stream: ClipStream, options: ImportOptions) -> str | None:
     if options.frame_time is None:
         return stream.head.frame_time
-    check_frame_time(options.frame_time)
-    return options.frame_time
+    return check_frame_time(options.frame_time)
 
 
 def _is_intact(head: ClipHead, options: ImportOptions) -> bool:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from schemas.queries import QueryRequest, RunItem
 from service.actions.editing.change_document import add_labels
 from service.actions.editing.splice_frames import check_range
+from service.cells import read_cell, safe_cell
 from service.errors import DocumentError, NotFoundError, Place
 from service.mcml import motion_names
 from service.storage.database import Database
@@ -150,12 +151,14 @@ def label_rows(tx: Transaction, documents: Iterable[StoredDocument]) -> Iterator
             yield stored.uuid, span.name, span.first, span.last
 
 
-def label_table(rows: Iterable[tuple[str, str, int, int]]) -> str:
-    """Rows of labels as CSV; `write_label_table` reads it again."""
+def label_table(rows: Iterable[tuple[str, str, int, int]], *, raw: bool = False) -> str:
+    """Rows of labels as CSV; `write_label_table` reads it again. raw: also names that spreadsheets take for formulas as
+    they are."""
+    shown = str if raw else safe_cell
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(HEADINGS)
-    writer.writerows(rows)
+    writer.writerows((document, shown(name), first, last) for document, name, first, last in rows)
     return text.getvalue()
 
 
@@ -231,9 +234,9 @@ def _parsed(content: bytes) -> tuple[str, list[_Line]]:
         )
     lines = []
     for number, cells in enumerate(rows, 2):
-        if not any(cell.strip() for cell in cells):
+        if not any(read_cell(cell.strip()) for cell in cells):
             continue
-        row = dict(zip(names, (cell.strip() for cell in cells), strict=False))
+        row = dict(zip(names, (read_cell(cell.strip()) for cell in cells), strict=False))
         if not (row.get(key) and row.get("label") and row.get("first", "").isdigit() and row.get("last", "").isdigit()):
             raise DocumentError(
                 "The line does not say document, label, first and last.",

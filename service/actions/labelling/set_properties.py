@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from service.actions.editing.change_document import change_document
 from service.actions.reading.import_options import parse_property
+from service.cells import read_cell
 from service.errors import DocumentError, Place
 from service.mcml.elements import to_head
 from service.storage.documents import StoredDocument
@@ -69,13 +70,14 @@ def parse_table(content: bytes) -> tuple[str, list[Row]]:
                 remedy="Put cells with commas into quotation marks.",
             )
         filled = [(head, cell) for head, cell in zip(named, cells[1:], strict=False) if cell.strip()]
-        rows.append(Row(number, cells[0].strip(), tuple(_property(*head, cell) for head, cell in filled)))
+        rows.append(Row(number, read_cell(cells[0].strip()), tuple(_property(*head, cell) for head, cell in filled)))
     return lines[0][0].strip().lower(), rows
 
 
 def _property(name: str, unit: str, cell: str) -> Property:
-    parsed = parse_property(f"{name}={cell.strip()}")
-    return (name, parsed[1], parsed[2]) if parsed[2] else (name, cell.strip(), unit)
+    text = read_cell(cell.strip())
+    parsed = parse_property(f"{name}={text}")
+    return (name, parsed[1], parsed[2]) if parsed[2] else (name, text, unit)
 
 
 def set_properties(tx: Transaction, content: bytes, project: str | None = None) -> list[StoredDocument]:

@@ -23,7 +23,8 @@ class Label:
 class ImportOptions:
     """What the user says of the files. Only what is said is applied: no unit, axis or rate is assumed.
 
-    name: of the document, if there is one; default the file name's stem. frame_time: seconds, as text.
+    name: of the document, if there is one; default the file name's stem.
+    frame_time: seconds, as `check_frame_time` takes them.
     skeleton: uuid of a stored document whose skeleton motion without one shall use.
     aliases: (name in files, MCML's name) that the project adds; `import_files` looks them up.
     movements: name anatomical movements that are found in the motion with at least this confidence, 0 to 1.
@@ -40,7 +41,7 @@ class ImportOptions:
     translation: str = "auto"
     unit: str | None = None
     up: str | None = None
-    frame_time: str | None = None
+    frame_time: str | float | None = None
     skeleton: str | None = None
     on_duplicate: str = "new"
     strict_names: bool = False

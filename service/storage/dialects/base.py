@@ -165,5 +165,9 @@ class Dialect(ABC):
         """What the database itself finds wrong with its pages and indexes, in words."""
 
     @abstractmethod
-    def after_copy(self, connection: Connection) -> None:
-        """Let automatic keys go on behind rows that were copied in with theirs."""
+    def last_keys(self, connection: Connection) -> dict[str, int]:
+        """The last key that each table gave, by its name, where rows of the table may be gone that had later ones."""
+
+    @abstractmethod
+    def after_copy(self, connection: Connection, last: dict[str, int]) -> None:
+        """Number on from the keys of rows that were copied with theirs. last: `last_keys` of the source."""

@@ -9,7 +9,7 @@ from functools import cache, partial
 from typing import Any
 
 import psycopg
-from sqlalchemy import Connection, Engine, Table, create_engine, event, insert, text
+from sqlalchemy import Column, Connection, Engine, Table, create_engine, event, func, insert, select, text
 from sqlalchemy.exc import DBAPIError, InvalidatePoolError
 from sqlalchemy.sql.dml import ReturningInsert
 
@@ -153,16 +153,22 @@ class PostgreSQL(Dialect):
             if failures:
                 yield f"PostgreSQL: {failures} pages had another checksum"
 
-    def after_copy(self, connection: Connection) -> None:
-        for table in metadata.sorted_tables:
-            key = next(iter(table.primary_key.columns))
-            if len(table.primary_key.columns) == 1 and key.autoincrement is not False and not key.foreign_keys:
-                connection.execute(
-                    text(
-                        f"SELECT setval(pg_get_serial_sequence('\"{table.name}\"', '{key.name}'), "
-                        f'GREATEST((SELECT MAX({key.name}) FROM "{table.name}"), 1))'
-                    )
-                )
+    def last_keys(self, connection: Connection) -> dict[str, int]:
+        given = "SELECT COALESCE(pg_sequence_last_value(CAST(CAST(:sequence AS text) AS regclass)), 0)"
+        return {
+            table.name: int(connection.execute(text(given), {"sequence": sequence}).scalar_one())
+            for table, _, sequence in _numbered(connection)
+        }
+
+    def after_copy(self, connection: Connection, last: dict[str, int]) -> None:
+        for table, key, sequence in _numbered(connection):
+            greatest = connection.execute(select(func.max(key))).scalar_one() or 0
+            newest = max(greatest, last.get(table.name, 0))
+            # The third value says whether the number was given: the first key is 1.
+            connection.execute(
+                text("SELECT setval(CAST(CAST(:sequence AS text) AS regclass), :value, :given)"),
+                {"sequence": sequence, "value": max(newest, 1), "given": newest > 0},
+            )
 
 
 def _note_rest(_: Any, record: Any) -> None:
@@ -178,6 +184,18 @@ def _look_after_rest(engine: Engine, connection: Any, record: Any, _: Any) -> No
         engine.dialect.do_ping(connection)
     except psycopg.Error as error:
         raise InvalidatePoolError from error
+
+
+def _numbered(connection: Connection) -> Iterator[tuple[Table, Column[Any], str]]:
+    """Tables whose rows get their keys from a sequence: the table, its key, and the sequence's name."""
+    asked = text("SELECT pg_get_serial_sequence(:table, :key)")
+    for table in metadata.sorted_tables:
+        key = table.autoincrement_column
+        if key is not None:
+            named = {"table": f'"{table.name}"', "key": key.name}
+            sequence = connection.execute(asked, named).scalar_one()
+            if sequence is not None:
+                yield table, key, sequence
 
 
 @cache

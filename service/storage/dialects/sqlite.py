@@ -204,8 +204,15 @@ class SQLite(Dialect):
         for table, *_ in connection.exec_driver_sql("PRAGMA foreign_key_check"):
             yield f"SQLite: a row of {table} refers to one that is not there"
 
-    def after_copy(self, connection: Connection) -> None:
-        """Nothing to do: SQLite numbers on from the greatest key."""
+    def last_keys(self, connection: Connection) -> dict[str, int]:
+        return {table: connection.exec_driver_sql(f"{_next_key(table)} - 1").scalar_one() for table in RETIRING}
+
+    def after_copy(self, connection: Connection, last: dict[str, int]) -> None:
+        # SQLite numbers on from the greatest key by itself.
+        for table in RETIRING:
+            connection.exec_driver_sql(
+                "INSERT OR REPLACE INTO store (name, value) VALUES (?, ?)", (f"{LAST}{table}", str(last.get(table, 0)))
+            )
 
 
 def _make_private(path: str) -> None:

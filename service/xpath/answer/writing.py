@@ -15,6 +15,7 @@ import numpy as np
 import orjson
 
 from schemas.queries import NodeItem
+from service.cells import safe_cell
 from service.mcml.addresses import FRAME_TEMPLATE
 from service.mcml.writer import Layout, text_bytes, write_frames
 from service.motion.clip import FrameBlock
@@ -185,27 +186,32 @@ _NDJSON = _Form(
 # -- CSV: a row a node, RFC 4180 ---------------------------------------------------------------------------------------
 
 
-def _rows(nodes: Iterable[Node]) -> bytes:
+def _rows(shown: Callable[[str], str], nodes: Iterable[Node]) -> bytes:
     text = io.StringIO()
-    csv.writer(text).writerows(_values(node) for node in nodes)
+    csv.writer(text).writerows((*_place(node.stored, node.kind, node.address), shown(node.value)) for node in nodes)
     return text.getvalue().encode()
 
 
-_CSV = _Form(
-    before=(",".join(FIELDS) + "\r\n").encode(),
-    after=b"",
-    nodes=_rows,
-    stored=lambda forest, nodes: [_rows(described(forest, nodes))],
-    # Neither of these holds anything that CSV would quote.
-    opening=lambda *place: (",".join(map(str, _place(*place))) + ',"').encode(),
-    escaped=lambda piece: piece.replace(b'"', b'""'),
-    closing=b'"\r\n',
-)
+def _csv(shown: Callable[[str], str]) -> _Form:
+    """shown: what stands in a cell for a value."""
+    return _Form(
+        before=(",".join(FIELDS) + "\r\n").encode(),
+        after=b"",
+        nodes=partial(_rows, shown),
+        stored=lambda forest, nodes: [_rows(shown, described(forest, nodes))],
+        # Neither of these holds anything that CSV would quote. What follows is XML: it begins with "<".
+        opening=lambda *place: (",".join(map(str, _place(*place))) + ',"').encode(),
+        escaped=lambda piece: piece.replace(b'"', b'""'),
+        closing=b'"\r\n',
+    )
 
 
 STREAMS: dict[str, tuple[Callable[[Answer | Shown], Iterator[bytes]], str]] = {
     "xml": (partial(_written, _XML), "application/xml"),
     "ndjson": (partial(_written, _NDJSON), "application/x-ndjson"),
-    "csv": (partial(_written, _CSV), "text/csv"),
+    "csv": (partial(_written, _csv(safe_cell)), "text/csv"),
 }
 """For each form, what writes it, and its media type."""
+
+RAW_CSV = partial(_written, _csv(str))
+"""Writes values that spreadsheets take for formulas as they are."""

@@ -1995,7 +1995,7 @@ export interface components {
             translation: "auto" | "absolute" | "relative";
             unit?: string | null;
             up?: string | null;
-            frame_time?: string | null;
+            frame_time?: string | number | null;
             skeleton?: string | null;
             /**
              * @default new
@@ -2456,7 +2456,7 @@ export interface components {
             properties?: components["schemas"]["Property"][] | null;
             unit?: string | null;
             up?: string | null;
-            frame_time?: string | null;
+            frame_time?: string | number | null;
             /** @default  */
             message: string;
         };
@@ -2557,7 +2557,9 @@ export interface components {
             names?: string | null;
             unit?: string | null;
             up?: string | null;
-            frame_time?: string | null;
+            frame_time?: string | number | null;
+            /** @default false */
+            raw: boolean;
         };
         ExpressionCandidate: {
             document: string;
@@ -3507,6 +3509,8 @@ export interface components {
             guesses: "yes" | "no";
             /** @default false */
             explain: boolean;
+            /** @default false */
+            raw: boolean;
             with?: string | null;
             variables?: {
                 [key: string]: string | number | boolean;
@@ -5162,7 +5166,8 @@ export interface operations {
                 unit?: string | null;
                 up?: string | null;
                 original?: boolean;
-                frame_time?: string | null;
+                frame_time?: string | number | null;
+                raw?: boolean;
             };
             header?: never;
             path: {
@@ -6087,6 +6092,7 @@ export interface operations {
                 tips?: boolean;
                 reduce?: "minmax" | null;
                 pixels?: number;
+                raw?: boolean;
             };
             header?: never;
             path: {
@@ -6503,6 +6509,7 @@ export interface operations {
                 project?: string | null;
                 document?: string[] | null;
                 format?: "csv" | "arrow" | "parquet";
+                raw?: boolean;
             };
             header?: never;
             path?: never;
@@ -7088,6 +7095,7 @@ export interface operations {
                 per?: "document" | null;
                 guesses?: "yes" | "no";
                 explain?: boolean;
+                raw?: boolean;
                 with?: string | null;
             };
             header?: never;
