@@ -1213,7 +1213,7 @@ export interface paths {
         };
         get: operations["list_accounts"];
         put?: never;
-        post?: never;
+        post: operations["add_owner"];
         delete?: never;
         options?: never;
         head?: never;
@@ -3302,6 +3302,10 @@ export interface components {
             answer: {
                 [key: string]: unknown;
             };
+        };
+        OwnerRequest: {
+            name: string;
+            password: string;
         };
         PartKind: {
             kind: string;
@@ -9857,6 +9861,55 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["AccountList"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    add_owner: {
+        parameters: {
+            query?: never;
+            header?: {
+                "idempotency-key"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["OwnerRequest"];
+            };
+        };
+        responses: {
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AccountView"];
                 };
             };
             503: {
