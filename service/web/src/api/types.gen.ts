@@ -2443,6 +2443,7 @@ export interface components {
             frames_after: number;
             frames_removed: components["schemas"]["FrameRange"][];
             frames_added: components["schemas"]["FrameRange"][];
+            frames_kept: components["schemas"]["KeptFrames"][];
             frames_moved: boolean;
             labels_removed: components["schemas"]["LabelDifference"][];
             labels_added: components["schemas"]["LabelDifference"][];
@@ -3051,6 +3052,11 @@ export interface components {
              * @enum {string}
              */
             do: "keep";
+        };
+        KeptFrames: {
+            before: number;
+            after: number;
+            count: number;
         };
         KeptName: {
             source: string;

@@ -164,7 +164,7 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
 
 /** What is known of the body, which is worked out when it is looked at. */
 function CalibrationRow({ id, said }: { id: string; said: object }) {
-  const found = useAsync((signal) => get("/documents/{id}/calibration", { path: { id }, signal }), [id, said]);
+  const found = useAsync((signal) => get("/documents/{id}/calibration", { path: { id }, signal }), [id], [said]);
   const known = found.value as Schemas["Calibration"] | undefined;
   if (!known) return null;
   return (
