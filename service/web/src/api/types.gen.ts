@@ -3507,6 +3507,7 @@ export interface components {
              * @enum {string}
              */
             as: "json" | "xml" | "ndjson" | "csv" | "runs" | "arrow" | "parquet";
+            otherwise?: "json" | null;
             limit?: number | null;
             cursor?: string | null;
             per?: "document" | null;
@@ -7090,6 +7091,7 @@ export interface operations {
                 project?: string | null;
                 revision?: number | null;
                 as?: "json" | "xml" | "ndjson" | "csv" | "runs" | "arrow" | "parquet";
+                otherwise?: "json" | null;
                 limit?: number | null;
                 cursor?: string | null;
                 per?: "document" | null;

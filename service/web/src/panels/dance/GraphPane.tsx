@@ -31,7 +31,7 @@ export function GraphPane({ bench }: { bench: Bench }) {
   const make = async () => {
     setError(null);
     try {
-      const made = await resultOf(await runAnalysis("motion-graph", { inputs: { documents: bench.documents }, parameters: { clips: bench.clips } }, (started) => setRunning(started.id)));
+      const made = await resultOf(await runAnalysis("motion-graph", { inputs: { documents: bench.timed }, parameters: { clips: bench.clips } }, (started) => setRunning(started.id)));
       bench.graphOf.value = corrections;
       bench.graph.value = made;
     } catch (refused) {

@@ -126,7 +126,7 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
     const value = said[name] ?? one.value;
     return (
       <>
-        <dd>{value ? <span class={one.stated || said[name] ? "" : "guess"}>{value}</span> : <span class="guess">{w("unitUnknown")}</span>} <span class="dim">{one.why}</span></dd>
+        <dd>{value ? <span class={one.stated || said[name] ? "" : "guess"}>{value}</span> : <span class="guess">{w(name === "unit" ? "unitUnknown" : "upUnknown")}</span>} <span class="dim">{one.why}</span></dd>
         <dd class="row">
           {!one.stated && !said[name] && documents.length > 0 && options.map((option) => (
             <button key={option} type="button" class="button dense" onClick={() => void choose({ [name]: option })}>{option}</button>

@@ -1,7 +1,7 @@
 /** Ask the library: editor, answer as a table, its runs playing one after the other. */
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { EditorView } from "@codemirror/view";
-import { ApiError, address, ask, get, type Schemas } from "../../api/client";
+import { address, ask, get, type Schemas } from "../../api/client";
 import { copyText } from "../../shell/App";
 import { subject } from "../../shell/Bar";
 import { offer } from "../../state/keys";
@@ -48,7 +48,7 @@ export function XPathPage() {
   const project = param("project");
   const per = param("per") === "document";
 
-  const run = async (query = editor.current?.state.doc.toString() ?? text, cursor: string | null = null, form = param("as") === "nodes" ? "json" as const : "runs" as const) => {
+  const run = async (query = editor.current?.state.doc.toString() ?? text, cursor: string | null = null, form = param("as") === "nodes" ? "json" as const : "runs" as const): Promise<void> => {
     if (!query.trim()) return;
     stop.current?.abort();
     const { signal } = (stop.current = new AbortController());
@@ -59,15 +59,13 @@ export function XPathPage() {
     if (!cursor) setAnswer(null);
     const began = performance.now();
     try {
-      const found = (await get("/xpath", { query: { q: query, as: form, project: project || undefined, per: per ? "document" : undefined, limit: 500, cursor: cursor ?? undefined, explain: true, with: form === "runs" && !cursor ? "totals" : undefined }, signal })) as Schemas["QueryAnswer"];
+      const found = (await get("/xpath", { query: { q: query, as: form, project: project || undefined, per: per ? "document" : undefined, limit: 500, cursor: cursor ?? undefined, explain: true, otherwise: form === "runs" ? "json" : undefined, with: form === "runs" && !cursor ? "totals" : undefined }, signal })) as Schemas["QueryAnswer"];
       const ms = Math.round(performance.now() - began);
       const items = (found.items ?? [{ value: found.value }]) as Answered["items"];
       setAnswer((before) => ({ q: query, project, as: found.type === "runs" ? "runs" : "json", type: found.type, single: !found.items, per, items: cursor && before ? [...before.items, ...items] : items, totals: found.totals ?? (cursor ? (before?.totals ?? null) : null), total: found.total ?? (cursor ? (before?.total ?? null) : null), cursor: found.next_cursor ?? null, ms, explain: found.explain, complete: found.complete !== false, warnings: found.warnings ?? [] }));
       if (!cursor) { setPicked(0); remember(query); setParams({ q: query }); }
     } catch (problem) {
       if ((problem as Error).name === "AbortError") return;
-      // Values, and nodes outside of frames, have no runs; they are asked for as what they are without a word.
-      if (form === "runs" && problem instanceof ApiError && /as=json/.test(problem.remedy) && problem.status === 422) return void run(query, null, "json");
       setError(problem);
       setAnswer(null);
     } finally {
@@ -91,7 +89,7 @@ export function XPathPage() {
     setSaving(true);
     try {
       const { q, project } = question;
-      const name = q.replace(/[^\p{L}\p{N}]+/gu, " ").trim().slice(0, 60) || w("untitled");
+      const name = slug(q, " ");
       const made = await ask("post", "/compose", { body: { segments: [{ xpath: q, project: project || null, first: 1 }], name } as Schemas["ComposeRequest"] });
       note(w("composed", { name }), { action: { text: w("open"), run: () => go(`/clips/${made.document}`) } });
     } catch (problem) {
@@ -158,7 +156,7 @@ export function XPathPage() {
           <span class="grow" />
           <Explain explain={answer.explain} />
           <Menu label={w("copy")} className="button quiet dense" side="right" items={copies}>{w("copy")}<Icon name="down" /></Menu>
-          <Menu label={w("exportAll")} className="button quiet dense" side="right" items={(["xml", "ndjson", "csv"] as const).map((one) => ({ text: one.toUpperCase(), href: address("/xpath", {}, { q: question.q, project: question.project, as: one, per: question.per ? "document" : undefined }), download: true }))}>{w("exportAll")}<Icon name="down" /></Menu>
+          <Menu label={w("exportAll")} className="button quiet dense" side="right" items={(["xml", "ndjson", "csv"] as const).map((one) => ({ text: one.toUpperCase(), href: address("/xpath", {}, { q: question.q, project: question.project, as: one, per: question.per ? "document" : undefined }), download: `${slug(question.q)}.${one}` }))}>{w("exportAll")}<Icon name="down" /></Menu>
           {runs.length > 0 && !answer.per && <button type="button" class="button dense" disabled={saving} onClick={() => void saveAsClip()}>{w("saveAsClip")}</button>}
           {runs.length > 0 && <button type="button" class="button dense" onClick={() => go(`/compose?s=${runs.slice(0, PIECES).map((one) => `${one.document}:${one.first}-${one.last}`).join(",")}`)}>{runs.length > PIECES ? w("toComposerFirst", { n: PIECES }) : w("toComposer")}</button>}
         </div>
@@ -195,6 +193,9 @@ export function XPathPage() {
     </div>
   );
 }
+
+/** A question as a name: its words. */
+const slug = (q: string, between = "-"): string => q.replace(/[^\p{L}\p{N}]+/gu, " ").trim().slice(0, 60).trim().replaceAll(" ", between) || w("untitled");
 
 function Explain({ explain }: { explain: unknown }) {
   if (!explain) return null;
