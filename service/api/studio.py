@@ -55,7 +55,7 @@ def studio_page(request: Request, accept_encoding: Annotated[str, Header()] = ""
 
 
 def unknown_page(request: Request) -> Response | None:
-    """The studio, which tells a browser that an address leads nowhere. None where no page is asked for, and for addresses
+    """The studio, which tells a browser that an address leads nowhere; None where no page is asked for, and for paths
     of the API and of files."""
     wants_page = request.method in ("GET", "HEAD") and "text/html" in request.headers.get("accept", "")
     if not wants_page or request.url.path.startswith(OTHERS):
