@@ -71,6 +71,15 @@ class AccountList(BaseModel):
     items: list[AccountView]
 
 
+class OwnerRequest(RequestBody):
+    """The first account, which owns the repository."""
+
+    model_config = ConfigDict(json_schema_extra=shown({"name": "kim", "password": "four words in a row"}))
+
+    name: str = Field(min_length=1, max_length=64, description="What you log in with; revisions carry it")
+    password: str = Field(max_length=256, description="Ten characters or more")
+
+
 class AccountChange(RequestBody):
     """What is left out stays."""
 

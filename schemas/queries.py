@@ -133,6 +133,10 @@ class QueryRequest(RequestBody):
     project: str | None = None
     revision: int | None = Field(None, ge=1, le=2**31 - 1, description="Of the one document asked: as this left it")
     as_: Literal["json", "xml", "ndjson", "csv", "runs", "arrow", "parquet"] = Field("json", alias="as")
+    otherwise: Literal["json"] | None = Field(
+        None,
+        description="Of runs: json answers with nodes or values where the answer has no runs",
+    )
     limit: int | None = Field(None, ge=1, description="Most items; pages have 100, streams (xml, ndjson, csv) all")
     cursor: str | None = None
     per: Literal["document"] | None = Field(

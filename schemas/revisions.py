@@ -22,6 +22,14 @@ class LabelDifference(BaseModel):
     last: int
 
 
+class KeptFrames(BaseModel):
+    """Consecutive frames that both revisions have: the first one's position in each, and how many."""
+
+    before: int
+    after: int
+    count: int
+
+
 class ElementDifference(BaseModel):
     """An element of header, root or skeleton: its attributes and text before and after; null where it is not there."""
 
@@ -58,6 +66,7 @@ class Difference(BaseModel):
                 "frames_after": 1187,
                 "frames_removed": [{"first": 1, "last": 10}],
                 "frames_added": [],
+                "frames_kept": [{"before": 11, "after": 1, "count": 1187}],
                 "frames_moved": False,
                 "labels_removed": [],
                 "labels_added": [{"name": MOTION_NAME, "first": 100, "last": 142}],
@@ -82,6 +91,7 @@ class Difference(BaseModel):
     frames_after: int
     frames_removed: list[FrameRange] = Field(description="Positions in the earlier revision")
     frames_added: list[FrameRange] = Field(description="Positions in the later revision")
+    frames_kept: list[KeptFrames] = Field(description="Frames that both have, in the order of the later revision")
     frames_moved: bool = Field(description="Whether frames that both have stand in another order")
     labels_removed: list[LabelDifference]
     labels_added: list[LabelDifference]

@@ -131,7 +131,7 @@ def create_app(
     app.state.requests = {}
     # Streams of events, and requests that wait, look at it; connections set it.
     app.state.stopping = asyncio.Event()
-    problems.install(app)
+    problems.install(app, studio.unknown_page)
     description.install(app)
     app.add_middleware(GZipMiddleware, minimum_size=2048, compresslevel=1, exclude_content_types=AS_THEY_ARE)
     app.state.doors = doors = Doors(settings, store, secret)

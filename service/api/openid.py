@@ -132,7 +132,7 @@ def _person(database: Database, settings: Settings, claims: Claims, flow: Flow) 
                 raise AccessError("This account is closed.", remedy="Ask an owner of the repository.")
             return person
         offered = tx.accounts.accept(flow["invitation"]) if flow["invitation"] else None
-        if flow["link"] and not tx.accounts.exist() and tx.sessions.follow(flow["link"]) is not None:
+        if flow["link"] and not tx.accounts.have_owner() and tx.sessions.follow(flow["link"]) is not None:
             offered = "owner", None
         if offered is None:
             if settings.openid_role == "none":

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.encoders import jsonable_encoder
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
+from fastapi.responses import JSONResponse, Response
 from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 from starlette.routing import Match
@@ -65,8 +65,9 @@ def _words(said: str) -> str:
     return "A file is needed here, not a text." if "UploadFile" in said else said.removeprefix("Value error, ")
 
 
-def install(app: FastAPI) -> None:
-    """Let every error leave as a problem."""
+def install(app: FastAPI, unknown: Callable[[Request], Response | None]) -> None:
+    """Let every error leave as a problem. unknown: the page for an address that leads nowhere, None where no page is
+    asked for."""
 
     @app.exception_handler(errors.McmlError)
     def _ours(_request: Request, error: errors.McmlError) -> JSONResponse:
@@ -92,7 +93,10 @@ def install(app: FastAPI) -> None:
         return respond(problem)
 
     @app.exception_handler(HTTPException)
-    def _http(request: Request, error: HTTPException) -> JSONResponse:
+    def _http(request: Request, error: HTTPException) -> Response:
+        shown = unknown(request) if error.status_code == 404 else None
+        if shown is not None:
+            return shown
         if isinstance(error.__cause__, OSError) and errors.is_full(error.__cause__):
             # FastAPI says 400 for whatever goes wrong while it keeps the parts of an upload.
             return respond(problem_of(errors.SpaceError()))

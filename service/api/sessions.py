@@ -52,7 +52,7 @@ FOLLOW = """<h1>MCML Repository</h1><p>This link opens the repository once, in t
 
 SIGN_IN = """<p class="other"><a href="{address}">Sign in with {name}</a></p>"""
 
-FIRST = "You keep this server: make its first account, an owner's."
+FIRST = "You keep this server, and nobody owns it yet: make its first account, an owner's."
 INVITED = "You are invited to this repository."
 
 
@@ -188,7 +188,7 @@ def _signing(provider: str | None, **carried: str) -> str:
 def _followed(http: Request, link: str) -> str:
     """What a link offers: the first account where there is none, and to open the repository without one."""
     with http.app.state.repository.database.read() as tx:
-        first = not tx.accounts.exist()
+        first = not tx.accounts.have_owner()
     follow = FOLLOW.format(path=LOGIN_PATH, link=html.escape(link))
     if not first:
         return follow
@@ -224,7 +224,7 @@ def _joined(database: Database, request: SessionRequest) -> tuple[str, str]:
         given: tuple[str, int | None] | None = None
         if request.invitation is not None:
             given = tx.accounts.accept(request.invitation)
-        elif request.link is not None and not tx.accounts.exist() and tx.sessions.follow(request.link) is not None:
+        elif request.link is not None and not tx.accounts.have_owner() and tx.sessions.follow(request.link) is not None:
             given = "owner", None
         if given is None:
             raise AccessError("This link was used, or is too old.", remedy="Ask for another one.")

@@ -24,6 +24,8 @@ PAGES = (
         for rest in ("", "/{id}")
     ),
 )
+OTHERS = ("/api/", "/assets/", "/docs/")
+"""Below these nothing is a page of the studio."""
 POLICY = {
     **page_policy(
         ["'self'"],
@@ -50,6 +52,17 @@ def studio_page(request: Request, accept_encoding: Annotated[str, Header()] = ""
     if not (STATIC / "index.html").is_file():
         return page("MCML Repository", NOT_BUILT.format(base=str(request.base_url).rstrip("/")))
     return _file("index.html", accept_encoding, {**POLICY, "cache-control": "no-cache"})
+
+
+def unknown_page(request: Request) -> Response | None:
+    """The studio, which tells a browser that an address leads nowhere; None where no page is asked for, and for paths
+    of the API and of files."""
+    wants_page = request.method in ("GET", "HEAD") and "text/html" in request.headers.get("accept", "")
+    if not wants_page or request.url.path.startswith(OTHERS):
+        return None
+    shown = studio_page(request, request.headers.get("accept-encoding", ""))
+    shown.status_code = 404
+    return shown
 
 
 for address in PAGES:

@@ -69,6 +69,7 @@ def serve(
     reason = why_closed(settings, store)
     with store.read() as tx:
         has_people = tx.accounts.exist()
+        has_owner = tx.accounts.have_owner()
         has_token = tx.tokens.exist()
     link = None
     if reason or has_token or has_people:
@@ -79,7 +80,7 @@ def serve(
     console.print(Text.assemble("MCML Repository on ", (f"http://{name}:{settings.port}/", "bold"), "  (Ctrl+C stops)"))
     console.print(Text("Closed: requests need an account or a token." if link else OPEN, style="dim"))
     if link:
-        words = "opens it once in a browser" if has_people else "opens it once in a browser, to make the first account"
+        words = "opens it once in a browser" if has_owner else "opens it once in a browser, to make the first account"
         console.print(f"This link {words}:  http://{name}:{settings.port}/login?link={link}")
     os.environ["MCML_HOST"], os.environ["MCML_PORT"] = settings.host, str(settings.port)
     os.environ["MCML_DATABASE"] = settings.database_url

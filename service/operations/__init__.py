@@ -307,6 +307,8 @@ _ROWS = [
               "Change one's own password.", "accounts", status=204),
     Operation("list_accounts", "GET /accounts", READS, OPERATE,
               "The accounts of people.", "accounts", "account list"),
+    Operation("add_owner", "POST /accounts", WRITES, OPERATE,
+              "Make the first account, an owner's.", "accounts", status=201),
     Operation("change_account", "PATCH /accounts/{name}", WRITES, OPERATE,
               "Give somebody another role, or close their account.", "accounts"),
     Operation("list_invitations", "GET /invitations", READS, OWN,

@@ -20,6 +20,7 @@ from schemas.accounts import (
     MemberChange,
     MemberList,
     MemberView,
+    OwnerRequest,
     PasswordChange,
     TokenList,
     TokenMade,
@@ -27,7 +28,7 @@ from schemas.accounts import (
     TokenView,
 )
 from schemas.examples import PROJECT
-from service.errors import AccessError, NotFoundError, RequestError
+from service.errors import AccessError, ConflictError, NotFoundError, RequestError
 from service.operations.arguments import MOST
 from service.operations.call import Call
 from service.operations.operation import RIGHTS
@@ -59,6 +60,21 @@ def list_accounts(call: Call) -> AccountList:
     """By name; closed ones too."""
     with call.database.read() as tx:
         return AccountList(items=[_view(one) for one in tx.accounts.all()])
+
+
+def add_owner(call: Call, request: OwnerRequest) -> AccountView:
+    """Whoever keeps the server makes it, as long as nobody owns the repository: from then on it needs an account or a
+    token. Owners invite everybody else.
+    """
+    # Imported here: other operations hash nothing.
+    from service.passwords import checked_name, hashed
+
+    name = checked_name(request.name)
+    made = hashed(request.password, name)
+    with call.database.write(name) as tx:
+        if tx.accounts.have_owner():
+            raise ConflictError("The repository has an owner.", remedy="Ask an owner for an invitation.")
+        return _view(tx.accounts.add(name, "owner", made))
 
 
 def change_account(call: Call, name: AccountName, change: AccountChange) -> AccountView:
@@ -127,7 +143,9 @@ def list_tokens(call: Call) -> TokenList:
 
 
 def add_token(call: Call, request: TokenRequest) -> TokenMade:
-    """It belongs to the account that makes it: it may do no more, and ends with it. It is shown this once."""
+    """It belongs to the account that makes it: it may do no more, and ends with it. It is shown this once. The first
+    token closes the repository to who has none, so an owner's account comes first.
+    """
     if SCOPES.index(request.scope) > SCOPES.index(call.scope):
         raise AccessError(
             f"A token of {call.author} cannot have the scope {request.scope}.", remedy=f"Ask for {call.scope} at most."
@@ -136,6 +154,8 @@ def add_token(call: Call, request: TokenRequest) -> TokenMade:
     if request.days:
         expires = now(timedelta(days=request.days))
     with call.database.write(call.author) as tx:
+        if not tx.tokens.exist():
+            tx.accounts.require_owner()
         owner = None if call.account is None else tx.accounts.get(call.account)
         projects = [tx.projects.get(name) for name in dict.fromkeys(request.projects)]
         if call.view.limited and not projects:

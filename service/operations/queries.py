@@ -12,6 +12,7 @@ from pydantic import Field
 from schemas.examples import CURSOR, DOCUMENT, QUERY, RESULTS
 from schemas.queries import WITH, CompletionItem, Completions, NodeItem, QueryAnswer, QueryRequest
 from service.actions.exporting.write_tables import TYPES, Batches, batches_of, write_columns
+from service.errors import QueryError
 from service.operations.arguments import MOST, InProject, Raw
 from service.operations.call import Call, Content
 from service.operations.operation import gives
@@ -53,6 +54,10 @@ def get_query(
             "arrow and parquet with the extra `arrow`)",
         ),
     ] = "json",
+    otherwise: Annotated[
+        Literal["json"] | None,
+        Field(description="Of runs: json answers with nodes or values where the answer has no runs"),
+    ] = None,
     limit: Annotated[
         int | None, Field(ge=1, description="Most items; a page has 100 if it is not said, a stream all", examples=[20])
     ] = None,
@@ -88,6 +93,7 @@ def get_query(
         document=document or [],
         project=project,
         revision=revision,
+        otherwise=otherwise,
         limit=limit,
         cursor=cursor,
         per=per,
@@ -151,7 +157,12 @@ def _number(text: str) -> float | None:
 
 
 def _page(call: Call, request: QueryRequest) -> QueryAnswer | Content:
-    answer = call.queries.answer(request, call.limits)
+    try:
+        answer = call.queries.answer(request, call.limits)
+    except QueryError as error:
+        if request.otherwise is None or request.as_ != "runs" or "as=json" not in (error.remedy or ""):
+            raise
+        answer = call.queries.answer(request.model_copy(update={"as_": "json", "with_": None}), call.limits)
     if request.as_ != "xml":
         return answer
     more = f' next_cursor="{answer.next_cursor}"' if answer.next_cursor else ""

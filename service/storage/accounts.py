@@ -171,10 +171,25 @@ class Accounts:
         """Whether there is any, a closed one too."""
         return self._tx.connection.execute(select(account.c.id).limit(1)).first() is not None
 
+    def have_owner(self) -> bool:
+        """Whether an open account owns the repository."""
+        its = (account.c.role == "owner", account.c.closed.is_(None))
+        return self._tx.connection.execute(select(account.c.id).where(*its).limit(1)).first() is not None
+
+    def require_owner(self) -> None:
+        """Refuse what people without an owner would follow from. ConflictError."""
+        if not self.have_owner():
+            raise ConflictError(
+                "This repository has no owner's account yet, and the first account closes it to everybody else.",
+                remedy="Make your own account first: Settings in the studio, or `mcml account add NAME --role owner`.",
+            )
+
     def add(self, name: str, role: str, password: str) -> Account:
         """A new account. password: its hash. ConflictError where the name is taken, by a token too, as revisions and
-        history tell people apart by it."""
+        history tell people apart by it; and where there would be accounts without an owner."""
         self._tx.dialect.order_commits(self._tx.connection)
+        if role != "owner":
+            self.require_owner()
         if self.find(name) is not None or any(token.name == name for token in self._tx.tokens.all()):
             raise ConflictError(f"The name {name!r} is taken.", remedy="Choose another name.")
         row = {"name": stored_form(name), "role": role, "password": password, "created": now(), "closed": None}
@@ -187,7 +202,7 @@ class Accounts:
         self._tx.dialect.order_commits(self._tx.connection)
         found = self.get(name)
         self._tx.connection.execute(update(account).where(account.c.name == stored_form(name)).values(**values))
-        if not any(one.role == "owner" and one.closed is None for one in self.all()):
+        if not self.have_owner():
             raise ConflictError("The repository would have no owner.", remedy="Make somebody else an owner first.")
         for field, value in values.items():
             what = field if field != "closed" else "close" if value else "reopen"
@@ -196,8 +211,9 @@ class Accounts:
 
     def invite(self, role: str, author: str, lasts: timedelta, project_key: int | None = None) -> str:
         """The secret of an invitation to an account of a role. project_key: of the project in which alone it is given.
-        AccessError."""
+        AccessError. ConflictError where nobody owns the repository."""
         self._require(project_key)
+        self.require_owner()
         self._tx.connection.execute(delete(invitation).where(invitation.c.expires < now()))
         secret = secrets.token_urlsafe(32)
         row = {"sha256": digest_of(secret), "role": role, "author": author, "created": now(), "expires": now(lasts)}

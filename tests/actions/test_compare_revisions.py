@@ -64,6 +64,9 @@ def test_random_changes_are_found(database: Database, seed: int) -> None:
     assert removed == sorted(dropped)
     assert found.frames_added == []
     assert not found.frames_moved
+    both = [(run.before + at, run.after + at) for run in found.frames_kept for at in range(run.count)]
+    assert both == [(before + 1, after + 1) for after, before in enumerate(kept)]
+    assert len(found.frames_kept) <= len(found.frames_removed) + 1
     assert {(item.name, item.first, item.last) for item in found.labels_added} == labels
     differs = old[kept] != new
     expected = {}

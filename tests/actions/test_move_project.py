@@ -293,6 +293,7 @@ def test_owners_of_a_project_export_it_and_owners_of_the_repository_import(datab
     store(database, {"a.bvh": bvh(5)}, project="mine")
     store(database, {"a.bvh": bvh(5)}, project="theirs")
     with database.write() as tx:
+        tx.accounts.add("boss", "owner", "x")
         owner, editor = (tx.accounts.add(name, "member", "x") for name in ("owner", "editor"))
         for person in (owner, editor):
             tx.members.put(tx.projects.get("mine"), person.name, person.name)

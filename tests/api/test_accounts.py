@@ -49,7 +49,7 @@ def team(database: Database) -> Iterator[dict[str, TestClient]]:
     clients = {}
     app = create_app(Settings(), database, lambda: SECRET)
     with TestClient(app):
-        for role in ROLES:
+        for role in reversed(ROLES):
             with_account(database, role, role)
         for role in (*ROLES, "nobody"):
             client = TestClient(app, base_url=HOME, client=("10.0.0.7", 50_000), headers={"origin": HOME})

@@ -67,6 +67,10 @@ def signed_in(client: TestClient, subject: str, **given: str) -> Any:
 @one_kind
 def test_who_may_come_gets_an_account_and_comes_back_to_it(database: Database, issuer: str) -> None:
     with visitor(database, issuer, openid_role="reader") as client:
+        refused = signed_in(client, "kim@studio.example")
+        assert (refused.status_code, "no owner&#x27;s account" in refused.text) == (403, True)
+        with database.write() as tx:
+            tx.accounts.add("boss", "owner", "x")
         page = client.get("/library", headers={"accept": "text/html"})
         assert "Sign in with the studio" in page.text
         (way,) = re.findall(r'href="(/login/openid[^"]*)"', page.text)
@@ -77,7 +81,6 @@ def test_who_may_come_gets_an_account_and_comes_back_to_it(database: Database, i
         assert (me["name"], me["role"]) == ("kim@studio.example", "reader")
         assert FLOW_COOKIE not in client.cookies
     with database.write() as tx:
-        tx.accounts.add("boss", "owner", "x")
         tx.accounts.change("kim@studio.example", role="editor")
     with visitor(database, issuer) as client:
         assert signed_in(client, "kim@studio.example").status_code == 303
@@ -91,6 +94,7 @@ def test_who_may_come_gets_an_account_and_comes_back_to_it(database: Database, i
 @one_kind
 def test_nobody_comes_without_an_invitation_unless_that_is_said(database: Database, issuer: str) -> None:
     with database.write() as tx:
+        tx.accounts.add("boss", "owner", "x")
         project = tx.projects.get_or_add("dance")
         code = tx.accounts.invite("editor", "boss", timedelta(days=3), project)
     with visitor(database, issuer) as client:
@@ -162,6 +166,8 @@ def test_what_was_not_begun_here_opens_nothing(database: Database, issuer: str, 
 
 @one_kind
 def test_it_leads_to_no_other_address(database: Database, issuer: str) -> None:
+    with database.write() as tx:
+        tx.accounts.add("boss", "owner", "x")
     with visitor(database, issuer, openid_role="editor") as client:
         for then in ("https://evil.example", "//evil.example", "/\\evil.example"):
             assert signed_in(client, "kim", then=then).headers["location"] == "/"
@@ -209,6 +215,8 @@ def test_only_what_the_provider_signed_for_this_flow_is_believed(
     database: Database, fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     provider = Provider(monkeypatch)
+    with database.write() as tx:
+        tx.accounts.add("boss", "owner", "x")
     with visitor(database, "https://provider.example", openid_role="editor") as client:
         query = parse_qs(urlsplit(client.get(START).headers["location"]).query)
         assert query["code_challenge_method"] == ["S256"]

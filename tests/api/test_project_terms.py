@@ -126,6 +126,7 @@ def test_owners_of_a_project_archive_it_and_set_no_quota(database: Database) -> 
     with served(database) as keeper:
         filled(keeper, database, "mine", "wombat")
         with database.write() as tx:
+            tx.accounts.add("boss", "owner", "x")
             owner = tx.accounts.add("owner", "member", "x")
             tx.members.put(tx.projects.get("mine"), "owner", "owner")
             token = tx.tokens.add("owners", owner=owner)

@@ -47,13 +47,13 @@ def team(database: Database, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[
         mine, theirs = (filled(keeper, database, *each) for each in (("mine", "wombat"), ("theirs", CANARY)))
         clients = {"keeper": keeper}
         with database.write() as tx:
+            boss = tx.accounts.add("boss", "owner", "x")
             for role in ROLES:
                 somebody = tx.accounts.add(role, "member", "x")
                 if role in PROJECT_ROLES:
                     tx.members.put(tx.projects.get("mine"), role, role)
                 secret = tx.tokens.add(f"of {role}", owner=somebody)
                 clients[role] = TestClient(app, client=("10.0.0.7", 1), headers={"authorization": f"Bearer {secret}"})
-            boss = tx.accounts.add("boss", "owner", "x")
             secret = tx.tokens.add("limited", owner=boss, projects=[tx.projects.get("mine")])
             clients["limited"] = TestClient(app, client=("10.0.0.7", 1), headers={"authorization": f"Bearer {secret}"})
         yield clients, mine, theirs

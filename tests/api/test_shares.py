@@ -169,6 +169,7 @@ def test_only_documents_of_one_project_that_one_may_change(scene: Scene) -> None
     assert refused.status_code == 422
     assert "one project" in refused.json()["detail"]
     with scene.database.write() as tx:
+        tx.accounts.add("boss", "owner", "x")
         reader = tx.accounts.add("reader", "member", "x")
         tx.members.put(tx.projects.get("mine"), "reader", "reader")
         token = tx.tokens.add("reads", owner=reader)

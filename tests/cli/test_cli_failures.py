@@ -186,3 +186,13 @@ def test_what_is_purged_may_be_chosen(mcml: Mcml) -> None:  # noqa: F811
     assert mcml("purge", "--project", "gait", "--xpath", "//frame[motion_name='walk']", "--yes")[0] == 0
     assert [item["name"] for item in json.loads(mcml("ls", "--json")[1])["items"]] == ["two"]
     assert mcml("purge")[0] == 1
+
+
+def test_the_first_account_is_an_owners(mcml, monkeypatch: pytest.MonkeyPatch) -> None:  # noqa: F811
+    """Neither an invitation nor a guest's account comes first."""
+    monkeypatch.setattr("service.cli.accounts._asked", lambda: "four words in a row")
+    for words in (("account", "invite"), ("account", "add", "lee"), ("account", "add", "lee", "--role", "member")):
+        code, _, errors = mcml(*words)
+        assert (code, "your own account first" in " ".join(errors.split())) == (1, True), (words, errors)
+    assert mcml("account", "add", "kim", "--role", "owner")[0] == 0
+    assert mcml("account", "invite")[0] == 0

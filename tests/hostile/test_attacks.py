@@ -50,9 +50,9 @@ def app(database: Database, quick_hashes: None) -> Any:
 def kim(app: Any) -> TestClient:
     """The browser of an owner with an account, by TLS."""
     local = TestClient(app, PLAIN, client=("127.0.0.1", 1), headers={"authorization": f"Bearer {SECRET}"})
-    code = local.post(f"{API}/invitations", json={"role": "owner"}).json()["code"]
+    assert local.post(f"{API}/accounts", json={"name": "kim", "password": WORDS}).status_code == 201
     client = visitor(app)
-    joined = client.post(f"{API}/session", json={"invitation": code, "name": "kim", "password": WORDS})
+    joined = client.post(f"{API}/session", json={"name": "kim", "password": WORDS})
     assert joined.status_code == 201, joined.text
     return client
 

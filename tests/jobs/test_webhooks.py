@@ -268,6 +268,7 @@ def test_owners_keep_the_webhooks_of_their_projects(database: Database, receiver
     app = create_app(Settings(import_processes=1, webhook_private=True), database, lambda: SECRET)
     store(database, {"a.bvh": bvh(3)}, project="mine")
     with database.write() as tx:
+        tx.accounts.add("boss", "owner", "x")
         for name, role in (("ed", "editor"), ("own", "owner"), ("far", "owner")):
             tx.accounts.add(name, "member", "x")
             tx.members.put(tx.projects.get_or_add("far away" if name == "far" else "mine"), name, role)

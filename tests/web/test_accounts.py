@@ -12,7 +12,7 @@ from tests.web.conftest import Served, Visit
 
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
-pytestmark = pytest.mark.parametrize("studio", ["session"], indirect=True)
+closed = pytest.mark.parametrize("studio", ["session"], indirect=True)
 WORDS = "four words in a row"
 
 
@@ -23,6 +23,7 @@ def join(page: Any, name: str) -> None:
     page.wait_for_url(lambda url: "/login" not in url)
 
 
+@closed
 def test_an_owner_invites_somebody_who_may_do_less(visit: Visit, studio: Served) -> None:
     with studio.database.write() as tx:
         link = tx.sessions.link("local")
@@ -59,6 +60,7 @@ def test_an_owner_invites_somebody_who_may_do_less(visit: Visit, studio: Served)
         assert second.request.get(f"{studio.url}/api/v1/account").status == 401
 
 
+@closed
 def test_a_project_gets_a_member_and_a_clip_a_link(visit: Visit, studio: Served) -> None:
     """An owner lets somebody into one project, who sees nothing else; and gives away a link that plays one clip."""
     with studio.database.write() as tx:
@@ -114,3 +116,35 @@ def test_a_project_gets_a_member_and_a_clip_a_link(visit: Visit, studio: Served)
         expect(links).to_have_count(0)
         guest.reload()
         expect(guest.get_by_text("This link has ended, or was taken back.")).to_be_visible()
+
+
+def test_the_first_step_on_a_fresh_server_is_an_own_account(visit_of: Any, open_studio: Served) -> None:
+    """Nothing that closes the store is offered before, and whoever makes the account stays in."""
+    open_studio.upload("walk.bvh", bvh(5), project="gait")
+    visit: Visit = visit_of(open_studio)
+    page = visit.open("/settings/projects?project=gait")
+    expect(page.get_by_role("button", name="Invite into it")).to_have_count(0)
+    page.get_by_role("link", name="Create account").click()
+    first = page.get_by_role("region", name="Create your account first")
+    expect(first).to_be_visible()
+    for name in ("Invite", "Make a token"):
+        expect(page.get_by_role("button", name=name, exact=True)).to_have_count(0)
+    visit.wanted = {422}
+    first.get_by_label("Name").fill("local")
+    first.get_by_label("Password").fill(WORDS)
+    first.get_by_role("button", name="Create account").click()
+    expect(first.get_by_role("alert")).to_contain_text("needs a name of its own")
+    first.get_by_label("Name").fill("kim")
+    first.get_by_role("button", name="Create account").click()
+    expect(page.get_by_text("You are kim, owner.")).to_be_visible()
+    page.get_by_role("button", name="Invite").click()
+    address = page.locator(".account-secret code").inner_text()
+    with page.context.browser.new_context() as other:
+        friend = other.new_page()
+        friend.goto(address)
+        join(friend, "lee")
+        friend.goto(f"{open_studio.url}/settings")
+        expect(friend.get_by_text("You are lee, editor.")).to_be_visible()
+    page.reload()
+    expect(page.get_by_text("You are kim, owner.")).to_be_visible()
+    expect(page.get_by_label("Role of lee")).to_have_value("editor")

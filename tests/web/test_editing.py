@@ -116,7 +116,7 @@ def test_two_windows_meet_and_merge(visit: Visit, visit_of: Any, studio: Served)
     other.get_by_role("button", name="Save", exact=True).click()
     expect(other.get_by_text("Saved as revision 2")).to_be_visible()
     page.get_by_role("button", name="Save", exact=True).click()
-    expect(page.get_by_text("Someone saved another revision meanwhile.")).to_be_visible()
+    expect(page.get_by_text("Someone else saved this clip while you were editing.")).to_be_visible()
     page.get_by_role("button", name="Merge").click()
     expect(page.get_by_text("Saved as revision 3")).to_be_visible()
     for frame, bone in ((5, "left_up_leg"), (9, "Root")):
@@ -144,7 +144,7 @@ def test_a_draft_of_yesterday_meets_what_others_did(visit: Visit, studio: Served
     ready(page)
     expect(page.get_by_text("Draft: 1 change")).to_be_visible()
     page.get_by_role("button", name="Save", exact=True).click()
-    expect(page.get_by_text("Someone saved another revision meanwhile.")).to_be_visible()
+    expect(page.get_by_text("Someone else saved this clip while you were editing.")).to_be_visible()
     value = "/mcml/motion/frame[5]/frame_bone[@name='left_up_leg']/@Rx"
     assert [item["value"] for item in studio.get("/xpath", q=value, document=uuid)["items"]] == ["3.25"], (
         "not written over"

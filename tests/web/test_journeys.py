@@ -51,7 +51,7 @@ def test_dropped_files_are_stored_and_seen(visit: Visit, studio: Served, tmp_pat
     expect(tray.get_by_role("button", name="cm")).to_have_count(0)
     body = tray.locator(".calibrated span:not([class])")
     expect(body.filter(has_text="Unit")).to_have_text("Unit cm stated")
-    expect(body.filter(has_text="Up")).to_have_text("Up Y guessed")
+    expect(body.filter(has_text="Up")).to_have_text("Up -Y guessed")
     assert studio.get(f"/documents/{document['id']}")["unit"] == "cm"
     tray.get_by_role("link", name="Open").click()
     ready(page)

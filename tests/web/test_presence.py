@@ -16,6 +16,8 @@ expect: Any = pytest.importorskip("playwright.sync_api").expect
 def test_two_people_see_each_other(visit_of: Any, studio: Served) -> None:
     uuid = studio.upload("kick.bvh", walk())
     pages = {}
+    with studio.database.write() as tx:
+        tx.accounts.add("boss", "owner", "x")
     for name in ("kim", "Sam Lee"):
         visit: Visit = visit_of(studio)
         with studio.database.write() as tx:

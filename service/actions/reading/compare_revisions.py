@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from schemas.revisions import BoneDifference, Difference, ElementDifference, FrameRange, LabelDifference
+from schemas.revisions import BoneDifference, Difference, ElementDifference, FrameRange, KeptFrames, LabelDifference
 from service.clips.read_clip import read_clip
 from service.mcml.elements import Element, addresses
 from service.motion.hub import HubReader
@@ -45,11 +45,24 @@ def compare_revisions(
         frames_after=other.frames,
         frames_removed=[FrameRange(first=first, last=last) for first, last in gone],
         frames_added=[FrameRange(first=first, last=last) for first, last in come],
+        frames_kept=[KeptFrames(before=run.before, after=run.after, count=run.count) for run in joined(runs)],
         frames_moved=any(a.before > b.before for a, b in pairwise(runs)),
         labels_removed=[_label(item) for item in sorted(spans[0] - spans[1], key=lambda item: item[1:])],
         labels_added=[_label(item) for item in sorted(spans[1] - spans[0], key=lambda item: item[1:])],
         bones=_bones(before, one, after, other, changed),
     )
+
+
+def joined(runs: list[Run]) -> list[Run]:
+    """Runs with those joined that follow each other in both revisions."""
+    found: list[Run] = []
+    for run in runs:
+        last = found[-1] if found else None
+        if last and (last.before + last.count, last.after + last.count) == (run.before, run.after):
+            found[-1] = Run(last.before, last.after, last.count + run.count)
+        else:
+            found.append(run)
+    return found
 
 
 def _label(item: tuple[str, int, int]) -> LabelDifference:

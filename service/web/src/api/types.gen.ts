@@ -1213,7 +1213,7 @@ export interface paths {
         };
         get: operations["list_accounts"];
         put?: never;
-        post?: never;
+        post: operations["add_owner"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2443,6 +2443,7 @@ export interface components {
             frames_after: number;
             frames_removed: components["schemas"]["FrameRange"][];
             frames_added: components["schemas"]["FrameRange"][];
+            frames_kept: components["schemas"]["KeptFrames"][];
             frames_moved: boolean;
             labels_removed: components["schemas"]["LabelDifference"][];
             labels_added: components["schemas"]["LabelDifference"][];
@@ -3054,6 +3055,11 @@ export interface components {
              */
             do: "keep";
         };
+        KeptFrames: {
+            before: number;
+            after: number;
+            count: number;
+        };
         KeptName: {
             source: string;
             name: string;
@@ -3305,6 +3311,10 @@ export interface components {
                 [key: string]: unknown;
             };
         };
+        OwnerRequest: {
+            name: string;
+            password: string;
+        };
         PartKind: {
             kind: string;
             description: string;
@@ -3499,6 +3509,7 @@ export interface components {
              * @enum {string}
              */
             as: "json" | "xml" | "ndjson" | "csv" | "runs" | "arrow" | "parquet";
+            otherwise?: "json" | null;
             limit?: number | null;
             cursor?: string | null;
             per?: "document" | null;
@@ -7090,6 +7101,7 @@ export interface operations {
                 project?: string | null;
                 revision?: number | null;
                 as?: "json" | "xml" | "ndjson" | "csv" | "runs" | "arrow" | "parquet";
+                otherwise?: "json" | null;
                 limit?: number | null;
                 cursor?: string | null;
                 per?: "document" | null;
@@ -9868,6 +9880,55 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["AccountList"];
+                };
+            };
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    add_owner: {
+        parameters: {
+            query?: never;
+            header?: {
+                "idempotency-key"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["OwnerRequest"];
+            };
+        };
+        responses: {
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AccountView"];
                 };
             };
             503: {

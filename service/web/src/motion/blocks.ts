@@ -71,12 +71,13 @@ export class Blocks<T extends Numbers = Float32Array> {
   private readonly asked = new Map<number, AbortController>();
   private queue: number[] = [];
   private coarse: T | null = null;
-  private readonly coarseStep: number;
+  /** Frames between two rows of `overview`. */
+  readonly coarseStep: number;
   private closed = false;
   /** Two views of one clip have their own blocks. */
   private readonly number = ++opened;
 
-  constructor(private readonly source: Source<T>) {
+  constructor(readonly source: Source<T>) {
     const bytes = source.frames * source.stride * 4;
     this.coarseStep = source.coarse ? Math.max(1, Math.ceil(bytes / COARSE_BYTES)) : 1;
   }

@@ -1,5 +1,5 @@
-import { expect, test } from "vitest";
-import { argumentOf, expression, known, rounded, startOf, textOf } from "./quantities";
+import { describe, expect, it, test } from "vitest";
+import { argumentOf, causeOf, expression, known, rounded, startOf, textOf } from "./quantities";
 
 const bones = ["Root", "left_hand", "it's"];
 
@@ -29,4 +29,17 @@ test("what is not known has no ends", () => {
   expect(known(Float64Array.of(NaN, 3, -1, NaN))).toEqual({ low: -1, high: 3 });
   expect(known(Float64Array.of(NaN))).toBeNull();
   expect(rounded(1234.567)).toBe(1235);
+});
+
+describe("why nothing is known", () => {
+  it("names the one cause, the first that has to be mended", () => {
+    const lacks = (...grounds: string[]) => (ground: string) => !grounds.includes(ground);
+    expect(causeOf("height", lacks("floor"))).toBe("floor");
+    expect(causeOf("height", lacks("unit", "floor"))).toBe("unit");
+    expect(causeOf("speed", lacks("rate", "floor"))).toBe("rate");
+    expect(causeOf("speed", lacks("floor"))).toBe(null);
+    expect(causeOf("angle", lacks("unit", "floor", "rate"))).toBe(null);
+    expect(causeOf("contact", lacks("floor"))).toBe("floor");
+    expect(causeOf("heading", lacks("up"))).toBe("up");
+  });
 });

@@ -55,3 +55,10 @@ export function known(values: Float64Array): { low: number; high: number } | nul
 }
 
 export const rounded = (value: number): number => Number(value.toPrecision(DIGITS));
+
+/** What a quantity rests on, the first first. */
+export type Ground = "rate" | "unit" | "up" | "floor" | "leg";
+const RESTS: Record<Kind, readonly Ground[]> = { height: ["unit", "up", "floor"], speed: ["rate", "unit"], acceleration: ["rate", "unit"], angle: [], contact: ["unit", "up", "floor", "rate"], heading: ["up"] };
+
+/** Why nothing is known of a quantity: the first thing that it rests on and that nobody knows; null: joints lack. */
+export const causeOf = (kind: Kind, knows: (ground: Ground) => boolean): Ground | null => RESTS[kind].find((ground) => !knows(ground)) ?? null;

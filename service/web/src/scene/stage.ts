@@ -9,6 +9,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { actorOf, dispose, recolour, type Actor } from "./actor";
 import { Ground } from "./ground";
 import { arrowAt, drawHandle, reachOf, type Handle, type Surroundings } from "./handle";
+import { middleOf } from "../motion/middle";
 import { drawAxes } from "./axes";
 import { isSoftware, Sharpness } from "./sharpness";
 import { fillTrails } from "./trails";
@@ -247,9 +248,11 @@ export class Stage {
     this.lastScript = performance.now() - started;
   }
 
+  /** What the camera follows: the middle of all joints, as the first one of many rigs stands at the origin while the body walks. */
   private root(): THREE.Vector3 | null {
     const actor = this.actors.find((one) => one.positions);
-    return actor ? this.world(actor, 0) : null;
+    const middle = actor && middleOf(actor.positions!, actor.skeleton.view.bones.length);
+    return middle ? this.placed(actor, middle) : null;
   }
 
   private world(actor: Actor, point: number): THREE.Vector3 | null {

@@ -1,6 +1,7 @@
 /** Files over the window cover it with what will happen to them. */
 import { useEffect, useState } from "preact/hooks";
-import { addFiles, filesOf } from "../state/uploads";
+import { filesOf } from "../state/dropped";
+import { addFiles } from "../state/uploads";
 import { dropHere } from "../state/drop";
 import { lookFirst } from "../state/inspect";
 import { Icon } from "../ui/icons";
@@ -31,10 +32,10 @@ export function DropTarget() {
       const look = Boolean((event.target as Element).closest("[data-drop=look]"));
       depth = 0;
       setOver("");
-      const files = await filesOf(event.dataTransfer!);
+      const { files, missed } = await filesOf(event.dataTransfer!);
       if (dropHere.value) dropHere.value.take(files);
-      else if (look) void lookFirst(files);
-      else addFiles(files);
+      else if (look) void lookFirst(files, missed);
+      else addFiles(files, missed);
     };
     const escape = (event: KeyboardEvent) => event.key === "Escape" && setOver("");
     addEventListener("dragenter", enter);

@@ -32,7 +32,7 @@ export function Palette() {
       loadVocabulary(),
     ]);
     return { clips: clips?.items ?? [], names: namesLike(plain, MOST) };
-  }, [plain]);
+  }, [plain, words.startsWith("#")]);
   const found: Found[] = [];
   if (words.startsWith("//")) found.push({ key: "xpath", icon: "xpath", text: words, detail: w("xpath"), run: () => go(`/xpath?q=${encodeURIComponent(words)}&run=1`) });
   if (words.startsWith(":") && timeJump.value) found.push({ key: "time", icon: "play", text: words, run: () => timeJump.value!(words.slice(1)) });

@@ -10,6 +10,7 @@ import type { Vector } from "../motion/quaternions";
 import { reshaped, textsOf } from "../motion/shape";
 import { skeletonOf, type Skeleton } from "../motion/skeleton";
 import { w } from "../words";
+import { compareRevisions, type Compared } from "./compared";
 import * as drafts from "./draft";
 import type { Draft, Span } from "./draft";
 import { note, refuse } from "./notes";
@@ -24,9 +25,6 @@ export interface Selection {
   bones: readonly string[];
   channel: string | null;
 }
-
-/** Poses of another revision of the same document. */
-interface Pose { revision: number; frames: number; blocks: Blocks }
 
 export class Clip {
   readonly selection = signal<Selection>({ bones: [], channel: null });
@@ -49,8 +47,9 @@ export class Clip {
   private done: Draft[] = [];
   private undone: Draft[] = [];
   private readonly stops: (() => void)[] = [];
-  /** A revision that is shown as a ghost beside this one. against: what it is compared with; null: this one. */
-  readonly compared = signal<(Pose & { against: Pose | null }) | null>(null);
+  /** A revision that is shown as a ghost beside this one. */
+  readonly compared = signal<Compared | null>(null);
+  private comparing: AbortController | null = null;
   /** Whether the old pose stands in the place of the new one, while a key is held. */
   readonly flipped = signal(false);
 
@@ -76,7 +75,9 @@ export class Clip {
         const frame = player.frame.value;
         const direction = player.playing.value ? Math.sign(player.speed.value) : 0;
         this.blocks.want(frame, direction, player.perSecond * Math.abs(player.speed.peek()), player.range[0]);
-        this.compared.value?.blocks.want(frame, direction, player.perSecond, player.range[0]);
+        const other = this.compared.value;
+        const place = other?.at(frame) ?? null;
+        if (place !== null) other!.blocks.want(place, direction, player.perSecond, other!.at(player.range[0]) ?? place);
         const there = drafts.touched(this.draft.value);
         if (this.shape.value !== this.skeleton) this.channels.want(frame, direction, player.perSecond, player.range[0]);
         else if (there && frame + 1 >= there[0] && frame + 1 <= there[1]) this.channels.want(frame);
@@ -259,26 +260,17 @@ export class Clip {
   async compare(revision: number | null, against: number | null = null): Promise<void> {
     this.forgetCompared();
     if (revision === null) return;
+    const stop = (this.comparing = new AbortController());
     try {
-      const [then, other] = await Promise.all([this.posesAt(revision), against === null ? null : this.posesAt(against)]);
-      if (then && (other || against === null)) this.compared.value = { ...then, against: other };
+      const found = await compareRevisions(this, revision, against, stop.signal);
+      if (found && !stop.signal.aborted) this.compared.value = found;
     } catch (error) {
       refuse(error);
     }
   }
 
-  private async posesAt(revision: number): Promise<Pose | null> {
-    const skeleton = skeletonOf(await get("/documents/{id}/skeleton", { path: { id: this.id }, query: { revision } }));
-    if (skeleton.points !== this.skeleton.points) {
-      note(w("otherJoints", { n: revision }), { bad: true });
-      return null;
-    }
-    const blocks = new Blocks(positionsOf(this.id, revision, skeleton));
-    blocks.want(this.player.frame.peek());
-    return { revision, frames: skeleton.view.frames, blocks };
-  }
-
   private forgetCompared(): void {
+    this.comparing?.abort();
     this.compared.peek()?.blocks.close();
     this.compared.peek()?.against?.blocks.close();
     this.compared.value = null;

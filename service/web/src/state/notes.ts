@@ -1,6 +1,7 @@
 /** Toasts: what was done, with a way back. Trouble that needs a decision stands in the page instead. */
 import { signal } from "@preact/signals";
 import { ApiError, Offline } from "../api/client";
+import { w } from "../words";
 
 export interface Note {
   id: number;
@@ -35,7 +36,9 @@ export const held = new Set<number>();
 /** Say what went wrong, in the server's words with its remedy. Aborted requests are no trouble. */
 export function refuse(error: unknown): void {
   if ((error as Error)?.name === "AbortError") return;
-  if (error instanceof ApiError) note(error.message, { detail: error.remedy, bad: true });
+  // Of preconditions the server tells programs; a person is told what happened.
+  if (error instanceof ApiError && error.status === 412) note(w("staleWrite"), { detail: w("staleHelp"), bad: true, action: { text: w("reload"), run: () => location.reload() } });
+  else if (error instanceof ApiError) note(error.message, { detail: error.remedy, bad: true });
   else if (error instanceof Offline) note(error.message, { bad: true });
   else {
     note(String((error as Error)?.message ?? error), { bad: true });

@@ -12,16 +12,29 @@ export interface Route {
 
 const READ_AT_MOST_EVERY = 250; // ms; four replaced entries a second
 
-function parsed(): Route {
-  const [, first = "", second = ""] = location.pathname.split("/");
-  const params = new URLSearchParams(location.search);
-  const pages: Record<string, Page> = {
-    "": "library", library: "library", xpath: "xpath", compose: "compose", retarget: "retarget", settings: "settings",
-    reach: "reach", dance: "dance", faces: "faces", analyses: "analyses", results: "results",
-  };
-  if (first === "clips" && second) return { page: "clip", id: decodeURIComponent(second), params };
-  return { page: pages[first] ?? "unknown", id: decodeURIComponent(second), params };
+/** Pages by the first part of their addresses. */
+const PAGES = new Map<string, Page>([
+  ["", "library"], ["library", "library"], ["xpath", "xpath"], ["compose", "compose"], ["retarget", "retarget"], ["settings", "settings"], ["clips", "clip"],
+  ["reach", "reach"], ["dance", "dance"], ["faces", "faces"], ["analyses", "analyses"], ["results", "results"],
+]);
+/** Those about one thing, which the second part names. */
+const OF_ONE = new Set<Page>(["clip", "settings", "reach", "dance", "faces", "analyses", "results"]);
+
+/** The page of an address, with what it is about. */
+export function pageOf(path: string): { page: Page; id: string } {
+  const [first = "", second = "", ...more] = path.split("/").slice(1);
+  const page = PAGES.get(first);
+  let id: string;
+  try {
+    id = decodeURIComponent(second);
+  } catch {
+    return { page: "unknown", id: "" };
+  }
+  if (!page || more.some(Boolean) || (page === "clip" && !id) || (id && !OF_ONE.has(page))) return { page: "unknown", id: "" };
+  return { page, id };
 }
+
+const parsed = (): Route => ({ ...pageOf(location.pathname), params: new URLSearchParams(location.search) });
 
 export const route = signal<Route>(parsed());
 export const page = computed(() => route.value.page);
@@ -94,6 +107,12 @@ export function followHistory(): void {
   document.addEventListener("click", (event) => {
     const link = (event.target as Element).closest?.("a[href]") as HTMLAnchorElement | null;
     if (!link || event.defaultPrevented || event.button || event.metaKey || event.ctrlKey || event.shiftKey) return;
+    // Within the page: the focus goes there, and the address stays that of the view.
+    if (link.getAttribute("href")!.startsWith("#")) {
+      event.preventDefault();
+      document.getElementById(link.hash.slice(1))?.focus();
+      return;
+    }
     if (link.target || link.hasAttribute("download") || link.origin !== location.origin) return;
     if (/^\/(api|docs|mcml\.dtd|login|healthz|metrics)/.test(link.pathname)) return;
     event.preventDefault();

@@ -1,6 +1,7 @@
 // @vitest-environment happy-dom
 import { describe, expect, it } from "vitest";
-import { grouped, outcomes, together, type Upload } from "./uploads";
+import { filesOf } from "./dropped";
+import { filesDone, grouped, outcomes, rowsOf, together, type Upload } from "./uploads";
 
 const file = (path: string): File => Object.assign(new File([""], path.split("/").at(-1)!), { path: `/${path}` });
 const names = (groups: File[][]) => groups.map((group) => group.map((one) => (one as File & { path: string }).path.slice(1)).sort()).sort();
@@ -48,6 +49,7 @@ describe("uploads that share a request", () => {
     expect(chosen([upload("a.bvh"), upload("x.zip"), upload("b.bvh")])).toEqual(["a.bvh"]);
     expect(chosen([upload("x.zip"), upload("b.bvh")])).toEqual(["x.zip"]);
     expect(chosen([upload("1.asf", 10, 3), upload("b.bvh")])).toEqual(["1.asf"]);
+    for (const name of ["notes.txt", "x.tar", "a.bvh.gz", "b.fbx", "noending"]) expect(chosen([upload("a.bvh"), upload(name)])).toEqual(["a.bvh"]);
     expect(chosen([upload("a.bvh"), upload("a.bvh")])).toEqual(["a.bvh"]);
   });
 
@@ -62,5 +64,55 @@ describe("uploads that share a request", () => {
     ]);
     const zip = upload("all.zip");
     expect(outcomes([zip], [made("a"), made("c")], [bad])).toEqual([{ state: "stored", documents: [made("a"), made("c")], problems: [bad] }]);
+  });
+
+  it("are told by their names where files and clips do not match one to one", () => {
+    const [a, b, c] = ["a.bvh", "b.bvh", "c.bvh"].map((name) => upload(name)) as [Upload, Upload, Upload];
+    const made = (name: string) => ({ id: name, name, skipped: false }) as Upload["documents"][number];
+    const [first, second, third] = outcomes([a, b, c], [made("a"), made("c")], []);
+    expect([first!.state, second!.state, third!.state]).toEqual(["stored", "refused", "stored"]);
+    expect(second!.problems).toHaveLength(1);
+    expect(third!.documents).toEqual([made("c")]);
+  });
+});
+
+describe("every file that is dropped", () => {
+  const all = ["walk.bvh", "model.fbx", "notes.txt", ".DS_Store", "noending", "walk.bvh"].map(file);
+
+  it("has a row, of unknown kinds too", () => {
+    expect(rowsOf(all).map((one) => [one.name, one.state])).toEqual(all.map((one) => [one.name, "queued"]));
+  });
+
+  it("is counted, with what could not be read", () => {
+    const rows = rowsOf(all, [{ file: "empty/", problem: { title: "Empty folder" } }]);
+    expect(rows.at(-1)).toMatchObject({ name: "empty/", state: "refused", problems: [{ file: "empty/" }] });
+    expect(filesDone(rows)).toEqual({ done: 1, of: all.length + 1 });
+  });
+
+  it("beyond the most is told of in a row of its own", () => {
+    const rows = rowsOf(Array.from({ length: 5003 }, (_, n) => file(`${n}.bvh`)));
+    expect(rows).toHaveLength(5001);
+    expect(rows.at(-1)!.name).toContain("3");
+    expect(rows.at(-1)!.problems).toHaveLength(1);
+  });
+
+  const entry = (path: string, held: unknown[] | Error | File) => ({
+    fullPath: path, isFile: !Array.isArray(held),
+    file: (good: (file: File) => void, bad: (error: Error) => void) => (held instanceof Error ? bad(held) : good(held as File)),
+    createReader: () => { let some = held as unknown[]; return { readEntries: (good: (entries: unknown[]) => void) => { good(some); some = []; } }; },
+  });
+  const dropped = (items: { entry?: unknown; file?: File }[]) =>
+    filesOf({ files: [] as never, items: items.map(({ entry, file }) => ({ kind: "file", webkitGetAsEntry: () => entry ?? null, getAsFile: () => file ?? null })) as never });
+
+  it("is found in folders; what cannot be read stops no other", async () => {
+    const good = new File(["x"], "a.bvh");
+    const found = await dropped([
+      { entry: entry("/one", [entry("/one/a.bvh", good), entry("/one/locked.bvh", new Error("no permission")), entry("/one/empty", [])]) },
+      { file: new File(["y"], "b.bvh") }, {},
+    ]);
+    expect(found.files.map((one) => one.name)).toEqual(["a.bvh", "b.bvh"]);
+    expect(found.missed.map((one) => one.file).slice(0, 2)).toEqual(["one/locked.bvh", "one/empty/"]);
+    expect(found.missed[0]!.problem.detail).toBe("no permission");
+    expect(found.missed).toHaveLength(3);
   });
 });

@@ -1,7 +1,8 @@
 /** Files on their way in: a queue with progress, cancel and retry. What is stored says what was found and guessed. */
 import { signal } from "@preact/signals";
-import { ApiError, address, ask, type Problem, type Schemas } from "../api/client";
+import { ApiError, address, ask, fetched, type Problem, type Schemas } from "../api/client";
 import { w } from "../words";
+import { folderOf, type Missed } from "./dropped";
 import { refresh } from "./library";
 import { note, refuse } from "./notes";
 import { Pace, type Told } from "./pace";
@@ -18,6 +19,8 @@ export interface Upload {
   documents: { id: string; name: string; skipped: boolean; receipt: Receipt }[];
   problems: { file: string; problem: Problem }[];
   stop?: () => void;
+  /** Whether its beginning was looked at before. */
+  asked?: boolean;
 }
 
 export const uploads = signal<Upload[]>([]);
@@ -31,7 +34,12 @@ const AT_ONCE = 2;
 const MOST_TOGETHER = 32;
 const BYTES_TOGETHER = 8 << 20;
 const MOST_FILES = 5000;
-const READABLE = /\.(bvh|asf|amc|htr|gtr|c3d|trc|mcml|xml|zip)$/i;
+/** Kinds of one clip a file: they may share a request. */
+const ONE_CLIP = /\.(bvh|htr|gtr|c3d|trc|mcml|xml)$/i;
+const KNOWN = /\.(bvh|asf|amc|htr|gtr|c3d|trc|mcml|xml|zip|tar|tgz|gz)$/i;
+/** Of a longer file of an unknown kind the beginning is asked about first. */
+const MOST_UNKNOWN = 8 << 20; // bytes
+const BEGINNING = 64 << 10; // bytes
 let last = 0;
 let measured = new Pace();
 let telling = 0;
@@ -39,7 +47,7 @@ let showing = 0;
 let resting = 0; // a timer, while the server is too busy
 
 const isOver = (one: Upload): boolean => /stored|refused|cancelled/.test(one.state);
-const filesIn = (some: Upload[]): number => some.reduce((sum, one) => sum + one.files.length, 0);
+const filesIn = (some: Upload[]): number => some.reduce((sum, one) => sum + Math.max(1, one.files.length), 0);
 
 /** Files that are done, of how many. */
 export const filesDone = (all: Upload[]): { done: number; of: number } => ({ done: filesIn(all.filter(isOver)), of: filesIn(all) });
@@ -76,10 +84,6 @@ function change(id: number, more: Partial<Upload>): void {
 
 /** Files in the groups that are stored together: an ASF with the AMCs of its folder, every other file by itself. */
 export function grouped(files: File[]): File[][] {
-  const folderOf = (file: File) => {
-    const path = (file as File & { path?: string }).path ?? file.webkitRelativePath ?? "";
-    return path.slice(0, path.lastIndexOf("/") + 1);
-  };
   const folders = new Map<string, File[]>();
   const alone: File[][] = [];
   for (const file of files) {
@@ -92,13 +96,20 @@ export function grouped(files: File[]): File[][] {
   return [...together, ...alone];
 }
 
-export function addFiles(all: File[]): void {
-  const readable = all.filter((file) => READABLE.test(file.name));
-  if (!readable.length) return note(w("noFiles"), { bad: true });
-  if (readable.length > MOST_FILES) note(w("tooMany", { n: MOST_FILES }), { bad: true });
-  const added = grouped(readable.slice(0, MOST_FILES)).map((files): Upload => ({
-    id: ++last, files, name: files.map((file) => file.name).join(" + "), state: "queued", sent: 0, documents: [], problems: [],
-  }));
+/** One row for each file or group, of unknown kinds too: the server says what they are. missed: rows of what cannot be sent. */
+export function rowsOf(all: File[], missed: Missed[] = []): Upload[] {
+  const left = all.length - MOST_FILES;
+  const untaken = left > 0 ? [{ file: w("filesMore", { n: left }), problem: { title: w("tooMany", { n: MOST_FILES }), remedy: w("tooManyHelp") } }] : [];
+  const row = (more: Pick<Upload, "files" | "name" | "state" | "problems">): Upload => ({ id: ++last, sent: 0, documents: [], ...more });
+  return [
+    ...grouped(all.slice(0, MOST_FILES)).map((files) => row({ files, name: files.map((file) => file.name).join(" + "), state: "queued", problems: [] })),
+    ...[...missed, ...untaken].map((one) => row({ files: [], name: one.file, state: "refused", problems: [one] })),
+  ];
+}
+
+export function addFiles(all: File[], missed: Missed[] = []): void {
+  const added = rowsOf(all, missed);
+  if (!added.length) return note(w("noFiles"), { bad: true });
   uploads.value = [...uploads.peek(), ...added];
   trayOpen.value = true;
   tellPace();
@@ -109,7 +120,7 @@ export function chooseFiles(): void {
   const input = document.createElement("input");
   input.type = "file";
   input.multiple = true;
-  input.accept = ".bvh,.asf,.amc,.htr,.c3d,.trc,.mcml,.xml,.zip";
+  input.accept = ".bvh,.asf,.amc,.htr,.gtr,.c3d,.trc,.mcml,.xml,.zip,.tar,.tgz,.gz";
   input.onchange = () => addFiles([...(input.files ?? [])]);
   input.click();
 }
@@ -120,7 +131,7 @@ export function together(queued: Upload[]): Upload[] {
   let bytes = 0;
   for (const one of queued) {
     const size = one.files[0]!.size;
-    const isSingle = one.files.length === 1 && !/\.(asf|amc|zip)$/i.test(one.name);
+    const isSingle = one.files.length === 1 && ONE_CLIP.test(one.name);
     const fits = isSingle && bytes + size <= BYTES_TOGETHER && !batch.some((other) => other.name === one.name);
     if (batch.length && !fits) break;
     batch.push(one);
@@ -132,16 +143,22 @@ export function together(queued: Upload[]): Upload[] {
 
 type Outcome = Pick<Upload, "state" | "documents" | "problems">;
 
-/** What became of each upload of a request. Documents come in the order of the files, but for those with a problem. */
+/** What became of each upload of a request. Documents come in the order of the files, but for those with a problem; where one file
+ * held several, or none, their names tell which. */
 export function outcomes(batch: Upload[], documents: Upload["documents"], problems: Upload["problems"]): Outcome[] {
   const isBad = (one: Upload) => problems.some(({ file }) => file === one.name);
+  const good = batch.filter((one) => !isBad(one));
+  const inOrder = good.length === documents.length;
   const left = [...documents];
+  const ofName = (one: Upload) => left.filter(({ name }) => one.name.startsWith(`${name}.`));
   return batch.map((one) => {
-    const own = batch.length === 1 ? documents : isBad(one) ? [] : left.splice(0, 1);
+    const own = batch.length === 1 ? documents : inOrder ? (isBad(one) ? [] : left.splice(0, 1)) : ofName(one);
+    const its = batch.length === 1 ? problems : problems.filter(({ file }) => file === one.name);
+    const silent = !own.length && !its.length;
     return {
       state: own.length ? "stored" : "refused",
       documents: own,
-      problems: batch.length === 1 ? problems : problems.filter(({ file }) => file === one.name),
+      problems: silent ? [{ file: one.name, problem: { title: w("noWord"), remedy: w("noWordHelp") } }] : its,
     };
   });
 }
@@ -154,8 +171,30 @@ function pump(): void {
   for (let free = AT_ONCE - busy.size; free > 0 && queued.length; free--) {
     const batch = together(queued);
     queued = queued.slice(batch.length);
-    send(batch);
+    const [first] = batch[0]!.files;
+    if (!KNOWN.test(first!.name) && first!.size > MOST_UNKNOWN && !batch[0]!.asked) void askFirst(batch[0]!, first!);
+    else send(batch);
   }
+}
+
+/** Ask what a long file of an unknown kind is before it is sent. */
+async function askFirst(one: Upload, file: File): Promise<void> {
+  const stop = new AbortController();
+  change(one.id, { state: "reading", problems: [], stop: () => stop.abort() });
+  const form = new FormData();
+  form.append("file", file.slice(0, BEGINNING), file.name);
+  let problems: Upload["problems"] = [];
+  try {
+    const answer = await fetched(address("/inspect"), { method: "POST", body: form, signal: stop.signal });
+    const looked = ((await answer.json()) as Schemas["InspectResult"]).problems as Upload["problems"];
+    problems = looked.filter(({ problem }) => problem.type?.endsWith("#unsupported-error"));
+  } catch (error) {
+    if (stop.signal.aborted) return pump();
+    problems = [{ file: file.name, problem: error instanceof ApiError ? error.problem : { title: w("offline", { time: "" }) } }];
+  }
+  change(one.id, problems.length ? { state: "refused", problems } : { state: "queued", asked: true });
+  measured.tell(filesDone(uploads.peek()).done);
+  pump();
 }
 
 function send(batch: Upload[]): void {
@@ -253,27 +292,4 @@ export async function confirmFact(documents: string[], change: { unit?: string; 
     if (error instanceof ApiError || error instanceof Error) refuse(error);
     return false;
   }
-}
-
-/** All files of what was dropped, folders walked. */
-export async function filesOf(transfer: DataTransfer): Promise<File[]> {
-  const entries = [...transfer.items].map((item) => item.webkitGetAsEntry?.()).filter((entry): entry is FileSystemEntry => Boolean(entry));
-  if (!entries.length) return [...transfer.files];
-  const found: File[] = [];
-  const walk = async (entry: FileSystemEntry): Promise<void> => {
-    if (entry.isFile) {
-      const file = await new Promise<File>((resolve, reject) => (entry as FileSystemFileEntry).file(resolve, reject));
-      found.push(Object.assign(file, { path: entry.fullPath }));
-      return;
-    }
-    const reader = (entry as FileSystemDirectoryEntry).createReader();
-    // A reader answers a hundred entries at a time.
-    for (;;) {
-      const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
-      if (!some.length) return;
-      for (const one of some) await walk(one);
-    }
-  };
-  for (const entry of entries) await walk(entry);
-  return found;
 }

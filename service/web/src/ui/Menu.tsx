@@ -10,7 +10,8 @@ export interface Item {
   run?: () => void;
   /** Of a link: where it leads; `download` saves it. */
   href?: string;
-  download?: boolean;
+  /** true: under the server's name. */
+  download?: boolean | string;
   checked?: boolean;
   disabled?: boolean;
 }
@@ -73,7 +74,7 @@ export function Menu({ label, items, children, className = "button", side = "lef
               </>
             );
             return item.href ? (
-              <a key={item.text} role="menuitem" tabIndex={-1} href={item.href} download={item.download} onClick={close}>{body}</a>
+              <a key={item.text} role="menuitem" tabIndex={-1} href={item.href} download={item.download === true ? "" : item.download || undefined} onClick={close}>{body}</a>
             ) : (
               <button key={item.text} type="button" role={item.checked === undefined ? "menuitem" : "menuitemcheckbox"} aria-checked={item.checked} aria-disabled={item.disabled} tabIndex={-1}
                 onClick={() => { if (!item.disabled) { close(); item.run?.(); } }}>{body}</button>

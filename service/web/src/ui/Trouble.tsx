@@ -1,11 +1,11 @@
 /** What went wrong, where it concerns: in the server's words, with its remedy and a way to try again. */
-import { ApiError } from "../api/client";
+import { ApiError, type Problem } from "../api/client";
 import { w } from "../words";
 import { Icon } from "./icons";
 
 export function Trouble({ error, retry }: { error: unknown; retry?: () => void }) {
   if (!error) return null;
-  const problem = error instanceof ApiError ? error.problem : null;
+  const problem = error instanceof ApiError ? (error.status === 412 ? { title: w("staleWrite"), detail: w("staleHelp") } as Problem : error.problem) : null;
   return (
     <div class="banner" role="alert">
       <Icon name="warn" />

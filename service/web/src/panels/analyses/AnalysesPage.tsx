@@ -56,7 +56,7 @@ function Catalogue({ items }: { items: Info[] }) {
 
 /** Results, of one analysis or all. */
 function Recent({ analysis }: { analysis?: string }) {
-  const found = useAsync((signal) => get("/results", { query: { analysis, limit: 30 }, signal }), [analysis, jobs.value.filter((one) => one.state === "done").length]);
+  const found = useAsync((signal) => get("/results", { query: { analysis, limit: 30 }, signal }), [analysis], [jobs.value.filter((one) => one.state === "done").length]);
   return (
     <aside class="recent" aria-label={w("results")}>
       <h2>{a("recent")}</h2>

@@ -61,7 +61,7 @@ export function Start() {
 }
 
 function Recent() {
-  const found = useAsync((signal) => get("/results", { query: { analysis: "reach", limit: 12 }, signal }), [jobs.value.filter((one) => one.state === "done").length]);
+  const found = useAsync((signal) => get("/results", { query: { analysis: "reach", limit: 12 }, signal }), [], [jobs.value.filter((one) => one.state === "done").length]);
   return (
     <aside class="recent" aria-label={b("recent")}>
       <h2>{b("recent")}</h2>

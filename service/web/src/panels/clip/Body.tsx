@@ -6,10 +6,12 @@ import "uplot/dist/uPlot.min.css";
 import { ask, get, type Schemas } from "../../api/client";
 import { quantityOf } from "../../motion/blocks";
 import { FACTS, ORIGINS, shownValue, type Fact } from "../../motion/calibration";
-import { ANGLE, argumentOf, expression, JOINT_KINDS, KINDS, known, rounded, startOf, textOf, UNITS, type Asked, type Kind } from "../../motion/quantities";
+import { ANGLE, argumentOf, causeOf, expression, JOINT_KINDS, KINDS, known, rounded, startOf, textOf, UNITS, type Asked, type Ground, type Kind } from "../../motion/quantities";
 import type { Clip } from "../../state/clip";
+import { mayEdit } from "../../state/me";
 import { refuse } from "../../state/notes";
 import { go, param, setParams } from "../../state/route";
+import { confirmFact } from "../../state/uploads";
 import { colour, look } from "../../state/settings";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
@@ -18,6 +20,7 @@ import { Alike } from "./Alike";
 import { inSight } from "./Timeline";
 
 const NEAR = 10; // px from the threshold that take hold of it
+const CAUSES: Record<Ground | "joints", Word> = { rate: "rateLacks", unit: "unitLacks", up: "upLacks", floor: "floorLacks", leg: "jointsLack", joints: "jointsLack" };
 const WORDS: Record<Kind, Word> = { height: "quantityHeight", speed: "quantitySpeed", acceleration: "quantityAcceleration", angle: "quantityAngle", contact: "quantityContact", heading: "quantityHeading" };
 
 export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
@@ -53,7 +56,7 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
       </div>
       <Trouble error={curve.error} retry={curve.again} />
       {curve.busy && !values && <div class="busy" />}
-      {values && !span && <div class="empty">{w("quantityUnknown")}</div>}
+      {values && !span && <Unknown clip={clip} kind={asked.kind} reload={reload} />}
       {values && span && mine && <Curve clip={clip} values={values} label={text} unit={UNITS[asked.kind]} limit={asked.kind === "contact" ? null : mine.at} above={mine.above} onLimit={(at) => setLimit({ ...mine, at })} />}
       {values && span && mine && question && (
         <div class="curve-tools" role="group" aria-label={w("quantityAsk")}>
@@ -70,6 +73,31 @@ export function Body({ clip, reload }: { clip: Clip; reload: () => void }) {
       )}
       <Calibrated clip={clip} reload={reload} />
       {alike && <Alike clip={clip} {...alike} onClose={() => setAlike(null)} />}
+    </div>
+  );
+}
+
+/** Why a quantity has no value, and the button that mends it. */
+function Unknown({ clip, kind, reload }: { clip: Clip; kind: Kind; reload: () => void }) {
+  const found = useAsync((signal) => get("/documents/{id}/calibration", { path: { id: clip.id }, query: { revision: clip.detail.revision }, signal }), [clip]);
+  const facts = found.value as Schemas["Calibration"] | undefined;
+  if (!facts) return <Trouble error={found.error} retry={found.again} />;
+  const cause = causeOf(kind, (ground) => (ground === "rate" ? Boolean(clip.detail.seconds_per_frame) : facts[ground].origin !== "unknown"));
+  const likely = clip.skeleton.view.likely_unit;
+  const mends = clip.pinned === null && mayEdit();
+  const toFloor = () => {
+    const part = document.querySelector<HTMLDetailsElement>("details.calibration");
+    if (part) part.open = true;
+    part?.querySelector<HTMLInputElement>(`[aria-label="${w("floor")}"]`)?.focus();
+  };
+  const button = (text: string, run: () => void) => mends && <button type="button" class="button primary" onClick={run}>{text}</button>;
+  return (
+    <div class="empty" role="status">
+      <p><strong>{w(CAUSES[cause ?? "joints"])}</strong></p>
+      {cause && cause !== "rate" && facts[cause].reason && <p class="dim">{facts[cause].reason}</p>}
+      <p>{cause === "floor" ? button(w("setFloor"), toFloor)
+        : cause === "unit" && likely && !likely.includes("/") ? button(w("confirmAs", { value: likely }), () => void confirmFact([clip.id], { unit: likely }).then((done) => done && reload()))
+        : cause ? button(w(cause === "rate" ? "giveRate" : cause === "unit" ? "giveUnit" : "giveUp"), () => setParams({ tab: "info" })) : null}</p>
     </div>
   );
 }

@@ -3,6 +3,8 @@ import { useState } from "preact/hooks";
 import { ApiError, ask } from "../../api/client";
 import { copyText } from "../../shell/App";
 import type { Clip } from "../../state/clip";
+import { mayEdit } from "../../state/me";
+import { confirmFact } from "../../state/uploads";
 import { go, setParams } from "../../state/route";
 import { Icon } from "../../ui/icons";
 import { Menu } from "../../ui/Menu";
@@ -18,7 +20,7 @@ import { saveClip } from "./keys";
 import { note, refuse } from "../../state/notes";
 
 export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
-  const { detail } = clip;
+  const { detail, skeleton: { view } } = clip;
   const [sharing, setSharing] = useState(false);
   const changed = clip.changed.value;
   const conflict = clip.trouble.value instanceof ApiError && [409, 412].includes(clip.trouble.value.status);
@@ -55,7 +57,10 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
           { text: w("shareLink"), run: () => setSharing(true) },
         ]}>{w("share")}<Icon name="down" /></Menu>
         <Menu label={w("exportWord")} side="right" items={() => [
-          ...exportItems(clip.id, { markers: clip.skeleton.view.markers, original: detail.original, format: detail.format, revision: detail.revision }),
+          ...exportItems({
+            id: clip.id, markers: view.markers, original: detail.original, format: detail.format, revision: detail.revision,
+            unit: detail.unit ?? null, likelyUnit: view.likely_unit, up: detail.up ?? null, likelyUp: view.likely_up, hasRate: Boolean(detail.seconds_per_frame),
+          }, clip.pinned === null && mayEdit() ? { confirm: (fact) => void confirmFact([clip.id], fact).then((done) => done && reload()), give: () => setParams({ tab: "info" }) } : {}),
           { text: w("composeThese"), icon: "compose", run: () => go(`/compose?s=${clip.id}`) },
           { text: w("retarget"), icon: "retarget", run: () => go(`/retarget?from=${clip.id}`) },
         ]}>{w("exportWord")}<Icon name="down" /></Menu>

@@ -10,7 +10,7 @@ type Conflict = Schemas["Conflict"];
 const SHOWN = 6;
 
 export function ConflictBanner({ clip, reload }: { clip: Clip; reload: () => void }) {
-  const { problem, message } = clip.trouble.value as ApiError;
+  const { problem } = clip.trouble.value as ApiError;
   const conflicts = ((problem.details as { conflicts?: Conflict[] } | null | undefined)?.conflicts ?? []) as Conflict[];
   const one = (value: unknown) => (Array.isArray(value) ? value.map(String).slice(0, 3).join(", ") + (value.length > 3 ? " …" : "") : String(value ?? "–"));
   return (
@@ -18,7 +18,7 @@ export function ConflictBanner({ clip, reload }: { clip: Clip; reload: () => voi
       <Icon name="warn" />
       <div class="grow">
         <strong>{w("conflict")}</strong>
-        <p>{message}</p>
+        {conflicts.length > 0 && <p>{w("conflictBoth", { n: conflicts.length })}</p>}
         {conflicts.length ? (
           <table>
             <thead><tr><th>{w("bothChanged")}</th><th>{w("theirs")}</th><th>{w("mine")}</th></tr></thead>

@@ -3,6 +3,7 @@ import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { LEAST, apart, type Apart } from "../../motion/difference";
 import type { Clip } from "../../state/clip";
+import type { Compared } from "../../state/compared";
 import { colour, look } from "../../state/settings";
 import { number, w } from "../../words";
 
@@ -16,18 +17,16 @@ export function DifferenceStrip({ clip }: { clip: Clip }) {
   const [found, setFound] = useState<{ joints: Apart[]; step: number } | null>(null);
   const [under, setUnder] = useState("");
   const other = clip.compared.value;
-  const frames = other?.against?.frames ?? clip.frames;
   useEffect(() => effect(() => {
     const compared = clip.compared.value;
     const newer = compared?.against?.blocks ?? clip.blocks;
     look.value;
     newer.arrived.value;
-    compared?.blocks.arrived.value;
-    const [now, then] = [newer.overview(), compared?.blocks.overview()];
+    const now = newer.overview();
     const element = canvas.current;
-    if (!element || !now || !then || now.step !== then.step) return;
+    if (!element || !now || !compared) return;
     const { skeleton } = clip;
-    const joints = apart(now.values, then.values, skeleton.points, skeleton.view.bones.length, skeleton.metres).slice(0, MOST);
+    const joints = apart(now.values, compared.rows, skeleton.points, skeleton.view.bones.length, skeleton.metres).slice(0, MOST);
     draw(element, clip, joints);
     setFound({ joints, step: now.step });
   }), [clip]);
@@ -37,10 +36,14 @@ export function DifferenceStrip({ clip }: { clip: Clip }) {
     const row = one ? Math.floor(((event.offsetX - NAME) / (canvas.current!.clientWidth - NAME)) * one.away.length) : -1;
     return one && row >= 0 && row < one.away.length ? [one, row] : null;
   };
-  const seek = (row: number) => { clip.player.pause(); clip.player.seek(row * (found?.step ?? 1)); };
+  const seek = (row: number) => {
+    const frame = other?.seekAt(row * (found?.step ?? 1)) ?? null;
+    clip.player.pause();
+    if (frame !== null) clip.player.seek(frame);
+  };
   return (
     <>
-      {other && other.frames !== frames && <p class="dim">{w("otherFrames", { first: other.frames, last: frames })}</p>}
+      {other && <p class="dim">{toldOf(other.facts)}</p>}
       <canvas ref={canvas} class="difference" role="img" aria-label={w("difference")}
         onPointerMove={(event) => { const here = at(event); setUnder(here ? told(...here) : ""); }} onPointerLeave={() => setUnder("")}
         onClick={(event) => { const here = at(event as never); if (here) { seek(here[1]); clip.select([clip.skeleton.view.bones[here[0].joint].name]); } }} />
@@ -50,6 +53,12 @@ export function DifferenceStrip({ clip }: { clip: Clip }) {
       </ul>
     </>
   );
+}
+
+function toldOf({ same, removed, added, byPosition }: Compared["facts"]): string {
+  if (byPosition) return w("framesByPosition");
+  if (!same) return w("framesNoneKept");
+  return removed || added ? w("framesKept", { n: same, removed, added }) : "";
 }
 
 function draw(element: HTMLCanvasElement, clip: Clip, joints: Apart[]): void {

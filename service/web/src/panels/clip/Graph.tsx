@@ -34,7 +34,7 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
   const host = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
   const playhead = useRef<HTMLDivElement>(null);
-  const stored = useAsync((signal) => curvesOf(clip.id, clip.detail.revision, joint.name, signal), [clip, joint.name]);
+  const stored = useAsync((signal) => curvesOf(clip.id, clip.detail.revision, joint.name, signal), [clip.id, clip.detail.revision, joint.name], [clip]);
   const channels = joint.channels;
   const draft = clip.draft.value;
 

@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import { ask } from "../../api/client";
 import { copyText } from "../../shell/App";
 import type { Clip } from "../../state/clip";
+import { needsToken } from "../../state/me";
 import { refuse } from "../../state/notes";
 import { Icon } from "../../ui/icons";
 import { useTurns } from "../../ui/useTurns";
@@ -41,9 +42,9 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
   );
   const base = location.origin;
   const lines = [
-    `curl ${base}/api/v1/documents/${clip.id}/export?format=bvh -o "${detail.name}.bvh"`,
+    `curl ${needsToken() ? '-H "Authorization: Bearer $MCML_TOKEN" ' : ""}${base}/api/v1/documents/${clip.id}/export?format=bvh -o "${detail.name}.bvh"`,
     `mcml export ${clip.id} --format bvh --server ${base}`,
-    `import mcml; mcml.open("${base}").document("${clip.id}")`,
+    needsToken() ? `import mcml, os; mcml.open("${base}", token=os.environ["MCML_TOKEN"]).document("${clip.id}")` : `import mcml; mcml.open("${base}").document("${clip.id}")`,
   ];
   const mapped = detail.bones.filter((bone) => bone.mapped).length;
   return (
@@ -74,6 +75,7 @@ export function Info({ clip, reload }: { clip: Clip; reload: () => void }) {
       <div class="info-row"><span>{w("original")}</span><span>{detail.files.map((one) => <span key={one.part}>{one.name} <span class="dim">{number(one.bytes)} B</span><br /></span>)}</span></div>
       <div class="info-row"><span>{w("created")}</span><span>{when(detail.created)}</span></div>
       <h3>{w("commandLines")}</h3>
+      {needsToken() && <p class="dim">{w("linesToken")}</p>}
       {lines.map((line) => <div key={line} class="row code-line"><code class="grow" tabIndex={0}>{line}</code><button type="button" class="button quiet icon dense" aria-label={w("copy")} onClick={() => void copyText(line, w("copied"))}><Icon name="list" /></button></div>)}
     </div>
   );

@@ -1,5 +1,5 @@
 /** Name a stretch, with completion from the vocabulary; its frames as numbers; splitting and deleting. */
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Clip } from "../../state/clip";
 import { agreed, loadVocabulary, namesLike } from "../../state/vocabulary";
 import { nameColour } from "../../motion/colours";
@@ -13,9 +13,12 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
   const [last, setLast] = useState(span.last);
   const [at, setAt] = useState(0);
   const box = useRef<HTMLFormElement>(null);
-  useEffect(() => {
+  // Before the next key: what is typed is the name, and no shortcut.
+  useLayoutEffect(() => {
     void loadVocabulary();
-    box.current?.querySelector("input")?.select();
+    const field = box.current!.querySelector("input")!;
+    field.focus();
+    field.select();
   }, []);
   const names = namesLike(name.trim(), 7);
   const here = clip.player.frame.value + 1;

@@ -53,7 +53,8 @@ export function Timeline({ clip }: { clip: Clip }) {
   const offered = suggested.value.filter((one) => !spans.some((span) => span.name === one.name && span.first === one.first && span.last === one.last));
   const all = [...shownSpans, ...offered.map((one, index) => ({ ...one, id: -1e9 - index }))];
   const places = lanes(all);
-  const laneCount = Math.max(1, ...places.map((lane) => lane + 1));
+  // One lane is free: a label is drawn there over any other.
+  const laneCount = Math.max(0, ...places.map((lane) => lane + 1)) + 1;
   const range = inSight.value;
 
   // Ruler, loop, playhead and speed are drawn; they change with each frame.
@@ -96,16 +97,16 @@ export function Timeline({ clip }: { clip: Clip }) {
     return found ?? edge;
   };
 
-  /** Draw a new span on the empty lane. */
+  /** Draw a new span on the empty lane, or with Shift over one that is there. */
   const draw = (event: PointerEvent) => {
-    if (event.button || event.target !== event.currentTarget) return;
+    if (event.button || (event.target !== event.currentTarget && !event.shiftKey)) return;
     const element = event.currentTarget as HTMLElement;
     element.setPointerCapture(event.pointerId);
     const [from, x0] = [frameAt(event), event.clientX];
     const begun = { first: snap(from, "first", null, event), last: snap(from + 1, "last", null, event) };
     snapLine.value = null;
     element.onpointermove = (move) => {
-      if (Math.abs(move.clientX - x0) < SHORTEST_DRAG) return;
+      if (clip.pinned !== null || Math.abs(move.clientX - x0) < SHORTEST_DRAG) return;
       const to = frameAt(move);
       const first = to < from ? Math.min(begun.last - 1, snap(to, "first", null, move)) : begun.first;
       const last = to < from ? begun.last : Math.max(begun.first + 1, snap(to + 1, "last", null, move));
@@ -121,7 +122,7 @@ export function Timeline({ clip }: { clip: Clip }) {
 
   /** Move a span, or trim the end that was taken. */
   const take = (event: PointerEvent, span: Span) => {
-    if (event.button || clip.pinned !== null) return;
+    if (event.button || clip.pinned !== null || event.shiftKey) return;
     event.stopPropagation();
     const element = event.currentTarget as HTMLElement;
     const bounds = element.getBoundingClientRect();
@@ -193,7 +194,7 @@ export function Timeline({ clip }: { clip: Clip }) {
         })}
       </div>
       {snapLine.value !== null && <span class="snap-line" style={{ left: `${HEAD + toX(snapLine.value, range, wide)}px` }} />}
-      {naming.value && <NameSpan clip={clip} left={HEAD + Math.max(0, Math.min(wide - 350, toX(naming.value.span.first - 1, range, wide)))} />}
+      {naming.value && <NameSpan key={naming.value.span.id} clip={clip} left={HEAD + Math.max(0, Math.min(wide - 350, toX(naming.value.span.first - 1, range, wide)))} />}
     </section>
   );
 }

@@ -1,7 +1,9 @@
 /** The clip in three dimensions, with what the passport says of its units beside it. */
 import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
+import type { Skeleton } from "../../motion/skeleton";
 import type { Clip } from "../../state/clip";
+import type { Compared as Earlier } from "../../state/compared";
 import { noteParams, param } from "../../state/route";
 import { colour, look } from "../../state/settings";
 import { Stage, type CameraView } from "../../scene/stage";
@@ -49,7 +51,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         const frame = player.frame.value;
         const old = clip.flipped.value ? clip.compared.value : null;
         old?.blocks.arrived.value;
-        const positions = old ? old.blocks.frame(Math.min(frame, old.frames - 1)) : clip.positions(frame);
+        const positions = old ? positionsThen(old, frame, skeleton) : clip.positions(frame);
         const show = shown.value;
         made.shown = show;
         made.selected = new Set(clip.selection.value.bones.map((name) => skeleton.byName.get(name)!));
@@ -78,7 +80,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         }
         if (ghost < 0) ghost = made.add(skeleton, { dim: true });
         other.blocks.arrived.value;
-        made.pose(ghost, { positions: other.blocks.frame(Math.min(player.frame.value, other.frames - 1)), before: [], trail: [] });
+        made.pose(ghost, { positions: positionsThen(other, player.frame.value, skeleton), before: [], trail: [] });
       }),
       effect(() => {
         look.value;
@@ -176,6 +178,13 @@ export function ViewerPane({ clip }: { clip: Clip }) {
       <p ref={words} class="unseen" aria-live="polite" />
     </div>
   );
+}
+
+/** The same frame as another revision has it, from the open one's origin; null where it has none. */
+function positionsThen(other: Earlier, frame: number, { view }: Skeleton): Float32Array | null {
+  const place = other.at(frame);
+  const found = place === null ? null : other.blocks.frame(place);
+  return found && found.map((one, at) => one + other.origin[at % 3]! - view.origin[at % 3]!);
 }
 
 function ghostsOf(clip: Clip, frame: number): (Float32Array | null)[] {

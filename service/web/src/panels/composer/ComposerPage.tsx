@@ -83,7 +83,8 @@ export function ComposerPage() {
       { id: "save", word: "save", keys: ["Ctrl+S"], run: () => void saveNow.run() },
     ]);
   }, []);
-  const shown = preview.value && pieces.length ? preview.value : null;
+  /** While a change is worked out the preview before stays, dimmed. */
+  const shown = pieces.length ? ((preview.value === undefined ? preview.before : preview.value) ?? null) : null;
   return (
     <div class="composer">
       <h1 class="unseen">{w("compose")}</h1>
@@ -105,7 +106,7 @@ export function ComposerPage() {
         {pieces.length ? (
           <>
             <div class="composer-busy">{preview.busy && <div class="busy" />}</div>
-            {shown ? <ComposedView composed={shown} board={board} /> : <div class="composed-view" />}
+            <div class={`composed ${preview.value ? "" : "stale"}`} aria-busy={preview.busy}>{shown ? <ComposedView composed={shown} board={board} /> : <div class="composed-view" />}</div>
             <div class="storyboard">
               <Storyboard board={board} composed={shown} />
               <ChosenForm board={board} composed={preview.busy ? null : shown} />

@@ -25,7 +25,7 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
   const run = async (dry: boolean) => {
     setError(null);
     try {
-      const id = await runAnalysis("dance", { inputs: { documents: bench.documents }, parameters: { ...bench.wish(), dry_run: dry }, name: dry ? undefined : "dance" }, (started) => (bench.job.value = started));
+      const id = await runAnalysis("dance", { inputs: { documents: bench.timed }, parameters: { ...bench.wish(), dry_run: dry }, name: dry ? undefined : "dance" }, (started) => (bench.job.value = started));
       const result = await resultOf(id);
       if (dry) {
         bench.dry.value = result;

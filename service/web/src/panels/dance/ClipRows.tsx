@@ -1,5 +1,6 @@
 /** The clips of the bench: tempo and its rivals, beats and bars, each by itself. */
 import { useState } from "preact/hooks";
+import { refuse } from "../../state/notes";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
 import { number, w } from "../../words";
@@ -32,12 +33,31 @@ export function ClipRows({ bench }: { bench: Bench }) {
       <Trouble error={bench.trouble.value} retry={() => bench.again()} />
       <div class="bench-busy">{bench.stale.value.size > 0 && <div class="busy" role="status"><span class="unseen">{d("busyBeats")}</span></div>}</div>
       <div class="bench-rows" tabIndex={-1}>
+        {bench.untimed.value.map((one) => <Untimed key={one.id} bench={bench} {...one} />)}
         {bench.music.value && <MusicLane music={bench.music.value} />}
         {rows.slice(0, most).map((one, index) => <Row key={one.id} bench={bench} row={one} index={index} />)}
         {rows.length > most && <p><button type="button" class="button dense" onClick={() => setMost(most + AT_FIRST)}>{d("moreClips", { n: rows.length - most })}</button></p>}
       </div>
       {row && <Refused bench={bench} row={row} />}
     </>
+  );
+}
+
+/** A clip that is left out as long as nobody says how fast its frames follow. */
+function Untimed({ bench, id, name }: { bench: Bench; id: string; name: string }) {
+  const [hertz, setHertz] = useState("");
+  const [busy, setBusy] = useState(false);
+  const give = async () => {
+    setBusy(true);
+    await bench.giveRate(id, Number(hertz)).catch(refuse);
+    setBusy(false);
+  };
+  return (
+    <form class="row wrap bench-untimed" aria-label={name} onSubmit={(event) => { event.preventDefault(); if (Number(hertz) > 0) void give(); }}>
+      <Icon name="warn" /><a href={`/clips/${id}`}>{name}</a><span class="dim">{d("untimed")}</span>
+      <label class="row">{d("rateOf")} <input class="field number" type="number" min="0" step="any" placeholder="120" value={hertz} onInput={(event) => setHertz(event.currentTarget.value)} /></label>
+      <button type="submit" class="button dense primary" disabled={busy || !(Number(hertz) > 0)}>{w("apply")}</button>
+    </form>
   );
 }
 

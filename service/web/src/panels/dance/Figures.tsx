@@ -97,7 +97,7 @@ function Kept({ result }: { result: Result }) {
     <div class="row wrap">
       <strong class="cut">{clip.value?.name ?? result.name}</strong><span class="dim">{clip.value?.project}</span><span class="grow" />
       <button type="button" class="button primary" onClick={() => setAsking(true)}>{d("save")}…</button>
-      <Menu label={d("exportWord")} side="right" items={exportItems(id, { markers: false, original: false, format: "" })}>{d("exportWord")}<Icon name="down" /></Menu>
+      <Menu label={d("exportWord")} side="right" items={exportItems({ id, markers: false, original: false, format: "", unit: clip.value?.unit ?? null, up: clip.value?.up ?? null, hasRate: true }, { give: () => location.assign(`/clips/${id}?tab=info`) })}>{d("exportWord")}<Icon name="down" /></Menu>
       <a class="button" href={address("/results/{id}/picture", { id: result.id }, {})} target="_blank" rel="noreferrer">{d("picture")}</a>
       <a class="button" href={`/clips/${id}`}>{w("open")}</a>
       {asking && <AskName title={d("saveAs")} initial={clip.value?.name ?? result.name} onName={save} onClose={() => setAsking(false)}>

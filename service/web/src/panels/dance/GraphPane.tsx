@@ -24,13 +24,14 @@ export function GraphPane({ bench }: { bench: Bench }) {
   const corrections = JSON.stringify(bench.steps.now.value);
   const near = param("near") ? Number(param("near")) : null;
   const found = useAsync<Graph | null>(async (signal) => (result ? graphAt(result, bench.documents, near, signal) : null), [result?.id, near]);
-  const graph = found.value ?? null;
+  /** While another threshold is asked for, the graph before stays, dimmed. */
+  const graph = (found.value === undefined ? found.before : found.value) ?? null;
   const parts = useMemo(() => parted(graph?.components ?? []), [graph]);
   const job = jobs.value.find((one) => one.id === running);
   const make = async () => {
     setError(null);
     try {
-      const made = await resultOf(await runAnalysis("motion-graph", { inputs: { documents: bench.documents }, parameters: { clips: bench.clips } }, (started) => setRunning(started.id)));
+      const made = await resultOf(await runAnalysis("motion-graph", { inputs: { documents: bench.timed }, parameters: { clips: bench.clips } }, (started) => setRunning(started.id)));
       bench.graphOf.value = corrections;
       bench.graph.value = made;
     } catch (refused) {
@@ -62,7 +63,7 @@ export function GraphPane({ bench }: { bench: Bench }) {
       </div>
       {old && <p class="bench-old">{d("old")}</p>}
       <Trouble error={error ?? found.error} retry={found.error ? found.again : undefined} />
-      {graph ? (list ? <GraphList graph={graph} names={names} onPick={pick} onPlay={play} /> : <GraphView graph={graph} by={by} names={names} chosen={readAllowed(param("allow")).get(bench.position.value) ?? []} start={Number(param("start"))} onPick={pick} onPlay={play} />)
+      {graph ? <div class={`bench-graph-body ${found.value ? "" : "stale"}`} aria-busy={found.busy}>{list ? <GraphList graph={graph} names={names} onPick={pick} onPlay={play} /> : <GraphView graph={graph} by={by} names={names} chosen={readAllowed(param("allow")).get(bench.position.value) ?? []} start={Number(param("start"))} onPick={pick} onPlay={play} />}</div>
         : !job && <div class="empty bench-hint"><p>{d("graphHelp")}</p></div>}
     </>
   );

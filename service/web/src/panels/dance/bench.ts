@@ -21,6 +21,7 @@ export type Shown =
 /** A bar: its number in the graph, and where it is. Frames from 1. */
 export interface Place { bar: number; document: string; number: number; first: number; last: number }
 
+const LOOKED_AT_ONCE = 8;
 export const USUAL_BPM = 120;
 export const USUAL_BARS = 16;
 
@@ -31,6 +32,8 @@ export class Bench {
   /** Clips whose bars are being found again. */
   readonly stale = signal<ReadonlySet<string>>(new Set());
   readonly trouble = signal<unknown>(null);
+  /** Clips whose frame rate nobody has stated: they are left out until it is given. */
+  readonly untimed = signal<readonly { id: string; name: string }[]>([]);
   readonly job = signal<Job | null>(null);
   readonly graph = signal<Result | null>(null);
   /** The corrections that the graph was made with. */
@@ -81,9 +84,15 @@ export class Bench {
     return found && own ? { ...found, beats: own } : found;
   }
 
+  /** Those that beats can be found in. */
+  get timed(): string[] {
+    const left = new Set(this.untimed.value.map((one) => one.id));
+    return this.documents.filter((id) => !left.has(id));
+  }
+
   /** As the analyses take them. */
   get clips(): object[] {
-    return this.documents.filter((id) => Object.keys(this.steps.now.peek()[id] ?? {}).length).map((id) => this.parameters(id));
+    return this.timed.filter((id) => Object.keys(this.steps.now.peek()[id] ?? {}).length).map((id) => this.parameters(id));
   }
 
   private parameters(id: string): object {
@@ -93,7 +102,7 @@ export class Bench {
 
   /** Find beats and bars of what changed. One question is under way at most. */
   async refresh(): Promise<void> {
-    const wanted = new Map(this.documents.map((id) => [id, JSON.stringify(this.parameters(id))]));
+    const wanted = new Map(this.timed.map((id) => [id, JSON.stringify(this.parameters(id))]));
     for (const [id, text] of wanted) {
       const known = this.known.get(text);
       if (known && this.done.get(id) !== text) {
@@ -101,7 +110,7 @@ export class Bench {
         this.found.value = new Map(this.found.peek()).set(id, known);
       }
     }
-    const changed = this.documents.filter((id) => this.done.get(id) !== wanted.get(id));
+    const changed = this.timed.filter((id) => this.done.get(id) !== wanted.get(id));
     this.stale.value = new Set(changed);
     if (!changed.length || this.busy) return;
     this.busy = true;
@@ -123,11 +132,37 @@ export class Bench {
       dropJob(job);
       void ask("delete", "/results/{id}", { path: { id: result.id } }).catch(() => undefined);
     } catch (error) {
-      if ((error as Error).name !== "AbortError") this.trouble.value = error;
-      for (const id of changed) this.done.set(id, wanted.get(id)!);
+      // One clip without a frame rate would leave all others without beats.
+      if (!(await this.setApart(changed))) {
+        if ((error as Error).name !== "AbortError") this.trouble.value = error;
+        for (const id of changed) this.done.set(id, wanted.get(id)!);
+      }
     } finally {
       this.busy = false;
     }
+    void this.refresh();
+  }
+
+  /** Leave out clips without a frame rate; false where there is none. */
+  private async setApart(ids: string[]): Promise<boolean> {
+    const found: { id: string; name: string }[] = [];
+    try {
+      for (let at = 0; at < ids.length; at += LOOKED_AT_ONCE) {
+        const some = await Promise.all(ids.slice(at, at + LOOKED_AT_ONCE).map((id) => ask("get", "/documents/{id}", { path: { id } })));
+        found.push(...some.filter((one) => !one.seconds_per_frame).map(({ id, name }) => ({ id, name })));
+      }
+    } catch {
+      return false;
+    }
+    this.untimed.value = [...this.untimed.peek(), ...found];
+    return found.length > 0;
+  }
+
+  /** State the frame rate of a clip that was left out, Hz. */
+  async giveRate(id: string, hertz: number): Promise<void> {
+    const { revision } = await ask("get", "/documents/{id}", { path: { id } });
+    await ask("patch", "/documents/{id}", { path: { id }, match: revision, body: { frame_time: String(Number((1 / hertz).toPrecision(12))) } as never });
+    this.untimed.value = this.untimed.peek().filter((one) => one.id !== id);
     void this.refresh();
   }
 

@@ -14,14 +14,15 @@ const SHOWN = 8;
 interface Choice { value: string; text: string; count: number | null; colour?: string }
 
 export function Facets() {
-  const facets = useAsync((signal) => get("/facets", { query: library.filter.value as never, signal }), [JSON.stringify(library.filter.value), library.version.value > 0, library.total.value]);
+  const facets = useAsync((signal) => get("/facets", { query: library.filter.value as never, signal }), [JSON.stringify(library.filter.value)], [library.version.value > 0, library.total.value]);
   const collections = useCollections().value?.items ?? [];
-  const found = facets.value;
+  // While a filter is counted the facets before stay, dimmed: what is typed or dragged in them goes on.
+  const found = facets.value ?? facets.before;
   const filtered = Object.keys(library.filter.value).length > 0;
   if (!found) return <Trouble error={facets.error} retry={facets.again} />;
   const counts = (list: Schemas["Count"][]): Choice[] => list.map((one) => ({ value: one.value, text: one.value, count: one.documents }));
   return (
-    <>
+    <div class={facets.value ? "" : "stale"} aria-busy={facets.busy}>
       {filtered && <button type="button" class="button dense clear-filters" onClick={() => setParams(Object.fromEntries(library.FILTERS.map((name) => [name, null])), true)}>{w("clearFilters")}</button>}
       <SavedFilters collections={collections} />
       <Group word="project" name="project" choices={counts(found.projects)} />
@@ -32,7 +33,7 @@ export function Facets() {
       <Group word="frameRate" name="rate" choices={found.rates.map((one) => ({ value: String(one.value), text: `${number(one.value)} Hz`, count: one.documents }))} />
       <Group word="skeleton" name="skeleton" choices={found.skeletons.map((one) => ({ value: String(one.skeleton), text: `${one.skeleton} · ${w("jointCount", { n: one.joints })}`, count: one.documents }))} />
       {found.properties.map((one) => <Property key={one.name} property={one} />)}
-    </>
+    </div>
   );
 }
 
@@ -82,8 +83,8 @@ function Property({ property }: { property: Schemas["PropertyCounts"] }) {
 /** Of all lengths under the other filters: what is chosen can be chosen wider. */
 function Lengths({ found }: { found: Schemas["Histogram"] | null | undefined }) {
   const { length, ...others } = library.filter.value;
-  const wide = useAsync(async (signal) => (length === undefined ? null : (await get("/facets", { query: others as never, signal })).lengths), [JSON.stringify(library.filter.value), library.total.value]);
-  const histogram = length === undefined ? found : (wide.value ?? found);
+  const wide = useAsync(async (signal) => (length === undefined ? null : (await get("/facets", { query: others as never, signal })).lengths), [JSON.stringify(library.filter.value)], [library.total.value]);
+  const histogram = length === undefined ? found : (wide.value ?? wide.before ?? found);
   if (!histogram) return null;
   return (
     <section class="facet" aria-label={w("length")}>

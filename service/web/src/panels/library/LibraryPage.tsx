@@ -43,7 +43,7 @@ export function LibraryPage() {
   const newProject = Object.keys(library.filter.value).join() === "project" && param("project");
   // Asked only where it may matter: until it was closed, and again when clips come.
   const asks = !welcomed.value && !filtered && total !== null && total > 0;
-  const projects = useAsync(async (signal) => (asks ? (await get("/projects", { signal })).items : null), [asks, asks && total]);
+  const projects = useAsync(async (signal) => (asks ? (await get("/projects", { signal })).items : null), [asks], [asks && total]);
   const first = asks && projects.value && isDemoAlone(projects.value);
   return (
     <div class="library">

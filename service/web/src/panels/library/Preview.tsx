@@ -1,6 +1,7 @@
 /** The card that is looked at, large, with its passport and what can be done with it. */
 import { nameColour } from "../../motion/colours";
 import * as library from "../../state/library";
+import { mayEdit } from "../../state/me";
 import { confirmFact } from "../../state/uploads";
 import { go } from "../../state/route";
 import { Icon } from "../../ui/icons";
@@ -19,7 +20,7 @@ export function Preview() {
   const names = [...new Set(card.labels.map((label) => label.name))];
   const fact = (word: "unit" | "up", value: string | null | undefined) => (
     <dd>
-      <span class={guessed.has(word) ? "guess" : ""}>{value ?? w("unitUnknown")}</span>
+      <span class={guessed.has(word) ? "guess" : ""}>{value ?? w(word === "unit" ? "unitUnknown" : "upUnknown")}</span>
       {guessed.has(word) && value && !value.includes("/") && <button type="button" class="button quiet dense" onClick={() => void confirmFact([card.id], { [word]: value })}>{w("confirm")}</button>}
     </dd>
   );
@@ -40,7 +41,10 @@ export function Preview() {
       </dl>
       <div class="row wrap">
         <a class="button primary" href={`/clips/${card.id}`}>{w("open")}</a>
-        <Menu label={w("exportWord")} items={() => exportItems(card.id, { markers: passport?.markers ?? false, original: true, format: card.format })}>{w("exportWord")}<Icon name="down" /></Menu>
+        <Menu label={w("exportWord")} items={() => exportItems({
+          id: card.id, markers: passport?.markers ?? false, original: true, format: card.format, hasRate: Boolean(card.seconds_per_frame),
+          ...(["unit", "up"] as const).reduce((all, name) => ({ ...all, [name]: guessed.has(name) ? null : (passport?.[name] ?? null), [name === "unit" ? "likelyUnit" : "likelyUp"]: passport?.[name] }), { unit: null, up: null }),
+        }, mayEdit() ? { confirm: (fact) => void confirmFact([card.id], fact), give: () => go(`/clips/${card.id}?tab=info`) } : {})}>{w("exportWord")}<Icon name="down" /></Menu>
         <button type="button" class="button" onClick={() => go(`/compose?s=${card.id}`)}>{w("composeThese")}</button>
       </div>
     </>

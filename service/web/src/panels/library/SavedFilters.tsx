@@ -13,11 +13,11 @@ import { w } from "../../words";
 
 interface Saved { kind: "collections" | "queries"; name: string; project: string; filter: Filter; version: number; body: object }
 
-export const useCollections = () => useAsync((signal) => get("/collections", { query: { limit: 500 }, signal }), [collectionsChanged.value]);
+export const useCollections = () => useAsync((signal) => get("/collections", { query: { limit: 500 }, signal }), [], [collectionsChanged.value]);
 
 export function SavedFilters({ collections }: { collections: readonly Schemas["Collection"][] }) {
   const [naming, setNaming] = useState(false);
-  const queries = useAsync((signal) => get("/queries", { query: { limit: 500 }, signal }), [collectionsChanged.value]);
+  const queries = useAsync((signal) => get("/queries", { query: { limit: 500 }, signal }), [], [collectionsChanged.value]);
   const now = library.filter.value;
   const saved: Saved[] = [
     ...collections.flatMap(({ where, name, project, version, description }) => (where ? [{ kind: "collections" as const, name, project, version, filter: asFilter(where), body: { where, description } }] : [])),

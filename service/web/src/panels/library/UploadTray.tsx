@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import { looked } from "../../state/inspect";
 import { timeLeft } from "../../state/pace";
 import { addFiles, cancel, cancelAll, confirmFact, filesDone, pace, retry, trayOpen, undoImport, uploads, type Upload } from "../../state/uploads";
+import { folderOf } from "../../state/dropped";
 import { FACTS, ORIGINS, shownValue, type Fact } from "../../motion/calibration";
 import type { Told } from "../../motion/preview";
 import { lazy } from "../../shell/lazy";
@@ -33,12 +34,36 @@ export function UploadTray() {
             {done < of && <button type="button" class="button dense" onClick={cancelAll}>{w("cancel")}</button>}
             <button type="button" class="button quiet icon dense" aria-label={w("hideQueue")} onClick={() => { trayOpen.value = false; if (done === of) uploads.value = []; }}><Icon name="close" /></button>
           </header>
-          <ul>{all.slice().reverse().slice(0, 200).map((one) => <UploadRow key={one.id} upload={one} alone={all.length === 1} />)}</ul>
+          <UploadRows all={all} />
         </section>
       )}
     </>
   );
 }
+
+const ROWS = 200;
+
+/** The newest first; refusals before what went well once all is done. */
+function UploadRows({ all }: { all: Upload[] }) {
+  const [most, setMost] = useState(ROWS);
+  const newest = all.slice().reverse();
+  const rows = newest.every((one) => /stored|refused|cancelled/.test(one.state)) ? [...newest.filter((one) => one.problems.length), ...newest.filter((one) => !one.problems.length)] : newest;
+  return (
+    <ul>
+      {rows.slice(0, most).map((one) => <UploadRow key={one.id} upload={one} alone={all.length === 1} />)}
+      {rows.length > most && <li><button type="button" class="button dense" onClick={() => setMost(most + ROWS)}>{w("rowsMore", { n: rows.length - most })}</button></li>}
+    </ul>
+  );
+}
+
+/** What became of a row: also where some of its files were stored and others not. */
+function stateOf({ state, documents, problems }: Upload): string {
+  if (state !== "stored") return w(state);
+  if (problems.length) return w("storedPartly", { stored: documents.length, refused: problems.length });
+  return documents.every((one) => one.skipped) ? w("skippedTwin") : w("stored");
+}
+
+const FEW = 3;
 
 function progressOf(done: number, of: number): string {
   const told = done < of ? pace.value : null;
@@ -50,23 +75,28 @@ function progressOf(done: number, of: number): string {
 
 function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
   const [open, setOpen] = useState(alone);
-  const first = upload.documents[0];
-  const state = upload.state === "stored" && first?.skipped ? w("skippedTwin") : w(upload.state);
+  const { files, documents } = upload;
+  const first = documents[0];
+  const folder = files.length ? folderOf(files[0]!) : "";
+  const name = files.length > FEW ? w("filesAnd", { name: files[0]!.name, n: files.length - 1 }) : upload.name;
+  const hasTwin = documents.some((one) => !one.skipped && one.receipt.twins.length > 0);
   return (
     <li>
       <div class="row">
         <span class={`state ${upload.state}`}>{upload.state === "stored" ? <Icon name="check" /> : upload.state === "refused" ? <Icon name="warn" /> : null}</span>
-        <span class="cut grow" title={upload.name}>{upload.name}</span>
-        {upload.state === "sending" ? <progress value={upload.sent} max={1} aria-label={upload.name} /> : <span class="dim">{state}</span>}
+        <span class="cut grow" title={folder + upload.name}>{name} {folder && <span class="dim">{folder}</span>}</span>
+        {hasTwin && <span class="dim">{w("twin")}</span>}
+        {upload.state === "sending" ? <progress value={upload.sent} max={1} aria-label={upload.name} /> : <span class="dim">{stateOf(upload)}</span>}
         {/queued|sending|reading/.test(upload.state) && <button type="button" class="button quiet icon dense" aria-label={w("cancel")} onClick={() => cancel(upload.id)}><Icon name="close" /></button>}
-        {/refused|cancelled/.test(upload.state) && <button type="button" class="button dense" onClick={() => retry(upload.id)}>{w("retry")}</button>}
-        {first && <a class="button dense" href={`/clips/${first.id}`}>{w("open")}</a>}
+        {files.length > 0 && /refused|cancelled/.test(upload.state) && <button type="button" class="button dense" onClick={() => retry(upload.id)}>{w("retry")}</button>}
+        {documents.length === 1 && <a class="button dense" href={`/clips/${first!.id}`}>{w("open")}</a>}
         {first && <button type="button" class="button quiet dense" aria-expanded={open} onClick={() => setOpen(!open)}>{w("receipts")}</button>}
       </div>
-      {upload.problems.map(({ file, problem }) => (
-        <Refusal key={file} file={file} problem={problem} />
+      {upload.problems.map(({ file, problem }, at) => (
+        <Refusal key={at} file={file} problem={problem} />
       ))}
-      {open && upload.documents.map((one) => <ReceiptView key={one.id} receipt={one.receipt} documents={[one.id]} />)}
+      {documents.length > 1 && <ul class="stored-clips">{documents.map((one) => <li key={one.id}><a href={`/clips/${one.id}`}>{one.name}</a> <span class="dim">{w(one.skipped ? "skippedTwin" : "stored")}</span></li>)}</ul>}
+      {open && documents.map((one) => <ReceiptView key={one.id} receipt={one.receipt} documents={[one.id]} />)}
       {open && first && !first.skipped && <p><button type="button" class="button dense" onClick={() => void undoImport(upload)}>{w("undoImport")}</button></p>}
     </li>
   );
@@ -96,7 +126,7 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
     const value = said[name] ?? one.value;
     return (
       <>
-        <dd>{value ? <span class={one.stated || said[name] ? "" : "guess"}>{value}</span> : <span class="guess">{w("unitUnknown")}</span>} <span class="dim">{one.why}</span></dd>
+        <dd>{value ? <span class={one.stated || said[name] ? "" : "guess"}>{value}</span> : <span class="guess">{w(name === "unit" ? "unitUnknown" : "upUnknown")}</span>} <span class="dim">{one.why}</span></dd>
         <dd class="row">
           {!one.stated && !said[name] && documents.length > 0 && options.map((option) => (
             <button key={option} type="button" class="button dense" onClick={() => void choose({ [name]: option })}>{option}</button>
@@ -134,7 +164,7 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
 
 /** What is known of the body, which is worked out when it is looked at. */
 function CalibrationRow({ id, said }: { id: string; said: object }) {
-  const found = useAsync((signal) => get("/documents/{id}/calibration", { path: { id }, signal }), [id, said]);
+  const found = useAsync((signal) => get("/documents/{id}/calibration", { path: { id }, signal }), [id], [said]);
   const known = found.value as Schemas["Calibration"] | undefined;
   if (!known) return null;
   return (
@@ -157,10 +187,10 @@ function LookedAt() {
         <section key={index}><h3>{clip.files.join(" + ")}</h3>
           {clip.motion && <LookedMotion told={clip.motion} />}<ReceiptView receipt={clip.receipt} documents={[]} /></section>
       ))}
-      {result.problems.map(({ file, problem }) => (
-        <Refusal key={file} file={file} problem={problem} />
+      {result.problems.map(({ file, problem }, at) => (
+        <Refusal key={at} file={file} problem={problem} />
       ))}
-      <p class="row"><button type="button" class="button primary" onClick={() => { looked.value = null; addFiles(files); }}>{w("keep")}</button><span class="dim">{w("notStored")}</span></p>
+      <p class="row">{files.length > 0 && <button type="button" class="button primary" onClick={() => { looked.value = null; addFiles(files); }}>{w("keep")}</button>}<span class="dim">{w("notStored")}</span></p>
     </Dialog>
   );
 }

@@ -39,7 +39,7 @@ export function RetargetPage() {
         <ClipChooser label={w("targetClip")} chosen={target.value?.name} onChoose={(id) => setParams({ to: id }, true)} />
       </div>
       <Trouble error={source.error ?? target.error} />
-      {source.value && target.value ? <Fitting key={`${from} ${to}`} source={source.value} target={target.value} /> : <div class="empty"><h2>{w("retargetEmpty")}</h2><p>{w("retargetHelp")}</p></div>}
+      {source.value && target.value ? <Fitting key={`${from} ${to}`} source={source.value} target={target.value} /> : from && to ? (!source.error && !target.error && <div class="busy" />) : <div class="empty"><h2>{w("retargetEmpty")}</h2><p>{w("retargetHelp")}</p></div>}
     </div>
   );
 }
@@ -62,8 +62,10 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
     await new Promise((resolve) => setTimeout(resolve, 150));
     signal.throwIfAborted();
     return ask("post", "/documents/{id}/retarget", { path: { id: source.id }, body: { ...request, preview: true } as Schemas["RetargetRequest"], query: { positions: "f4", step }, signal });
-  }, [request]);
-  const moved = useMemo(() => (fit.value?.motion ? previewOf(fit.value.motion, target.skeleton, source.frames, source.perSecond, step) : null), [fit.value]);
+  }, [request, source.id]);
+  /** While a change is worked out the fit before stays, dimmed. */
+  const seen = fit.value ?? fit.before;
+  const moved = useMemo(() => (seen?.motion ? previewOf(seen.motion, target.skeleton, source.frames, source.perSecond, step) : null), [seen]);
   const player = useMemo(() => new Player(source.frames, source.perSecond), [source]);
   useEffect(() => {
     const stop = player.frame.subscribe((frame) => source.blocks.want(frame, player.playing.peek() ? 1 : 0, source.perSecond));
@@ -77,7 +79,7 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
     ...(moved ? [{ skeleton: target.skeleton, inPlace: true, shift: APART / 2, positions: () => moved.frame(player.frame.value) }] : []),
   ], [source, target, moved]);
   const marked = useMemo(() => ({ get value() { const point = selected.value === null ? undefined : source.skeleton.byName.get(selected.value); return point === undefined ? [] : [point]; } }), [source]);
-  const shown: Pair[] = pairs.value ?? (fit.value?.matches ?? []).map(({ source: one, target: other }) => ({ source: one, target: other }));
+  const shown: Pair[] = pairs.value ?? (seen?.matches ?? []).map(({ source: one, target: other }) => ({ source: one, target: other }));
   const change = (next: Pair[] | null) => { before.value = [...before.peek(), pairs.peek()]; pairs.value = next; };
   const save = async () => {
     setSaving(true);
@@ -110,7 +112,7 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   };
   return (
     <div class="retarget-work">
-      <section class="retarget-view">
+      <section class={`retarget-view ${fit.value ? "" : "stale"}`} aria-busy={fit.busy}>
         {fit.busy && <div class="busy" />}
         <MotionView actors={actors} selected={marked as never} label={`${source.name}, ${target.name}`} onPick={(actor, point) => (selected.value = actor === 0 ? source.skeleton.view.bones[point]?.name ?? null : shown.find((one) => one.target === target.skeleton.view.bones[point]?.name)?.source ?? null)} />
         <div class="transport row">
@@ -128,8 +130,8 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
           ]}>{w("mapping")}<Icon name="down" /></Menu>
         </div>
         <Trouble error={fit.error} retry={fit.again} />
-        <MappingTable source={source.skeleton} target={target.skeleton} pairs={shown} matches={fit.value?.matches ?? []} selected={selected.value} onSelect={(name) => (selected.value = name)} onChange={change} />
-        <Options choices={choices} fitted={fit.value?.scale} onChange={choose} />
+        <MappingTable source={source.skeleton} target={target.skeleton} pairs={shown} matches={seen?.matches ?? []} selected={selected.value} onSelect={(name) => (selected.value = name)} onChange={change} />
+        <Options choices={choices} fitted={seen?.scale} onChange={choose} />
         {fit.value && <Report fit={fit.value} onFrame={goTo} />}
         <div class="row wrap map-tools">
           <button type="button" class="button" disabled={!fit.value} onClick={() => setMany(true)}>{w("applyToMany")}</button>

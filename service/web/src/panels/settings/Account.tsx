@@ -6,6 +6,8 @@ import { AskName } from "../../ui/AskName";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when, type Word } from "../../words";
+import { FirstOwner } from "./FirstOwner";
+import { askOwned } from "./rights";
 import { day, ROLE_WORDS, Secret, Table } from "./tables";
 
 const ROLES = ["member", "reader", "editor", "owner"] as const;
@@ -13,9 +15,9 @@ const SCOPES = ["read", "edit", "operate"] as const;
 const SCOPE_WORDS: Record<string, Word> = { read: "scopeRead", edit: "scopeEdit", operate: "scopeOperate" };
 
 export function Account() {
-  const me = useAsync((signal) => get("/account", { signal }), []);
+  const me = useAsync(askOwned, []);
   if (!me.value) return <Trouble error={me.error} retry={me.again} />;
-  const { name, role, rights, projects } = me.value;
+  const { name, role, rights, projects, owned } = me.value;
   const leave = () => void ask("delete", "/session").then(() => location.assign("/login"), refuse);
   return (
     <>
@@ -23,8 +25,9 @@ export function Account() {
       <p class="row wrap"><span>{role ? w("signedIn", { name, role: w(ROLE_WORDS[role]) }) : w("noAccount", { name })}</span>{role && <button type="button" class="button" onClick={leave}>{w("signOut")}</button>}</p>
       {role && <Password />}
       {projects.length > 0 && <p class="dim">{projects.map((one) => `${one.project}: ${w(ROLE_WORDS[one.role])}`).join(" · ")}</p>}
-      <Tokens scopes={SCOPES.filter((scope) => rights.includes(scope))} />
-      {rights.includes("operate") && <People me={name} />}
+      {!owned && <FirstOwner />}
+      <Tokens owned={owned} scopes={SCOPES.filter((scope) => rights.includes(scope))} />
+      {owned && rights.includes("operate") && <People me={name} />}
     </>
   );
 }
@@ -52,7 +55,7 @@ function Password() {
   );
 }
 
-function Tokens({ scopes }: { scopes: (typeof SCOPES)[number][] }) {
+function Tokens({ scopes, owned }: { scopes: (typeof SCOPES)[number][]; owned: boolean }) {
   const tokens = useAsync((signal) => get("/tokens", { signal }), []);
   const all = useAsync((signal) => get("/projects", { signal }), []);
   const [asked, setAsked] = useState(false);
@@ -63,6 +66,8 @@ function Tokens({ scopes }: { scopes: (typeof SCOPES)[number][] }) {
     setMade(await ask("post", "/tokens", { body: { name, scope, projects: project ? [project] : [], days: 90 } }));
     tokens.again();
   };
+  // The first token would close the repository to who has none.
+  if (!owned && !tokens.value?.items.length) return <Trouble error={tokens.error} retry={tokens.again} />;
   const end = (name: string) => void ask("delete", "/tokens/{name}", { path: { name } }).then(tokens.again, refuse);
   return (
     <section>

@@ -5,12 +5,15 @@ import { note, refuse } from "../../state/notes";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";
+import { askOwned } from "./rights";
 import { day, ROLE_WORDS, Secret, Table } from "./tables";
+import { s } from "./words";
 
 const ROLES = ["reader", "editor", "owner"] as const;
 type Role = (typeof ROLES)[number];
 
 export function Members({ project, decides }: { project: string; decides: boolean }) {
+  const owned = useAsync(askOwned, []).value?.owned ?? true;
   const members = useAsync((signal) => get("/members", { query: { project }, signal }), [project]);
   const [name, setName] = useState("");
   const [link, setLink] = useState("");
@@ -44,7 +47,8 @@ export function Members({ project, decides }: { project: string; decides: boolea
       <Table head={[w("name"), w("role"), ""]} rows={items.map((one) => [
         one.name, role(one), one.everywhere ? <span key="e" class="dim">{w("inAllProjects")}</span> : decides && <button key="b" type="button" class="button dense" onClick={() => remove(one.name)}>{w("removeMember")}</button>,
       ])} />
-      {decides && (
+      {decides && !owned && <p class="row wrap"><span class="dim">{s("ownerFirstWhere")}</span><a class="button" href="/settings">{s("createAccount")}</a></p>}
+      {decides && owned && (
         <form class="row wrap" aria-label={w("projectMembers")} onSubmit={(event) => { event.preventDefault(); if (name.trim()) void put(name.trim(), "editor"); }}>
           <input class="field" aria-label={w("accountName")} placeholder={w("accountName")} value={name} onInput={(event) => setName(event.currentTarget.value)} />
           <button class="button" disabled={!name.trim()}>{w("addMember")}</button><button type="button" class="button" onClick={() => void invite()}>{w("inviteHere")}</button><span class="dim">{w("addMemberHelp")}</span>

@@ -72,7 +72,7 @@ const STATES: Record<Delivery["state"], IconName> = { waiting: "loop", sent: "ch
 
 function Log({ number }: { number: number }) {
   const [pages, setPages] = useState(1);
-  const found = useAsync((signal) => get("/webhooks/{number}/messages", { path: { number }, query: { limit: PAGE * pages }, signal }), [number, pages]);
+  const found = useAsync((signal) => get("/webhooks/{number}/messages", { path: { number }, query: { limit: PAGE * pages }, signal }), [number], [pages]);
   const items = found.value?.items ?? [];
   useEffect(() => {
     const timer = window.setInterval(() => void (document.hidden || found.again()), LOOK_AGAIN);

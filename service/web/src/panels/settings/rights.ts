@@ -1,5 +1,5 @@
 /** What somebody may do, as far as the studio shows it; the server decides. */
-import type { Schemas } from "../../api/client";
+import { get, type Schemas } from "../../api/client";
 
 /** Whether somebody decides about a project. */
 export const ownsIn = (me: Schemas["Me"], project: string): boolean =>
@@ -9,4 +9,11 @@ export const ownsIn = (me: Schemas["Me"], project: string): boolean =>
 export function editsIn(me: Schemas["Me"], project: string): boolean {
   const role = me.projects.find((one) => one.project === project)?.role ?? me.role;
   return me.rights.includes("edit") && role !== "reader" && role !== "member";
+}
+
+/** Who asks, and whether somebody owns the repository: known to those who may make the first account. */
+export async function askOwned(signal: AbortSignal): Promise<Schemas["Me"] & { owned: boolean }> {
+  const me = await get("/account", { signal });
+  const people = me.role || !me.rights.includes("operate") ? null : await get("/accounts", { signal });
+  return { ...me, owned: !people || people.items.some((one) => one.role === "owner" && !one.closed) };
 }

@@ -2,6 +2,7 @@ import { wordsOf } from "../../words/table";
 
 export const s = wordsOf(
   {
+    ownerFirst: "Create your account first", ownerFirstHelp: "It owns this repository. From then on the repository opens with an account or a token only, and you can invite others and make tokens.", ownerFirstWhere: "Create your own account first, then invite others.", createAccount: "Create account", newPassword: "Password (10 characters or more)",
     newProject: "New project", newProjectHelp: "It begins with its first clip: the library opens on it, and files that you add there go into it.",
     openClips: "Open its clips", exportFile: "Export as a file", exportHelp: "The file holds every clip with its whole history. A project can be made of it again, here or elsewhere.", ownersExport: "Owners of the project export it.",
     documents: "Clips", files: "Files", heldOf: "{held} of {most}", noBound: "no limit", overBound: "more than it may hold",
@@ -26,6 +27,7 @@ export const s = wordsOf(
     state_waiting: "waiting", state_sent: "sent", state_failed: "failed",
   },
   {
+    ownerFirst: "먼저 내 계정을 만드세요", ownerFirstHelp: "이 저장소의 소유자 계정입니다. 그때부터 저장소는 계정이나 토큰으로만 열리고, 다른 사람을 초대하거나 토큰을 만들 수 있습니다.", ownerFirstWhere: "먼저 내 계정을 만든 다음 다른 사람을 초대하세요.", createAccount: "계정 만들기", newPassword: "비밀번호(열 글자 이상)",
     newProject: "새 프로젝트", newProjectHelp: "첫 클립이 들어오면 만들어집니다. 라이브러리가 열리고, 거기서 추가하는 파일이 이 프로젝트에 들어갑니다.",
     openClips: "클립 보기", exportFile: "파일로 내보내기", exportHelp: "파일에는 모든 클립과 전체 이력이 들어 있습니다. 여기나 다른 곳에서 다시 프로젝트로 만들 수 있습니다.", ownersExport: "프로젝트 소유자가 내보낼 수 있습니다.",
     documents: "클립", files: "파일", heldOf: "{most} 중 {held}", noBound: "제한 없음", overBound: "한도를 넘었습니다",

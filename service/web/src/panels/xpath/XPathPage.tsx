@@ -1,11 +1,12 @@
 /** Ask the library: editor, answer as a table, its runs playing one after the other. */
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { EditorView } from "@codemirror/view";
-import { ApiError, address, ask, get, type Schemas } from "../../api/client";
+import { address, ask, get, type Schemas } from "../../api/client";
 import { copyText } from "../../shell/App";
 import { subject } from "../../shell/Bar";
 import { offer } from "../../state/keys";
 import { note, refuse } from "../../state/notes";
+import { askMe, needsToken } from "../../state/me";
 import { asked, remember } from "../../state/queries";
 import { go, param, setParams } from "../../state/route";
 import { Icon } from "../../ui/icons";
@@ -25,8 +26,8 @@ import { SavedQueries } from "./SavedQueries";
 import "../../styles/xpath.css";
 
 type Run = Schemas["RunItem"];
-/** single: the answer is one value. */
-interface Answered { as: "runs" | "json"; type: string; single: boolean; per: boolean; items: (Run | Item)[]; totals: Schemas["RunTotals"] | null; total: number | null; cursor: string | null; ms: number; explain: unknown; complete: boolean; warnings: string[] }
+/** q, project, per: what was asked. single: the answer is one value. */
+interface Answered { q: string; project: string; as: "runs" | "json"; type: string; single: boolean; per: boolean; items: (Run | Item)[]; totals: Schemas["RunTotals"] | null; total: number | null; cursor: string | null; ms: number; explain: unknown; complete: boolean; warnings: string[] }
 
 const PIECES = 40; // that an address to the composer holds
 
@@ -47,27 +48,28 @@ export function XPathPage() {
   const project = param("project");
   const per = param("per") === "document";
 
-  const run = async (query = editor.current?.state.doc.toString() ?? text, cursor: string | null = null, form = param("as") === "nodes" ? "json" as const : "runs" as const) => {
+  const run = async (query = editor.current?.state.doc.toString() ?? text, cursor: string | null = null, form = param("as") === "nodes" ? "json" as const : "runs" as const): Promise<void> => {
     if (!query.trim()) return;
     stop.current?.abort();
-    stop.current = new AbortController();
+    const { signal } = (stop.current = new AbortController());
+    const [project, per] = [param("project"), param("per") === "document"];
     setBusy(true);
     setError(null);
+    // Nothing is shown, copied or exported under a question that it does not answer.
+    if (!cursor) setAnswer(null);
     const began = performance.now();
     try {
-      const found = (await get("/xpath", { query: { q: query, as: form, project: param("project") || undefined, per: param("per") === "document" ? "document" : undefined, limit: 500, cursor: cursor ?? undefined, explain: true, with: form === "runs" && !cursor ? "totals" : undefined }, signal: stop.current.signal })) as Schemas["QueryAnswer"];
+      const found = (await get("/xpath", { query: { q: query, as: form, project: project || undefined, per: per ? "document" : undefined, limit: 500, cursor: cursor ?? undefined, explain: true, otherwise: form === "runs" ? "json" : undefined, with: form === "runs" && !cursor ? "totals" : undefined }, signal })) as Schemas["QueryAnswer"];
       const ms = Math.round(performance.now() - began);
       const items = (found.items ?? [{ value: found.value }]) as Answered["items"];
-      setAnswer((before) => ({ as: found.type === "runs" ? "runs" : "json", type: found.type, single: !found.items, per: param("per") === "document", items: cursor && before ? [...before.items, ...items] : items, totals: found.totals ?? (cursor ? (before?.totals ?? null) : null), total: found.total ?? (cursor ? (before?.total ?? null) : null), cursor: found.next_cursor ?? null, ms, explain: found.explain, complete: found.complete !== false, warnings: found.warnings ?? [] }));
+      setAnswer((before) => ({ q: query, project, as: found.type === "runs" ? "runs" : "json", type: found.type, single: !found.items, per, items: cursor && before ? [...before.items, ...items] : items, totals: found.totals ?? (cursor ? (before?.totals ?? null) : null), total: found.total ?? (cursor ? (before?.total ?? null) : null), cursor: found.next_cursor ?? null, ms, explain: found.explain, complete: found.complete !== false, warnings: found.warnings ?? [] }));
       if (!cursor) { setPicked(0); remember(query); setParams({ q: query }); }
     } catch (problem) {
       if ((problem as Error).name === "AbortError") return;
-      // Values, and nodes outside of frames, have no runs; they are asked for as what they are without a word.
-      if (form === "runs" && problem instanceof ApiError && /as=json/.test(problem.remedy) && problem.status === 422) return void run(query, null, "json");
       setError(problem);
       setAnswer(null);
     } finally {
-      setBusy(false);
+      if (stop.current.signal === signal) setBusy(false);
     }
   };
   const runNow = useRef(run);
@@ -75,6 +77,7 @@ export function XPathPage() {
 
   useEffect(() => {
     subject.value = null;
+    void askMe();
     editor.current = mountXPath(host.current!, param("q"), setText, () => void runNow.current());
     if (param("q")) void runNow.current(param("q"));
     else editor.current.focus();
@@ -85,8 +88,9 @@ export function XPathPage() {
   const saveAsClip = async () => {
     setSaving(true);
     try {
-      const name = text.replace(/[^\p{L}\p{N}]+/gu, " ").trim().slice(0, 60) || w("untitled");
-      const made = await ask("post", "/compose", { body: { segments: [{ xpath: text, project: project || null, first: 1 }], name } as Schemas["ComposeRequest"] });
+      const { q, project } = question;
+      const name = slug(q, " ");
+      const made = await ask("post", "/compose", { body: { segments: [{ xpath: q, project: project || null, first: 1 }], name } as Schemas["ComposeRequest"] });
       note(w("composed", { name }), { action: { text: w("open"), run: () => go(`/clips/${made.document}`) } });
     } catch (problem) {
       refuse(problem);
@@ -108,11 +112,12 @@ export function XPathPage() {
     else if (item?.document) go(`/clips/${item.document}`);
   };
   const totals = answer?.totals ?? { frames: runs.reduce((sum, one) => sum + one.frames, 0), runs: runs.length, documents: 0 };
-  const question = { q: text, project, per, form: answer?.as ?? as, values: answer?.as === "json" && answer.type !== "nodes" };
+  const question = { q: answer?.q ?? text, project: answer?.project ?? project, per: answer?.per ?? per, form: answer?.as ?? as, values: answer?.as === "json" && answer.type !== "nodes", token: needsToken() };
+  const copied = question.token ? w("copiedToken") : w("copied");
   const copies = [
-    { text: w("asCurl"), run: () => void copyText(asCurl(question, location.origin), w("copied")) },
-    { text: w("asCommand"), run: () => void copyText(asCommand(question), w("copied")) },
-    { text: w("asPython"), run: () => void copyText(asPython(question, location.origin), w("copied")) },
+    { text: w("asCurl"), run: () => void copyText(asCurl(question, location.origin), copied) },
+    { text: w("asCommand"), run: () => void copyText(asCommand(question, location.origin), copied) },
+    { text: w("asPython"), run: () => void copyText(asPython(question, location.origin), copied) },
   ];
   return (
     <div class="xpath">
@@ -151,7 +156,7 @@ export function XPathPage() {
           <span class="grow" />
           <Explain explain={answer.explain} />
           <Menu label={w("copy")} className="button quiet dense" side="right" items={copies}>{w("copy")}<Icon name="down" /></Menu>
-          <Menu label={w("exportAll")} className="button quiet dense" side="right" items={(["xml", "ndjson", "csv"] as const).map((one) => ({ text: one.toUpperCase(), href: address("/xpath", {}, { q: text, project, as: one, per: param("per") }), download: true }))}>{w("exportAll")}<Icon name="down" /></Menu>
+          <Menu label={w("exportAll")} className="button quiet dense" side="right" items={(["xml", "ndjson", "csv"] as const).map((one) => ({ text: one.toUpperCase(), href: address("/xpath", {}, { q: question.q, project: question.project, as: one, per: question.per ? "document" : undefined }), download: `${slug(question.q)}.${one}` }))}>{w("exportAll")}<Icon name="down" /></Menu>
           {runs.length > 0 && !answer.per && <button type="button" class="button dense" disabled={saving} onClick={() => void saveAsClip()}>{w("saveAsClip")}</button>}
           {runs.length > 0 && <button type="button" class="button dense" onClick={() => go(`/compose?s=${runs.slice(0, PIECES).map((one) => `${one.document}:${one.first}-${one.last}`).join(",")}`)}>{runs.length > PIECES ? w("toComposerFirst", { n: PIECES }) : w("toComposer")}</button>}
         </div>
@@ -165,7 +170,7 @@ export function XPathPage() {
             {answer.as === "json" && <ItemHead shape={shape} />}
             {answer.as === "runs" && <div class="run-row run-head" aria-hidden="true"><span class="n">#</span><span>{w("document")}</span><span class="n">{w("from")}</span><span class="n">{w("last")}</span><span class="n">{w("length")}</span></div>}
             <VirtualList rows={answer.items.length} height={28} label={w("results")} role="listbox" at={picked}
-              onSeen={(_, last) => { if (answer.cursor && last >= answer.items.length - 5 && !busy) void run(text, answer.cursor, answer.as); }}
+              onSeen={(_, last) => { if (answer.cursor && last >= answer.items.length - 5 && !busy) void run(answer.q, answer.cursor, answer.as); }}
               onKeyDown={(event) => {
                 const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
                 if (step) { setPicked(Math.max(0, Math.min(answer.items.length - 1, picked + step))); event.preventDefault(); }
@@ -188,6 +193,9 @@ export function XPathPage() {
     </div>
   );
 }
+
+/** A question as a name: its words. */
+const slug = (q: string, between = "-"): string => q.replace(/[^\p{L}\p{N}]+/gu, " ").trim().slice(0, 60).trim().replaceAll(" ", between) || w("untitled");
 
 function Explain({ explain }: { explain: unknown }) {
   if (!explain) return null;

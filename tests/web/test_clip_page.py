@@ -1,0 +1,119 @@
+"""The clip page as it is used: labels within labels, low windows, toasts, what is unknown, and what others saved."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from typing import Any
+
+import pytest
+
+from tests.builders import ASF, amc
+from tests.web.conftest import Served, Visit, one_door, walk
+from tests.web.test_journeys import ready
+
+expect: Any = pytest.importorskip("playwright.sync_api").expect
+
+
+def dragged(page: Any, box: dict[str, float], to: float, dy: float) -> None:
+    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + dy)
+    page.mouse.down()
+    page.mouse.move(box["x"] + to * box["width"], box["y"] + dy, steps=4)
+    page.mouse.up()
+
+
+@one_door
+def test_a_label_is_drawn_within_another_and_its_name_is_typed(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk(60), label="kick:1-60")
+    page = visit.open(f"/clips/{uuid}")
+    ready(page)
+    lane = page.get_by_role("list", name="Names")
+    outer = page.get_by_role("button", name="kick, 1–60")
+    # With Shift over the label, then in the free lane below it.
+    page.keyboard.down("Shift")
+    dragged(page, outer.bounding_box(), 0.6, 10)
+    page.keyboard.up("Shift")
+    page.keyboard.type("still")
+    expect(page.get_by_role("combobox", name="Motion name")).to_have_value("still")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("button", name=re.compile("^still, "))).to_be_visible()
+    expect(outer).to_be_visible()
+    box = lane.bounding_box()
+    dragged(page, box, 0.5, box["height"] - 12)
+    page.keyboard.type("jog")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("button", name=re.compile("^jog, "))).to_be_visible()
+    expect(page.get_by_role("button", name="Play", exact=True)).to_be_visible()
+
+
+@one_door
+def test_in_a_low_window_nothing_lies_over_play(visit: Visit, studio: Served) -> None:
+    """720 by 450 pixels are a window of 1440 by 900 at 200 %."""
+    uuid = studio.upload("kick.bvh", walk(60), label="kick:1-60")
+    visit.page.set_viewport_size({"width": 720, "height": 450})
+    page = visit.open(f"/clips/{uuid}")
+    ready(page)
+    page.get_by_role("button", name="Play", exact=True).click()
+    expect(page.get_by_role("button", name="Pause", exact=True)).to_be_visible()
+    parts = [page.locator(name).bounding_box() for name in (".clip-bar", ".viewer", ".transport", ".timeline", ".dock")]
+    edges = [(part["y"], part["y"] + part["height"]) for part in parts]
+    assert all(above[1] <= below[0] + 1 for above, below in itertools.pairwise(edges)), edges
+    page.goto(f"{studio.url}/xpath?q=//frame[motion_name='kick']")
+    page.get_by_role("listbox", name="Results").get_by_role("option").first.click()
+    page.get_by_role("button", name="Export all").click()
+
+
+@one_door
+def test_toasts_lie_over_no_button(visit: Visit, studio: Served) -> None:
+    uuid = studio.upload("kick.bvh", walk(60), unit="cm")
+    page = visit.open(f"/clips/{uuid}?tab=info")
+    ready(page)
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    for _ in range(3):
+        page.get_by_role("button", name="Share").click()
+        page.get_by_role("menuitem", name="Copy the address").click()
+    toasts = page.locator(".toast")
+    expect(toasts).to_have_count(3)
+    covered = page.evaluate(
+        """() => {
+          const toasts = [...document.querySelectorAll(".toast")].map(one => one.getBoundingClientRect());
+          return [...document.querySelectorAll("main button, main a, .bar button, .rail a")].filter(one => {
+            const box = one.getBoundingClientRect(), panel = one.closest(".info, main")?.getBoundingClientRect();
+            return toasts.some(t => box.width && box.left < t.right && box.right > t.left && box.top < t.bottom
+              && box.bottom > t.top && box.bottom <= (panel ?? t).bottom);
+          }).map(one => one.outerHTML.slice(0, 100));
+        }"""
+    )
+    assert covered == []
+
+
+@one_door
+def test_the_one_reason_for_a_missing_quantity_stands_with_what_mends_it(visit: Visit, studio: Served) -> None:
+    with studio.client() as client:
+        files = [("file", ("leg.asf", ASF)), ("file", ("leg.amc", amc(4)))]
+        uuid = client.post("/documents", files=files, data={"unit": "cm"}).json()["documents"][0]["id"]
+    page = visit.open(f"/clips/{uuid}?tab=body&quantity=speed:Root")
+    ready(page)
+    expect(page.get_by_text("Frame rate unknown")).to_be_visible()
+    page.get_by_role("tabpanel").get_by_role("button", name="Give the frame rate").click()
+    page.get_by_label("Frame rate").fill("60")
+    page.get_by_label("Frame rate").press("Enter")
+    expect(page.locator(".passport")).to_contain_text("60 Hz")
+    page.goto(f"{studio.url}/clips/{uuid}?tab=body&quantity=speed:Root")
+    expect(page.locator(".graph-plot")).to_be_visible()
+
+
+@one_door
+def test_what_others_saved_is_told_without_requests(visit: Visit, studio: Served) -> None:
+    visit.wanted = {412}
+    uuid = studio.upload("kick.bvh", walk(30), unit="cm")
+    page = visit.open(f"/clips/{uuid}?tab=info")
+    ready(page)
+    page.route("**/api/v1/events*", lambda one: one.abort())
+    with studio.client() as client:
+        client.patch(f"/documents/{uuid}", json={"description": "x"}, headers={"if-match": "*"}).raise_for_status()
+    page.get_by_label("Description").fill("mine")
+    page.get_by_label("Description").press("Tab")
+    told = page.get_by_role("alert")
+    expect(told).to_contain_text("Someone else changed this meanwhile.")
+    expect(told).not_to_contain_text("request")

@@ -1,0 +1,93 @@
+"""Files that are dropped: each has a row with what became of it, why, and what to do."""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from typing import Any
+
+import pytest
+
+from tests.web.conftest import Served, Visit, one_door, walk
+
+expect: Any = pytest.importorskip("playwright.sync_api").expect
+
+
+def zipped(files: dict[str, bytes]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return buffer.getvalue()
+
+
+HEAD = b"HIERARCHY\nROOT Hips\n{\n OFFSET 0 0\n}\n"
+GOOD = {"walk.bvh": walk(4), "again.bvh": walk(4), "all.zip": zipped({"one.bvh": walk(5), "two.bvh": walk(6)})}
+REFUSED = {
+    "bad.bvh": (HEAD, "line"),
+    "empty.bvh": (b"", "empty"),
+    "empty.zip": (b"", "empty"),
+    "model.fbx": (b"Kaydara FBX Binary  \x00\x1a\x00", "FBX"),
+    "notes.txt": (b"take 3 was the best", "none of the formats"),
+    "picture.jpg": (b"\xff\xd8\xff\xe0\x00\x10JFIF\x00", "image"),
+    "facts.json": (b"{}", "JSON"),
+    "page.bvh": (b"<!doctype html><html></html>", "web page"),
+    "noending": (b"\x00\x01\x02\x03", "no motion format"),
+    ".DS_Store": (b"\x00\x00\x00\x01Bud1", "no motion format"),
+}
+
+
+def drop(page: Any, files: dict[str, bytes]) -> None:
+    page.evaluate(
+        """files => {
+          const data = new DataTransfer();
+          for (const [name, bytes] of files) data.items.add(new File([new Uint8Array(bytes)], name));
+          for (const kind of ["dragenter", "dragover", "drop"])
+            document.body.dispatchEvent(new DragEvent(kind, { dataTransfer: data, bubbles: true, cancelable: true }));
+        }""",
+        [[name, list(content)] for name, content in files.items()],
+    )
+
+
+@one_door
+def test_each_dropped_file_has_a_row_with_what_became_of_it(visit: Visit, studio: Served) -> None:
+    visit.wanted = {415, 422}
+    page = visit.open("/library")
+    expect(page.get_by_role("button", name="Import")).to_be_visible()
+    drop(page, GOOD | {name: content for name, (content, _) in REFUSED.items()})
+    tray = page.get_by_role("region", name="Import")
+    count = len(GOOD) + len(REFUSED)
+    expect(tray.locator("header .pace")).to_have_text(f"{count} of {count} done")
+    rows = tray.locator(":scope > ul > li")
+    expect(rows).to_have_count(count)
+    for name, (_, why) in REFUSED.items():
+        row = rows.filter(has=page.get_by_title(name, exact=True))
+        expect(row).to_contain_text("refused")
+        expect(row.locator(".refusal")).to_contain_text(why)
+        expect(row.locator(".refusal p")).not_to_have_count(0)
+    same = rows.filter(has_text="Equal to a stored clip")
+    expect(same).to_have_count(1)
+    both = rows.filter(has=page.get_by_title("all.zip", exact=True))
+    expect(both.get_by_role("link")).to_have_text(["one", "two"])
+    assert studio.get("/documents")["total"] == 4
+
+
+@one_door
+def test_a_long_file_of_an_unknown_kind_is_not_sent_whole(visit: Visit, studio: Served) -> None:
+    sent: list[int] = []
+    page = visit.open("/library")
+    expect(page.get_by_role("button", name="Import")).to_be_visible()
+    page.on("request", lambda one: sent.append(len(one.post_data_buffer or b"")) if one.method == "POST" else None)
+    page.evaluate(
+        """([head, size]) => {
+          const data = new DataTransfer();
+          data.items.add(new File([new Uint8Array(head), new Uint8Array(size)], "film.mp4"));
+          for (const kind of ["dragenter", "dragover", "drop"])
+            document.body.dispatchEvent(new DragEvent(kind, { dataTransfer: data, bubbles: true, cancelable: true }));
+        }""",
+        [list(b"\x00\x00\x00\x18ftypmp42"), 20 << 20],
+    )
+    row = page.get_by_role("region", name="Import").locator("li").first
+    expect(row).to_contain_text(re.compile("refused.*Unsupported error", re.DOTALL))
+    assert sum(sent) < 1 << 20
