@@ -19,6 +19,7 @@ from multiprocessing.context import ForkServerContext
 from typing import Any
 
 from schemas.queries import QueryAnswer, QueryRequest
+from service.errors import BusyError
 from service.processes.turns import Turns
 from service.settings import Settings
 from service.storage.database import Database
@@ -27,10 +28,11 @@ from service.xpath.language.complete import Completion
 from service.xpath.limits import Limits, Running, no_such_question
 from service.xpath.nodes.node import Node
 from service.xpath.queries import Queries
-from service.xpath.query_worker import Asked, Failed, Found, Method, Said, Value, Written, serve
+from service.xpath.query_worker import READY, Asked, Failed, Found, Method, Said, Value, Written, serve
 from service.xpath.xml.evaluate import out_of_memory
 
 LOOK_SECONDS = 0.05
+START_SECONDS = 60.0
 GRACE_SECONDS = 1.5
 """After these a process is killed whose question should have ended. It looks itself sooner (`limits.PATIENCE`)."""
 
@@ -144,6 +146,15 @@ class _Worker:
         )
         self._process.start()
         theirs.close()
+        # To start is no part of a question's time: where a machine is busy it takes seconds.
+        if not self._connection.poll(START_SECONDS) or not self._is_ready():
+            self.end()
+            raise BusyError("No process could be started that evaluates the question.")
+
+    def _is_ready(self) -> bool:
+        with suppress(EOFError, OSError):
+            return bool(self._connection.recv() == READY)
+        return False
 
     @property
     def is_alive(self) -> bool:

@@ -74,6 +74,8 @@ class Failed:
     last: bool
 
 
+READY = "ready"
+"""What a process says first."""
 Said = Value | Found | Written | Failed
 
 
@@ -107,6 +109,7 @@ def serve(connection: Connection, url: str, read_url: str | None, settings: Sett
     signal.signal(signal.SIGUSR1, turn.cancel)
     queries = Queries(Database(url, read_url), settings, processes=1)
     with suppress(EOFError, OSError):
+        connection.send(READY)
         while _answer(queries, connection, connection.recv(), turn):
             pass
     queries.close()
