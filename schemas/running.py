@@ -1,4 +1,4 @@
-"""Questions that the server evaluates now."""
+"""Running queries."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ _RUNNING = {"id": 17, "q": "//frame[mo:speed('right_hand') > 2]", "author": "kim
 
 
 class RunningQuery(BaseModel):
-    """A question that is evaluated now. seconds: for how long."""
+    """A running query. seconds: its running time so far."""
 
     model_config = ConfigDict(json_schema_extra=shown(_RUNNING))
 
     id: int = Field(description="Its number, while it runs")
     q: str = Field(description="The expression")
-    author: str = Field(description="Who asks")
+    author: str = Field(description="Account or token that sent the query")
     began: str
     seconds: float
 

@@ -77,7 +77,7 @@ GROUPS = {
     "element": "Elements of a document, addressed by XPath. An edit is a revision.",
     "mapping": "Saved mappings: which joint of one rig is which of another; and what a project calls joints.",
     "names": "Names of joints of documents that exist.",
-    "running": "Questions that a server evaluates now: list them, end one.",
+    "running": "Running queries of a server: list and cancel.",
     "jobs": "Long work: list it, follow it, end it.",
     "analyse": "Run analyses, and use what they found.",
     "db": "Upgrade, back up, restore and check the store.",

@@ -285,9 +285,9 @@ _ROWS = [
     Operation("list_projects", "GET /projects", READS, READ,
               "Projects by name.", "catalogues", "projects"),
     Operation("list_running_queries", "GET /running-queries", READS, OPERATE,
-              "Questions that the server evaluates now.", "running", "running list"),
+              "List running queries.", "running", "running list"),
     Operation("end_running_query", "DELETE /running-queries/{query}", WRITES, OPERATE,
-              "End a question that runs.", "running", "running end QUERY", status=204),
+              "Cancel a running query.", "running", "running end QUERY", status=204),
     Operation("list_activity", "GET /activity", READS, READ,
               "What was done, by whom and when, the newest first.", "activity", "activity"),
 

@@ -1,4 +1,4 @@
-"""Questions that the server evaluates now, for the owner of the store."""
+"""Running queries, for owners."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from service.storage.identifiers import now
 
 
 def list_running_queries(call: Call) -> RunningQueries:
-    """The oldest first. There are no more than processes that evaluate."""
+    """Oldest first. There are at most as many as worker processes."""
     return RunningQueries(
         items=[
             RunningQuery(
@@ -29,5 +29,5 @@ def list_running_queries(call: Call) -> RunningQueries:
 
 
 def end_running_query(call: Call, query: Annotated[int, Field(ge=1, description="Its number", examples=[17])]) -> None:
-    """Whoever asked it is told that it was cancelled."""
+    """The client of the query gets the error `query-cancelled`."""
     call.queries.end(query)

@@ -33,7 +33,7 @@ def end_after(seconds: float | None) -> None:
 
 
 def end_with_parent() -> None:
-    """Have the system kill this process once the one that started it is gone, whatever runs here. On Linux alone."""
+    """Kill this process when its parent ends. On Linux only."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
@@ -42,7 +42,7 @@ PR_SET_PDEATHSIG = 1
 """As prctl.h of Linux has it."""
 
 LOOK_SECONDS = 0.25
-"""How often a process that is bounded for a while looks whether it must end."""
+"""The interval in which a limited block checks its time."""
 
 _SIZES = Path("/proc/self/statm")
 _DATA = 5
@@ -51,11 +51,13 @@ _DATA = 5
 
 @contextmanager
 def bounded(memory: int, late: Callable[[], Exception | None]) -> Iterator[None]:
-    """Work that may take so many bytes more than the process holds now, and must end: MemoryError once it takes more,
-    and once it is late, what `late` gives, raised wherever it is.
+    """Limit the memory and the time of a block.
 
-    For the main thread. Both hold for all code, whether it asks or not; only one call into C that takes long is waited
-    for. What was worked on then may be half done, so the process should end soon. Memory is bounded on Linux alone.
+    memory: bytes beyond those that the process holds now; MemoryError beyond that, on Linux only. late: returns the
+    error to raise, or None; called every 0.25 s.
+
+    For the main thread. The limits hold for all code without its help, except during a single call into C. An error may
+    leave caches incomplete, so the process should end soon.
     """
 
     def look(_signal: int, _frame: object) -> None:
@@ -79,5 +81,5 @@ def bounded(memory: int, late: Callable[[], Exception | None]) -> Iterator[None]
 
 
 def _held() -> int:
-    """Bytes of this process that the limit of its data counts."""
+    """Return the bytes that `resource.RLIMIT_DATA` counts."""
     return int(_SIZES.read_text().split()[_DATA]) * resource.getpagesize()

@@ -1,4 +1,4 @@
-"""Questions of a command, in its own process, which the system bounds while one is evaluated."""
+"""Queries of a command, in its own process, within limits of the operating system."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from service.xpath.xml.evaluate import out_of_memory
 
 
 class BoundedQueries(Queries):
-    """The query engine of a process that asks in its main thread, and ends soon after."""
+    """The query engine of a short-lived process that queries from its main thread."""
 
     def answer(self, request: QueryRequest, limits: Limits | None = None) -> QueryAnswer:
         limits = limits or self.limits()

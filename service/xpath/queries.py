@@ -39,7 +39,7 @@ from service.xpath.language.tree import Call, Expression
 from service.xpath.language.types import distinct_of, item_type, type_of
 from service.xpath.library.caches import Caches
 from service.xpath.library.listing import Scope
-from service.xpath.library.motion_notes import Looked, motion_calls, require_saxon, without_guesses
+from service.xpath.library.motion_notes import BodyScope, motion_calls, require_saxon, without_guesses
 from service.xpath.library.part_file import path_of
 from service.xpath.library.sidecar import Sidecar
 from service.xpath.limits import Limits, Running, no_such_question
@@ -117,7 +117,7 @@ class Queries:
             if request.explain:
                 answer.explain = asking.explained((time.perf_counter() - start) * 1000)
             answer.warnings += [*query.warnings, *hints(query.tree), *scope.unused_names(query.tree)]
-            answer.warnings += asking.looked.notes()
+            answer.warnings += asking.bodies.notes()
         return answer
 
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
@@ -139,7 +139,7 @@ class Queries:
                     nodes = asking.on_xml(request.limit)
                     return Shown([nodes], len(nodes))
                 asking.require_documents_alone()
-                documents = [one for group in asking.looked.known(asking.scope.groups()) for one in group]
+                documents = [one for group in asking.bodies.select(asking.scope.groups()) for one in group]
             else:
                 return Answer(self.database, self.caches, commit, since, found)
         limits.extend(self.settings.saxon_seconds)
@@ -219,7 +219,7 @@ class _Asking:
         self.scope = scope
         self.limits = limits
         self.motion = motion_calls(query.tree)
-        self.looked = Looked(tx, engine.caches, self.motion, conditions(query.tree), limits.check)
+        self.bodies = BodyScope(tx, engine.caches, self.motion, conditions(query.tree), limits.check)
         self.explain = Explain(way="columns", plan=[], documents=0, milliseconds=0)
         self._scan: Scan | None = None
         self.is_later = query.needs_xpath2
@@ -286,7 +286,7 @@ class _Asking:
         """How the answer came about."""
         self.explain.milliseconds = milliseconds
         if self.motion:
-            self.explain.plan += body_steps(self.motion, self.looked.documents)
+            self.explain.plan += body_steps(self.motion, self.bodies.documents)
         if self._scan is not None:
             self.explain.tracks_read = self._scan.tracks_read
             self.explain.tracks_skipped = self._scan.all_tracks() - self._scan.tracks_read
@@ -317,7 +317,7 @@ class _Asking:
         if self.query.only_saxon:
             raise NotOnColumnsError
         caches = self.engine.caches
-        found = ColumnSource(self.tx, tree, self.scope, caches, self.limits.check, self.looked, is_later=self.is_later)
+        found = ColumnSource(self.tx, tree, self.scope, caches, self.limits.check, self.bodies, is_later=self.is_later)
         indexed = found.start is not None and found.start.indexed
         self._explained("index" if indexed else "columns", found)
         return found
@@ -349,7 +349,7 @@ class _Asking:
         return Projected(self.engine.evaluator, self.tx, self.query, self.scope.documents(), self.limits)
 
     def _sequences(self) -> Sequences:
-        groups = list(self.looked.known(self.scope.groups()))
+        groups = list(self.bodies.select(self.scope.groups()))
         return Sequences(self.engine.saxon, self.tx, self.engine.caches, self.query, groups, self.limits)
 
     def _by_saxon(self, page: Page) -> QueryAnswer:

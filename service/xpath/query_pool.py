@@ -1,7 +1,7 @@
-"""Questions of a server, each evaluated in a process of its own while it lasts (`query_worker`).
+"""A pool of worker processes that evaluate the queries of a server (`query_worker`).
 
-Whatever a question takes, it takes there: the server answers others meanwhile. A question that exceeds its memory or
-its time, or that nobody waits for any more, is ended by the system if it does not end by itself.
+A query uses the memory and the processor time of its worker process, so the server answers other requests meanwhile.
+The pool kills a process whose query exceeds a limit or has lost its client, unless the query ends by itself.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ from service.xpath.language.complete import Completion
 from service.xpath.limits import Limits, Running, no_such_question
 from service.xpath.nodes.node import Node
 from service.xpath.queries import Queries
-from service.xpath.query_worker import READY, Asked, Failed, Found, Method, Said, Value, Written, serve
+from service.xpath.query_worker import READY, Failure, Message, Method, NodeNumbers, NodeTexts, QueryCall, Value, serve
 from service.xpath.xml.evaluate import out_of_memory
 
 LOOK_SECONDS = 0.05
 START_SECONDS = 60.0
 GRACE_SECONDS = 1.5
-"""After these a process is killed whose question should have ended. It looks itself sooner (`limits.PATIENCE`)."""
+"""The pool kills a process that runs this long past the limit. The process checks earlier (`limits.PATIENCE`)."""
 
 
 class QueryPool:
-    """So many processes, of which one client may hold all but one. Threads may share it."""
+    """A fixed number of worker processes. One client can use all but one of them. Thread-safe."""
 
     def __init__(self, database: Database, settings: Settings, processes: int) -> None:
         self._database = database
@@ -52,47 +52,47 @@ class QueryPool:
         self._context = _context()
 
     def begin(self) -> None:
-        """Have a process ready before the first question comes."""
+        """Start a process before the first query."""
         with self._worker() as worker:
             worker.is_free = True
 
     def running(self) -> list[Running]:
-        """The questions that are evaluated now, oldest first."""
+        """Return the running queries, oldest first."""
         with self._lock:
             return list(self._running.values())
 
     def end(self, number: int) -> None:
-        """End a question, as if whoever asks it had left. NotFoundError where it has ended."""
+        """Cancel a query. Raise NotFoundError if it is not running."""
         with self._lock:
             found = self._running.get(number)
         if found is None:
             raise no_such_question(number)
         found.limits.cancel()
 
-    def ask(self, asked: Asked, text: str, limits: Limits, seconds: float) -> Generator[Said]:
-        """What a process says of a question, while the caller goes on with it. seconds: most that one message may take.
+    def ask(self, call: QueryCall, text: str, limits: Limits, seconds: float) -> Generator[Message]:
+        """Yield the messages of a worker process for one call. seconds: the longest time between two messages.
 
-        Raises what the evaluation raised, LimitError where it was ended.
+        Raises the error of the evaluation, LimitError if the query exceeded a limit.
         """
         if not self._turns.take(limits.client, limits.seconds_left):
             raise limits.timeout()
         try:
-            with self._noted(text, limits), self._worker() as worker:
-                worker.send(asked)
+            with self._registered(text, limits), self._worker() as worker:
+                worker.send(call)
                 while True:
-                    said = worker.receive(limits, seconds, self._settings.query_memory_mib << 20)
-                    if isinstance(said, Failed):
-                        worker.is_free = not said.last
-                        raise said.error
-                    worker.is_free = not (isinstance(said, Written) and said.nodes)
-                    yield said
+                    message = worker.receive(limits, seconds, self._settings.query_memory_mib << 20)
+                    if isinstance(message, Failure):
+                        worker.is_free = not message.last
+                        raise message.error
+                    worker.is_free = not (isinstance(message, NodeTexts) and message.nodes)
+                    yield message
                     if worker.is_free:
                         return
         finally:
             self._turns.give(limits.client)
 
     def close(self) -> None:
-        """End the processes; those that evaluate end with their questions."""
+        """End the idle processes and cancel the running queries."""
         with self._lock:
             self._is_closed = True
             idle, self._idle = self._idle, []
@@ -103,7 +103,7 @@ class QueryPool:
             worker.end()
 
     @contextmanager
-    def _noted(self, text: str, limits: Limits) -> Iterator[None]:
+    def _registered(self, text: str, limits: Limits) -> Iterator[None]:
         number = next(self._numbers)
         with self._lock:
             self._running[number] = Running(number, text, limits)
@@ -115,7 +115,7 @@ class QueryPool:
 
     @contextmanager
     def _worker(self) -> Iterator[_Worker]:
-        """A process, the one that was used last: it keeps most of what the next question needs."""
+        """Take the process that was used last, because its caches are the warmest."""
         worker = None
         with self._lock:
             while self._idle and worker is None:
@@ -136,7 +136,7 @@ class QueryPool:
 
 
 class _Worker:
-    """A process that evaluates. is_free: it has said all of its last question."""
+    """A worker process. is_free: it has answered its last call."""
 
     def __init__(self, context: ForkServerContext, database: Database, settings: Settings) -> None:
         self.is_free = False
@@ -146,10 +146,10 @@ class _Worker:
         )
         self._process.start()
         theirs.close()
-        # To start is no part of a question's time: where a machine is busy it takes seconds.
+        # The start does not count against the time limit of a query: it takes seconds on a busy machine.
         if not self._connection.poll(START_SECONDS) or not self._is_ready():
             self.end()
-            raise BusyError("No process could be started that evaluates the question.")
+            raise BusyError("The server could not start a process for the query.")
 
     def _is_ready(self) -> bool:
         with suppress(EOFError, OSError):
@@ -160,14 +160,14 @@ class _Worker:
     def is_alive(self) -> bool:
         return self._process.is_alive()
 
-    def send(self, asked: Asked) -> None:
+    def send(self, call: QueryCall) -> None:
         self.is_free = False
-        # Where it has died, to receive tells.
+        # `receive` raises if the process has died.
         with suppress(OSError):
-            self._connection.send(asked)
+            self._connection.send(call)
 
-    def receive(self, limits: Limits, seconds: float, memory: int) -> Said:
-        """The next message. LimitError where the process was ended, or ended without a word."""
+    def receive(self, limits: Limits, seconds: float, memory: int) -> Message:
+        """Return the next message. Raise LimitError if the process was killed or died."""
         end = time.monotonic() + seconds + GRACE_SECONDS
         told = False
         while not self._connection.poll(LOOK_SECONDS):
@@ -179,14 +179,14 @@ class _Worker:
                 self._process.kill()
                 raise limits.error() if limits.over else limits.timeout()
         try:
-            said: Said = self._connection.recv()
+            message: Message = self._connection.recv()
         except (EOFError, OSError):
-            # The system gives it no more memory, and what asks is no code that could say so.
+            # Native code that gets no memory aborts the process without a message.
             raise out_of_memory(memory) from None
-        return said
+        return message
 
     def end(self) -> None:
-        """End the process at once, whatever it does."""
+        """Kill the process."""
         self._connection.close()
         self._process.kill()
         self._process.join()
@@ -199,14 +199,14 @@ class _Worker:
 
 
 class PooledQueries(Queries):
-    """The query engine of a server: it evaluates nothing itself, but what others read its caches for."""
+    """The query engine of a server: worker processes evaluate the queries."""
 
     def __init__(self, database: Database, settings: Settings) -> None:
         super().__init__(database, settings)
         self.pool = QueryPool(database, settings, settings.heavy_at_once)
 
     def begin(self) -> None:
-        """Get ready before the first question comes."""
+        """Start a worker process before the first query."""
         self.pool.begin()
 
     def close(self) -> None:
@@ -219,15 +219,16 @@ class PooledQueries(Queries):
 
     def stream(self, request: QueryRequest, limits: Limits | None = None) -> Answer | Shown:
         limits = limits or self.limits()
-        # One by one, documents may be asked for as long as Saxon may take.
-        said = self._ask("stream", (request,), request.q, limits, max(limits.seconds_left, self.settings.saxon_seconds))
-        first = next(said)
-        if isinstance(first, Found):
-            said.close()
+        # Saxon evaluates one document after the other, within its own time limit.
+        seconds = max(limits.seconds_left, self.settings.saxon_seconds)
+        messages = self._ask("stream", (request,), request.q, limits, seconds)
+        first = next(messages)
+        if isinstance(first, NodeNumbers):
+            messages.close()
             group = self.caches.listing.group
             parts = [replace(part, documents=group(list(part.documents))) for part in first.parts]
             return Answer(self.database, self.caches, first.commit, first.whole_since, parts)
-        return Shown(_nodes(first, said), first.total if isinstance(first, Written) else None)
+        return Shown(_nodes(first, messages), first.total if isinstance(first, NodeTexts) else None)
 
     def completions(
         self, text: str, at: int, documents: Sequence[str], project: str | None
@@ -243,25 +244,25 @@ class PooledQueries(Queries):
         self.pool.end(number)
 
     def _value(self, kind: Method, arguments: tuple[Any, ...], text: str, limits: Limits) -> Any:
-        (said,) = self._ask(kind, arguments, text, limits, limits.seconds_left)
-        return said.value if isinstance(said, Value) else None
+        (message,) = self._ask(kind, arguments, text, limits, limits.seconds_left)
+        return message.value if isinstance(message, Value) else None
 
     def _ask(
         self, kind: Method, arguments: tuple[Any, ...], text: str, limits: Limits, seconds: float
-    ) -> Generator[Said]:
+    ) -> Generator[Message]:
         there = self.database
-        asked = Asked(kind, arguments, there.view, there.origin, there.from_replica, limits.seconds_left)
-        return self.pool.ask(asked, text, limits, seconds)
+        call = QueryCall(kind, arguments, there.view, there.origin, there.from_replica, limits.seconds_left)
+        return self.pool.ask(call, text, limits, seconds)
 
 
-def _nodes(first: Said, others: Iterator[Said]) -> Iterator[list[Node]]:
-    for said in itertools.chain([first], others):
-        if isinstance(said, Written):
-            yield said.nodes
+def _nodes(first: Message, others: Iterator[Message]) -> Iterator[list[Node]]:
+    for message in itertools.chain([first], others):
+        if isinstance(message, NodeTexts):
+            yield message.nodes
 
 
 def _context() -> ForkServerContext:
-    """How processes are started: as copies of one that has read the code and has no threads."""
+    """Fork workers from a process that has imported the code and has no threads."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([serve.__module__])
     return context

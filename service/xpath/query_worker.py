@@ -1,8 +1,8 @@
-"""What runs in a process that evaluates the questions of a server, one after the other (`query_pool`).
+"""The worker process that evaluates the queries of a server, one at a time (`query_pool`).
 
-The system bounds what a question may take: memory by `RLIMIT_DATA`, time by a clock that interrupts whatever runs. So
-no loop has to remember to ask. After a question that ran into either the process ends, for what it kept may be half
-made, and another takes its place.
+The operating system limits each query: its memory by `RLIMIT_DATA`, its time by a timer that interrupts any Python
+code. No loop has to check a limit. A query that exceeds a limit ends its process, because its caches may be incomplete;
+the pool starts another process.
 """
 
 from __future__ import annotations
@@ -30,9 +30,11 @@ Method = Literal["answer", "stream", "completions"]
 
 
 @dataclass(frozen=True)
-class Asked:
-    """A question. kind: which method of `Queries` answers it, with which arguments. view, origin, from_replica: how the
-    store is seen. seconds: that it may take."""
+class QueryCall:
+    """A call of a method of `Queries`.
+
+    view, origin, from_replica: as `Database.for_call` takes them. seconds: the time limit.
+    """
 
     kind: Method
     arguments: tuple[Any, ...]
@@ -44,13 +46,13 @@ class Asked:
 
 @dataclass(frozen=True)
 class Value:
-    """An answer. last: the process ends."""
+    """The answer of a query that is not a stream."""
 
     value: Any
 
 
 @dataclass(frozen=True)
-class Found:
+class NodeNumbers:
     """Nodes by number, as `Answer` has them."""
 
     commit: int
@@ -59,29 +61,32 @@ class Found:
 
 
 @dataclass(frozen=True)
-class Written:
-    """Some nodes that are written out, as `Shown` has them. total: where it is known."""
+class NodeTexts:
+    """A part of the nodes of `Shown`, as text; the last part is empty. total: None if unknown."""
 
     nodes: list[Node]
     total: int | None
 
 
 @dataclass(frozen=True)
-class Failed:
-    """How a question ended instead. last: the process ends, too."""
+class Failure:
+    """The error of a query. last: the worker process ends."""
 
     error: Exception
     last: bool
 
 
 READY = "ready"
-"""What a process says first."""
-Said = Value | Found | Written | Failed
+"""The first message of a worker process."""
+Message = Value | NodeNumbers | NodeTexts | Failure
 
 
-class _Turn:
-    """What is going on now. limits: of the question that is evaluated. is_sending: a message must not be cut off.
-    is_forced: the question was ended from outside its own code."""
+class _State:
+    """The state of the worker process.
+
+    limits: those of the current query, None between queries. is_sending: a message is being written and must not be
+    interrupted. is_forced: the timer ended the current query.
+    """
 
     def __init__(self) -> None:
         self.limits: Limits | None = None
@@ -93,70 +98,70 @@ class _Turn:
             self.limits.cancel()
 
     def overdue(self) -> Exception | None:
-        """The error of a question that did not end by itself when it had to."""
+        """Return the error of a query that is past its time limit, None before that."""
         error = None if self.limits is None or self.is_sending else self.limits.overdue()
         self.is_forced = error is not None
         return error
 
 
 def serve(connection: Connection, url: str, read_url: str | None, settings: Settings) -> None:
-    """Answer what comes, until the connection ends. SIGUSR1 cancels the question that is evaluated."""
-    turn = _Turn()
+    """Answer calls until the connection closes. SIGUSR1 cancels the current query."""
+    state = _State()
     end_with_parent()
-    # The terminal tells all processes of a server to end; it alone knows when.
+    # A terminal sends SIGINT to all processes of a server; the server closes its workers itself.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    signal.signal(signal.SIGUSR1, turn.cancel)
+    signal.signal(signal.SIGUSR1, state.cancel)
     queries = Queries(Database(url, read_url), settings, processes=1)
     with suppress(EOFError, OSError):
         connection.send(READY)
-        while _answer(queries, connection, connection.recv(), turn):
+        while _answer(queries, connection, connection.recv(), state):
             pass
     queries.close()
 
 
-def _answer(queries: Queries, connection: Connection, asked: Asked, turn: _Turn) -> bool:
-    """Answer one question. False where the process must end. OSError where whoever asked is gone."""
-    turn.limits, turn.is_sending, turn.is_forced = queries.limits(), False, False
-    turn.limits.begin(asked.seconds)
+def _answer(queries: Queries, connection: Connection, call: QueryCall, state: _State) -> bool:
+    """Answer one call. Return False if the process must end; raise OSError if the server is gone."""
+    state.limits, state.is_sending, state.is_forced = queries.limits(), False, False
+    state.limits.begin(call.seconds)
     try:
-        with bounded(queries.settings.query_memory_mib << 20, turn.overdue):
-            for said in _said(queries, asked, turn.limits):
-                turn.is_sending = True
-                connection.send(said)
-                turn.is_sending = False
+        with bounded(queries.settings.query_memory_mib << 20, state.overdue):
+            for message in _messages(queries, call, state.limits):
+                state.is_sending = True
+                connection.send(message)
+                state.is_sending = False
     except MemoryError:
-        failed = Failed(out_of_memory(queries.settings.query_memory_mib << 20), last=True)
+        failed = Failure(out_of_memory(queries.settings.query_memory_mib << 20), last=True)
     except RecursionError:
-        failed = Failed(LimitError("The expression is nested too deeply.", code="query-too-large"), last=True)
+        failed = Failure(LimitError("The expression is nested too deeply.", code="query-too-large"), last=True)
     except Exception as error:
-        if turn.is_sending and isinstance(error, OSError):
+        if state.is_sending and isinstance(error, OSError):
             raise
         is_known = isinstance(error, McmlError)
         if not is_known:
-            # Nobody foresaw it: the log of the server tells where it came about.
+            # An unexpected error: the log of the server shows where it was raised.
             error.add_note("".join(traceback.format_exception(error)))
-        failed = Failed(error, last=turn.is_forced or not is_known)
+        failed = Failure(error, last=state.is_forced or not is_known)
     else:
         return True
     finally:
-        turn.limits = None
+        state.limits = None
     connection.send(failed)
     return not failed.last
 
 
-def _said(queries: Queries, asked: Asked, limits: Limits) -> Iterator[Said]:
-    """What is said of a question: one answer, or the parts of a stream and then an empty one."""
-    there = queries.on(queries.database.for_call(asked.view, asked.origin, from_replica=asked.from_replica))
-    if asked.kind == "completions":
-        yield Value(there.completions(*asked.arguments))
-    elif asked.kind == "answer":
-        yield Value(there.answer(asked.arguments[0], limits))
+def _messages(queries: Queries, call: QueryCall, limits: Limits) -> Iterator[Message]:
+    """Yield the answer, or the parts of a stream."""
+    there = queries.on(queries.database.for_call(call.view, call.origin, from_replica=call.from_replica))
+    if call.kind == "completions":
+        yield Value(there.completions(*call.arguments))
+    elif call.kind == "answer":
+        yield Value(there.answer(call.arguments[0], limits))
     else:
-        found = there.stream(asked.arguments[0], limits)
+        found = there.stream(call.arguments[0], limits)
         if isinstance(found, Answer):
-            yield Found(found.commit, found.whole_since, found.parts)
+            yield NodeNumbers(found.commit, found.whole_since, found.parts)
             return
         for nodes in found.nodes():
-            yield Written(nodes, found.total)
-        yield Written([], found.total)
+            yield NodeTexts(nodes, found.total)
+        yield NodeTexts([], found.total)

@@ -23,7 +23,7 @@ from service.xpath.library.caches import Caches
 from service.xpath.library.forest import Forest
 from service.xpath.library.groups import Group
 from service.xpath.library.listing import Scope
-from service.xpath.library.motion_notes import Looked
+from service.xpath.library.motion_notes import BodyScope
 from service.xpath.nodes.items import Items
 from service.xpath.nodes.nodesets import NodeSets, ordered
 from service.xpath.nodes.numbering import Ints, documents_of, first_of_documents
@@ -41,7 +41,7 @@ ONE_EACH = ((Step("child", MCML),), (Step("child", MCML), Step("child", MOTION))
 class ColumnSource:
     """An expression over the documents of a scope, evaluated on columns.
 
-    looked: leaves out documents of which what the question asks of bodies is not known. check: called often; raises
+    bodies: leaves out documents in which a measurement of the query is unknown. check: called often; raises
     when the query must end. Every method may raise TooWideError or TooLongError where an intermediate result is larger
     than is held at once.
     """
@@ -53,7 +53,7 @@ class ColumnSource:
         scope: Scope,
         caches: Caches,
         check: Callable[[], None],
-        looked: Looked | None = None,
+        bodies: BodyScope | None = None,
         *,
         is_later: bool = False,
     ) -> None:
@@ -62,7 +62,7 @@ class ColumnSource:
         self.start = start_of(tree)
         self.frames = Frames(tx, self.start, scope)
         self._caches = caches
-        self._looked = looked
+        self._bodies = bodies
         self._check = check
         self._is_later = is_later
         self._any = any_attribute(tree)
@@ -75,7 +75,7 @@ class ColumnSource:
 
     def _groups(self) -> Iterable[Group]:
         groups = self.frames.groups
-        return groups if self._looked is None else self._looked.known(groups)
+        return groups if self._bodies is None else self._bodies.select(groups)
 
     def forests(self, *, counted: bool = False) -> Iterator[Forest]:
         """The documents in groups. Of what a question narrows, the first are small: often the first page is all that is
@@ -119,7 +119,7 @@ class ColumnSource:
         return np.array([self._skeletons[1][listed.skeleton] for listed in forest.documents], np.int64)
 
     def _chunks(self, forest: Forest) -> Iterator[tuple[Forest, Ints]]:
-        """Those of a group; where they are too many to be looked at together, of each half alone."""
+        """Those of a group; where they are too many to be bodies at together, of each half alone."""
         begun = False
         try:
             for nodes in self._walk(self._columns(forest)):
@@ -180,7 +180,7 @@ class ColumnSource:
 
     @property
     def _asks_bodies(self) -> bool:
-        return self._looked is not None and bool(self._looked.calls)
+        return self._bodies is not None and bool(self._bodies.calls)
 
     def _narrowed(self) -> bool:
         return self.start is not None and (self.start.position is not None or self.start.ids is not None)
@@ -256,7 +256,7 @@ def frames_at(steps: Sequence[Step]) -> int:
 
 
 def steps_in_frames(steps: Sequence[Step]) -> int:
-    """How many steps from a frame reach only it and what is in it: so far, frames can be looked at in slices."""
+    """How many steps from a frame reach only it and what is in it: so far, frames can be bodies at in slices."""
     types = frozenset({FRAME})
     for number, step in enumerate(steps):
         leaves = step.axis in LEAVING or (step.axis in SIBLINGS and FRAME in types)

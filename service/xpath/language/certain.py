@@ -1,10 +1,10 @@
-"""Conditions about bodies in motion in three values: true, false, or unknown, which is neither.
+"""Three-valued conditions about bodies in motion: true, false or unknown.
 
-XPath has two: a comparison with NaN is false, so `not()` of it is true, and a frame in which a joint was not seen would
-be one in which it stands still. Here a condition is rewritten until it says what is certain (Kleene's strong logic):
-`not(mo:speed('x') > 1)` is `mo:speed('x') <= 1`, and `not(mo:contact('x'))` is that and `mo:known(mo:contact('x'))`.
-It holds for predicates, the test of `if`, and what `some` and `every` ask; conditions without functions of bodies, and
-what stands in `mo:known`, stay as they are.
+XPath has two values. A comparison with NaN is false, so its negation is true, and a frame with a missing joint would
+count as a frame in which the joint is slow. This module rewrites conditions to their certain cases (Kleene's strong
+logic of indeterminacy): `not(mo:speed('x') > 1)` becomes `mo:speed('x') <= 1`, and `not(mo:contact('x'))` becomes
+`not(mo:contact('x')) and mo:known(mo:contact('x'))`. It rewrites predicates, the test of `if`, and the conditions of
+`some` and `every`. Conditions without motion functions, and arguments of `mo:known`, keep their two values.
 """
 
 from __future__ import annotations
@@ -41,18 +41,18 @@ _QUOTED = re.compile(r"""'[^']*'|"[^"]*\"""")
 _NOT = re.compile(r"(?<![\w.$:-])(?:fn:)?not\s*(?=\()")
 _CONDITION = re.compile(r"\b(not|if|some|every|empty|exists|boolean)\b")
 _ITEM = "known"
-"""Of a variable that an expression cannot name: it is bound by nothing else."""
+"""The name of a variable that no expression of a user binds."""
 
 
 def certain(expression: Expression) -> Expression:
-    """The expression with all its conditions about bodies rewritten."""
+    """Rewrite all conditions about bodies."""
     if not any(isinstance(part, Call) and part.function in MOTION_FUNCTIONS for part in walk(expression)):
         return expression
     return _within(expression)
 
 
 def _within(expression: Expression) -> Expression:
-    """The same of an expression that is no condition itself."""
+    """Rewrite the conditions inside an expression that is not a condition."""
     if isinstance(expression, Path):
         start = None if expression.start is None else _within(expression.start)
         steps = tuple(step.where(tuple(map(_predicate, step.predicates))) for step in expression.steps)
@@ -70,7 +70,7 @@ def _within(expression: Expression) -> Expression:
 
 
 def _chosen(expression: If) -> Expression:
-    """Neither branch where the test is unknown."""
+    """Rewrite `if`: an unknown test gives an empty sequence."""
     then, otherwise = _within(expression.then), _within(expression.otherwise)
     test = _sure(expression.test, True)
     if _asks_body(expression.test):
@@ -84,7 +84,7 @@ def _predicate(predicate: Expression) -> Expression:
 
 
 def _sure(condition: Expression, wanted: bool) -> Expression:
-    """What is true exactly where the condition is certainly true, or certainly false."""
+    """Return an expression that is true if and only if the condition is certainly `wanted`."""
     if not _asks_body(condition):
         inner = with_children(condition, _within)
         return inner if wanted else Call("not", (inner,), condition.span)
@@ -110,7 +110,7 @@ def _sure(condition: Expression, wanted: bool) -> Expression:
 
 
 def _compared(condition: Operation, wanted: bool) -> Expression:
-    """A comparison. NaN is less than, equal to, or greater than nothing, so only `!=` holds of it."""
+    """Rewrite a comparison. With NaN, only `!=` is true."""
     operands = tuple(map(_within, condition.operands))
     inner = Operation(condition.operator, operands, condition.span)
     if condition.operator in _OPPOSITE and len(operands) == 2 and all(map(_is_number, operands)):
@@ -133,7 +133,7 @@ def _is_number(expression: Expression) -> bool:
 
 
 def _known(expression: Expression) -> list[Expression]:
-    """Conditions that all numbers about bodies are known which the expression is made of, in its own context."""
+    """Return conditions: each motion function of the expression, in its own context, has a known value."""
     if not _asks_body(expression):
         return []
     if isinstance(expression, Call) and expression.function in MOTION_FUNCTIONS:
@@ -149,8 +149,7 @@ def _both(*conditions: Expression) -> Expression:
 
 
 def _asks_body(expression: Expression) -> bool:
-    """Whether the value depends on a body in the expression's own context, or in that of items it goes through, not
-    only on which nodes paths select."""
+    """Whether the value depends on motion functions outside of predicates."""
     if isinstance(expression, Call) and expression.function in MOTION_FUNCTIONS:
         return expression.function != KNOWN
     if isinstance(expression, Path):
@@ -161,9 +160,11 @@ def _asks_body(expression: Expression) -> bool:
 
 
 def conditions(expression: Expression) -> list[Call]:
-    """The calls of functions of bodies on which it depends what an answer is: those in predicates, in the test of `if`,
-    and in what `some` and `every` ask; of what only Saxon reads, those in brackets, or all where it has other
-    conditions."""
+    """Return the calls of motion functions in conditions.
+
+    Conditions are predicates, tests of `if`, and the conditions of `some` and `every`. In an expression that only Saxon
+    reads, all calls in brackets count, or all calls if it has other conditions.
+    """
     found: list[Call] = []
     waiting = [(expression, False)]
     while waiting:
@@ -203,8 +204,8 @@ def _written(part: Written) -> list[Call]:
 
 
 def certain_text(text: str) -> str:
-    """The same of an expression that only Saxon reads: `not(…)` holds where what it asks of bodies is known. Calls of
-    other contexts in it, behind a slash or in brackets, are not looked at."""
+    """Rewrite `not(…)` in an expression that only Saxon reads. Calls in other contexts, behind a slash or in brackets,
+    are not considered."""
     plain = _QUOTED.sub(lambda found: " " * len(found[0]), text)
     result, end = "", 0
     for match in _NOT.finditer(plain):

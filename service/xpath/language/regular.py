@@ -1,7 +1,7 @@
-"""Regular expressions of XPath (Functions and Operators 3.1 §5.6), in time linear in the text and bounded memory.
+"""Regular expressions of XPath (Functions and Operators 3.1 §5.6), in linear time and bounded memory.
 
-elementpath checks them, and translates their classes of letters; RE2 runs what comes of it. It has no back-references,
-which no engine finds in linear time, so they are refused.
+elementpath validates a pattern and translates its character classes. RE2 runs the result. RE2 has no back-references,
+so they are refused. With the flag `m`, `^` also matches after a line feed that ends the text.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from elementpath.regex import RegexError, translate_pattern
 from service.errors import LimitError, QueryError
 
 MOST_REPETITIONS = 1000
-"""What RE2 counts to. It takes larger numbers for letters."""
+"""The limit of RE2. It reads larger counts as literal text."""
 MAX_LENGTH = 10_000
 MEMORY = 16 << 20
 """Bytes that one expression may take, compiled and while it runs."""
@@ -25,12 +25,12 @@ MEMORY = 16 << 20
 _FLAGS = {"s": re.DOTALL, "m": re.MULTILINE}
 _SPACES = str.maketrans("\t\r\n", "   ")
 _SIGNS = frozenset("\\|.?*+(){}[]^$-")
-"""Letters that mean more than themselves."""
+"""Metacharacters."""
 _COUNT = re.compile(r"\{(\d+)(?:,(\d*))?\}")
 _ENDS = (r"(?!\n\Z)", r"(?<!\n\Z)")
-"""What makes the ends of texts and lines of Python those of XPath; those of RE2 are."""
+"""Anchors that make Python match as XPath does; RE2 needs none."""
 _CLASSES = {"d": r"\p{Nd}", "s": r" \t\n\r", "w": r"\p{L}\p{M}\p{N}\p{S}"}
-"""What stands in brackets for a class of letters that RE2 has for ASCII alone."""
+"""Character classes that RE2 limits to ASCII."""
 _REFUSED = r"Write a backslash before a sign that means itself, such as \( or \., or the flag 'q' for all."
 
 
@@ -92,7 +92,7 @@ def compiled(pattern: str, flags: str = "") -> Any:
 
 
 def _as_re2(pattern: str, flags: str) -> str:
-    """The pattern as RE2 reads it."""
+    """Translate a pattern to RE2."""
     if "x" in flags:
         pattern = _without_spaces(pattern)
     chosen = 0
@@ -108,7 +108,7 @@ def _as_re2(pattern: str, flags: str) -> str:
 
 
 def _parts(text: str) -> Iterator[str]:
-    """The parts of an expression of Python as RE2 says the same."""
+    """Translate a pattern of Python to RE2, part by part."""
     in_class, place = False, 0
     while place < len(text):
         sign = text[place]
@@ -134,7 +134,7 @@ def _parts(text: str) -> Iterator[str]:
 
 
 def _escape(letter: str, *, in_class: bool) -> str:
-    """What follows a backslash."""
+    """Translate an escape sequence."""
     if letter.isdigit() and letter != "0":
         raise QueryError(
             f"a regular expression refers back to what its parenthesis {letter} found, which takes time without limit",

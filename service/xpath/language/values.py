@@ -1,4 +1,4 @@
-"""Values in the place of what they are of: written as expressions, as far as there is room."""
+"""Values as expressions, within a limit of size."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from service.xpath.language.tree import (
 )
 
 MOST_PARTS = 20_000
-"""Expressions in an expression, once what its variables stand for is in their place."""
+"""The largest number of subexpressions after substitution."""
 
 
 def literal(value: float | str | bool) -> Expression:
@@ -35,7 +35,7 @@ def sequence_of(values: list[float | str | bool]) -> Expression:
 
 
 def require_room(expression: Let, source: Expression) -> None:
-    """LimitError where the body gets too large with a source in the place of its variable."""
+    """Raise LimitError if substituting the variable makes the body too large."""
     name = expression.variable
     uses = _uses(expression.body, name)
     parts = sum(1 for _ in islice(walk(source), MOST_PARTS))
@@ -48,7 +48,7 @@ def require_room(expression: Let, source: Expression) -> None:
 
 
 def _uses(expression: Expression, name: str) -> int:
-    """How often a variable stands in an expression that does not bind it anew."""
+    """Count the free occurrences of a variable."""
     if isinstance(expression, Variable):
         return int(expression.name == name)
     if isinstance(expression, Binder | Function) and expression.variable == name:

@@ -1,4 +1,4 @@
-"""What an answer about bodies in motion rests on, and what it had to leave out: warnings for who asks."""
+"""Warnings of answers about bodies: documents that were left out, and guesses that the answer depends on."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def motion_calls(tree: Expression) -> list[Call]:
     return [part for part in walk(tree) if isinstance(part, Call) and part.function in MOTION_FUNCTIONS]
 
 
-class Looked:
-    """What is known of the bodies of the documents that a question looks at.
+class BodyScope:
+    """The documents that a query about bodies looks at.
 
-    calls: of functions of bodies in it. needed: those on which it depends what the answer is, not only what values it
-    shows.
+    calls: the calls of motion functions in the query. needed: the calls in conditions, which decide on the items of the
+    answer; the other calls only show values.
     """
 
     def __init__(
@@ -57,24 +57,23 @@ class Looked:
         self._check = check
         self._facts: dict[Group, BodyFacts] = {}
 
-    def known(self, groups: Iterable[Group]) -> Iterator[Group]:
-        """The documents of groups of which all is known that the answer depends on: the others are not in it, whatever
-        stands around a function."""
+    def select(self, groups: Iterable[Group]) -> Iterator[Group]:
+        """Yield the groups without documents in which a needed measurement is unknown."""
         for group in groups:
-            found = self._known(group) if self.calls else group
+            found = self._select(group) if self.calls else group
             if found:
                 yield found
 
     def notes(self) -> list[str]:
-        """How many documents were left out and why, and how many rest on guesses."""
+        """Return the warnings."""
         return list(_notes(self._facts, self.calls, self._needed)) if self.calls else []
 
     @property
     def documents(self) -> int:
-        """How many were looked at."""
+        """The number of documents looked at."""
         return sum(map(len, self._facts.values()))
 
-    def _known(self, group: Group) -> Group:
+    def _select(self, group: Group) -> Group:
         facts = self._facts.get(group)
         if facts is None:
             forest = Forest(self._tx, group, self._caches, head_part=HeadPart.MOTION)
