@@ -22,6 +22,7 @@ from tests.web.test_blender import keep_model
 from tests.web.test_faces import keep_space
 from tests.web.test_journeys import ready
 
+expect: Any = pytest.importorskip("playwright.sync_api").expect
 AXE = WEB / "node_modules/axe-core/axe.min.js"
 PICTURES = Path(".pytest_cache/pages")
 """Where pictures of pages are kept; CI shows them as an artefact."""
@@ -138,15 +139,15 @@ def picture(page: Any, name: str, *about: str) -> None:
     page.screenshot(path=PICTURES / f"{'-'.join((name, *about))}.png")
 
 
-def serious_faults(page: Any) -> list[tuple[str, list[str]]]:
-    """What axe-core finds on the page as it stands."""
+def faults(page: Any) -> list[tuple[str, str, list[str]]]:
+    """What axe-core finds on the page as it stands: rule, impact, elements."""
     page.evaluate(f"window.axe === undefined && (() => {{ {AXE.read_text(encoding='utf-8')} }})()")
-    faults = page.evaluate("() => axe.run({ resultTypes: ['violations'] })")["violations"]
-    return [
-        (fault["id"], [node["html"][:160] for node in fault["nodes"]][:4])
-        for fault in faults
-        if fault["impact"] in ("serious", "critical")
-    ]
+    found = page.evaluate("() => axe.run({ resultTypes: ['violations'] })")["violations"]
+    return [(one["id"], one["impact"], [node["html"][:160] for node in one["nodes"]][:4]) for one in found]
+
+
+def serious_faults(page: Any) -> list[tuple[str, list[str]]]:
+    return [(rule, nodes) for rule, impact, nodes in faults(page) if impact in ("serious", "critical")]
 
 
 @pytest.mark.parametrize(
@@ -174,3 +175,47 @@ def test_pages(filled: Any, visit_of: Any, request: pytest.FixtureRequest, schem
                 found[name] = serious
     assert found == {}, found
     assert wider == []
+
+
+def nothing_found(page: Any) -> None:
+    page.keyboard.press("Control+k")
+    palette = page.get_by_role("dialog", name="Find anything")
+    palette.get_by_role("combobox").fill("zzzz")
+    expect(palette.get_by_role("status")).to_have_text("Nothing is called so.")
+    expect(palette.get_by_role("option")).to_have_count(0)
+
+
+def files_above(page: Any) -> None:
+    page.evaluate(
+        """() => {
+          const data = new DataTransfer();
+          data.items.add(new File(["x"], "kick.bvh"));
+          document.body.dispatchEvent(new DragEvent("dragenter", { dataTransfer: data, bubbles: true }));
+        }"""
+    )
+    expect(page.get_by_role("region", name="Drop to add")).to_be_visible()
+
+
+def refused(page: Any) -> None:
+    expect(page.get_by_role("alert")).to_be_visible()
+
+
+NOBODY = "00000000-0000-0000-0000-000000000000"
+STATES = {
+    "palette": ("/library", nothing_found),
+    "drop": ("/library", files_above),
+    "clip": (f"/clips/{NOBODY}", refused),
+    "model": (f"/reach/{NOBODY}", refused),
+}
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_states(open_studio: Served, visit_of: Any, state: str) -> None:
+    """What a page shows only after a deed or a refusal has no fault of accessibility, of any impact."""
+    visit = visit_of(open_studio, reduced_motion="reduce")
+    visit.wanted = {404}
+    path, reach = STATES[state]
+    page = visit.open(path)
+    expect(page.locator("main > *")).not_to_have_count(0)
+    reach(page)
+    assert faults(page) == []

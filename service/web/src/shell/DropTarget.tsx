@@ -53,11 +53,11 @@ export function DropTarget() {
   }, []);
   if (!over) return null;
   const own = dropHere.value;
-  if (own) return <div class="drop-cover alone"><div class="drop-field over"><Icon name="upload" /><h2>{own.title}</h2><p>{own.help}</p></div></div>;
+  if (own) return <section class="drop-cover alone" aria-label={own.title}><div class="drop-field over"><Icon name="upload" /><h2>{own.title}</h2><p>{own.help}</p></div></section>;
   return (
-    <div class="drop-cover">
+    <section class="drop-cover" aria-label={w("dropTitle")}>
       <div class={`drop-field ${over === "add" ? "over" : ""}`} data-drop="add"><Icon name="upload" /><h2>{w("dropTitle")}</h2><p>{w("dropHelp")}</p></div>
       <div class={`drop-field ${over === "look" ? "over" : ""}`} data-drop="look"><Icon name="eye" /><h2>{w("lookFirst")}</h2><p>{w("lookFirstHelp")}</p></div>
-    </div>
+    </section>
   );
 }

@@ -61,16 +61,17 @@ export function Palette() {
   };
   return (
     <dialog ref={box} class="palette" aria-label={w("palette")} onClose={close} onClick={(event) => event.target === box.current && close()}>
-      <input class="field" role="combobox" aria-expanded="true" aria-controls="palette-list" aria-activedescendant={found[place] && `palette-${place}`} aria-label={w("palette")} placeholder={w("searchAll")}
+      <input class="field" role="combobox" aria-expanded={found.length > 0} aria-controls="palette-list" aria-activedescendant={found[place] && `palette-${place}`} aria-label={w("palette")} placeholder={w("searchAll")}
         value={text} onInput={(event) => { setText(event.currentTarget.value); setAt(0); }} onKeyDown={onKey} autoFocus />
-      <ul id="palette-list" role="listbox" aria-label={w("palette")}>
+      <ul id="palette-list" role="listbox" hidden={!found.length} aria-label={w("palette")}>
         {found.slice(0, 40).map((one, index) => (
           <li key={one.key} id={`palette-${index}`} role="option" aria-selected={index === place} onPointerMove={() => setAt(index)} onClick={() => { close(); one.run(); }}>
             <Icon name={one.icon} /><span class="grow cut">{one.text}</span>{one.detail && <span class="dim">{one.detail}</span>}
           </li>
         ))}
-        {!found.length && <li class="dim">{clips.busy ? w("loading") : w("nothingFound")}</li>}
       </ul>
+      {/* Beside the list: a listbox holds options alone. */}
+      <p class="dim palette-none" role="status">{found.length ? "" : clips.busy ? w("loading") : w("nothingFound")}</p>
     </dialog>
   );
 }

@@ -31,8 +31,7 @@ function Opened({ id }: { id: string }) {
   const result = useAsync((signal) => resultOf(id, signal), [id]);
   const found = result.value;
   useEffect(() => { if (found) subject.value = { text: found.name, detail: found.name }; }, [found]);
-  if (result.error) return <Trouble error={result.error} retry={result.again} />;
-  if (!found) return <div class="busy" role="presentation" />;
+  if (result.error || !found) return <><h1 class="unseen">{w("blender")}</h1>{result.error ? <Trouble error={result.error} retry={result.again} /> : <div class="busy" role="presentation" />}</>;
   if (found.analysis !== "reach" || !found.parts?.model) return <div class="empty"><h1>{w("blender")}</h1><p>{b("noModel")} <a href={`/results/${id}`}>{w("openResult")}</a></p></div>;
   return <Ready key={id} model={modelOf(found)} />;
 }

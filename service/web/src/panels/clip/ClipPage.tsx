@@ -60,8 +60,7 @@ export function ClipPage({ id, revision }: { id: string; revision: string | null
     void followProject(project);
     return () => void followProject(null);
   }, [project]);
-  if (error) return <Trouble error={error} retry={reload} />;
-  if (!clip) return <div class="busy" role="presentation" />;
+  if (error || !clip) return <><h1 class="unseen">{w("clipWord")}</h1>{error ? <Trouble error={error} retry={reload} /> : <div class="busy" role="presentation" />}</>;
   return <OpenClip key={clip.detail.revision} clip={clip} coming={coming} reload={reload} />;
 }
 

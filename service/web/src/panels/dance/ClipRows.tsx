@@ -34,6 +34,10 @@ export function ClipRows({ bench }: { bench: Bench }) {
       <div class="bench-busy">{bench.stale.value.size > 0 && <div class="busy" role="status"><span class="unseen">{d("busyBeats")}</span></div>}</div>
       <div class="bench-rows" tabIndex={-1}>
         {bench.untimed.value.map((one) => <Untimed key={one.id} bench={bench} {...one} />)}
+        {bench.unfit.value.map(({ id, why, remedy }) => (
+          <p key={id} class="row wrap bench-untimed"><Icon name="warn" /><a href={`/clips/${id}`}>{why}</a><span class="dim">{d("leftOut")} {remedy}</span></p>
+        ))}
+        {bench.unfit.value.length > 0 && <p class="bench-untimed"><button type="button" class="button dense" onClick={() => bench.again()}>{w("again")}</button></p>}
         {bench.music.value && <MusicLane music={bench.music.value} />}
         {rows.slice(0, most).map((one, index) => <Row key={one.id} bench={bench} row={one} index={index} />)}
         {rows.length > most && <p><button type="button" class="button dense" onClick={() => setMost(most + AT_FIRST)}>{d("moreClips", { n: rows.length - most })}</button></p>}

@@ -1,6 +1,6 @@
 /** A bench: some clips, what a person corrected of their beats, and what was made of them. Kept over a reload. */
 import { computed, signal } from "@preact/signals";
-import { ask } from "../../api/client";
+import { ApiError, ask } from "../../api/client";
 import { resultOf, type Result } from "../../api/results";
 import { accepted, movedBeat, readAllowed, withBeat, withoutBeat, type Beat } from "../../motion/dancing";
 import { dropJob, runAnalysis, type Job } from "../../state/jobs";
@@ -34,6 +34,8 @@ export class Bench {
   readonly trouble = signal<unknown>(null);
   /** Clips whose frame rate nobody has stated: they are left out until it is given. */
   readonly untimed = signal<readonly { id: string; name: string }[]>([]);
+  /** Clips that beats cannot be found in, with what the repository says of each: too short, too few frames a second. */
+  readonly unfit = signal<readonly { id: string; why: string; remedy: string }[]>([]);
   readonly job = signal<Job | null>(null);
   readonly graph = signal<Result | null>(null);
   /** The corrections that the graph was made with. */
@@ -86,7 +88,7 @@ export class Bench {
 
   /** Those that beats can be found in. */
   get timed(): string[] {
-    const left = new Set(this.untimed.value.map((one) => one.id));
+    const left = new Set([...this.untimed.value, ...this.unfit.value].map((one) => one.id));
     return this.documents.filter((id) => !left.has(id));
   }
 
@@ -115,9 +117,9 @@ export class Bench {
     if (!changed.length || this.busy) return;
     this.busy = true;
     this.trouble.value = null;
+    let job = "";
     try {
       const clips = changed.filter((id) => wanted.get(id) !== JSON.stringify({ document: id })).map((id) => JSON.parse(wanted.get(id)!) as object);
-      let job = "";
       const result = await resultOf(await runAnalysis("beats", { inputs: { documents: changed }, parameters: { clips } }, (started) => (job = started.id)));
       const rows = new Map(this.found.peek());
       for (const found of readRows(result)) {
@@ -132,8 +134,9 @@ export class Bench {
       dropJob(job);
       void ask("delete", "/results/{id}", { path: { id: result.id } }).catch(() => undefined);
     } catch (error) {
-      // One clip without a frame rate would leave all others without beats.
-      if (!(await this.setApart(changed))) {
+      // One clip that has no beats would leave all others without theirs.
+      if (this.leaveOut(error, changed) || (await this.setApart(changed))) dropJob(job);
+      else {
         if ((error as Error).name !== "AbortError") this.trouble.value = error;
         for (const id of changed) this.done.set(id, wanted.get(id)!);
       }
@@ -141,6 +144,15 @@ export class Bench {
       this.busy = false;
     }
     void this.refresh();
+  }
+
+  /** Leave out the clip that a refusal names; false where it names none, or one whose beats were found before: then what
+   * a person changed is refused. */
+  private leaveOut(error: unknown, ids: string[]): boolean {
+    const id = error instanceof ApiError ? error.problem.details?.document : undefined;
+    if (!(error instanceof ApiError) || typeof id !== "string" || !ids.includes(id) || this.found.peek().has(id)) return false;
+    this.unfit.value = [...this.unfit.peek(), { id, why: error.message, remedy: error.remedy }];
+    return true;
   }
 
   /** Leave out clips without a frame rate; false where there is none. */
@@ -168,6 +180,7 @@ export class Bench {
 
   again(): void {
     this.done.clear();
+    this.unfit.value = [];
     void this.refresh();
   }
 

@@ -2,7 +2,7 @@ import { wordsOf } from "../../words/table";
 
 export const d = wordsOf(
   {
-    untimed: "No frame rate, so it has no tempo: left out.", rateOf: "Frame rate (Hz)",
+    untimed: "No frame rate, so it has no tempo: left out.", leftOut: "Left out.", rateOf: "Frame rate (Hz)",
     title: "Dance bench", intro: "Beats and bars of dance clips, which bar may follow which, and new dances of them to a tempo or to music.", needs: "Pick clips of dances that share a skeleton.",
     demo: "Open the demo dances", openBench: "Open the bench", recent: "Dances and graphs, the newest first", none: "None yet.", others: "Other clips", clipsWord: "Clips", beatsTab: "Beats", graph: "Graph", stage: "Result",
     tempo: "Tempo", bpm: "beats a minute", tap: "Tap", tapHelp: "Tap the beat, or press T", taps: "{n} tap|{n} taps", music: "Music", musicHelp: "WAV, FLAC or MP3, at most 15 minutes", musicGone: "Take {name} away", readingMusic: "Finding the beats of {name}",
@@ -22,7 +22,7 @@ export const d = wordsOf(
     warningsWord: "Notes: {n}", bench: "{n} clip|{n} clips",
   },
   {
-    untimed: "프레임 속도를 몰라 템포가 없습니다. 제외했습니다.", rateOf: "프레임 속도(Hz)",
+    untimed: "프레임 속도를 몰라 템포가 없습니다. 제외했습니다.", leftOut: "제외했습니다.", rateOf: "프레임 속도(Hz)",
     title: "댄스 벤치", intro: "춤 클립의 비트와 마디, 어느 마디 다음에 어느 마디가 올 수 있는지, 그리고 템포나 음악에 맞춘 새 춤입니다.", needs: "스켈레톤이 같은 춤 클립을 고르세요.",
     demo: "데모 춤 열기", openBench: "벤치 열기", recent: "춤과 그래프, 최신순", none: "아직 없습니다.", others: "다른 클립", clipsWord: "클립", beatsTab: "비트", graph: "그래프", stage: "결과",
     tempo: "템포", bpm: "분당 비트", tap: "두드리기", tapHelp: "비트를 두드리거나 T를 누르세요", taps: "{n}번", music: "음악", musicHelp: "WAV, FLAC, MP3, 최대 15분", musicGone: "{name} 빼기", readingMusic: "{name}: 비트를 찾는 중",
