@@ -206,6 +206,8 @@ STATES = {
     "drop": ("/library", files_above),
     "clip": (f"/clips/{NOBODY}", refused),
     "model": (f"/reach/{NOBODY}", refused),
+    "projects": ("/settings/projects", lambda page: expect(page.get_by_role("heading", level=3)).not_to_have_count(0)),
+    "webhooks": ("/settings/webhooks", lambda page: expect(page.get_by_role("heading", level=3)).not_to_have_count(0)),
 }
 
 

@@ -24,7 +24,7 @@ export function MappingTable({ source, target, pairs, matches, selected, onSelec
   return (
     <div class="mapping">
       <table>
-        <thead><tr><th>{w("targetClip")}</th><th>{w("sourceClip")}</th><th class="n" /></tr></thead>
+        <thead><tr><th>{w("targetClip")}</th><th>{w("sourceClip")}</th><td class="n" /></tr></thead>
         <tbody>
           {rows.map((row) => (
             <tr key={row.bone} class={row.from && row.from === selected ? "chosen" : ""} onClick={() => onSelect(row.from || null)}>

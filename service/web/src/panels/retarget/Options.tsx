@@ -13,7 +13,7 @@ export function Options({ choices, fitted, onChange }: { choices: Choices; /** T
   );
   return (
     <details class="options" open={changed || undefined}>
-      <summary><h3>{w("options")}</h3> <span class="dim">{w("scaleOf", { value: fitted === undefined ? "–" : number(fitted, 3) })}</span></summary>
+      <summary><h2>{w("options")}</h2> <span class="dim">{w("scaleOf", { value: fitted === undefined ? "–" : number(fitted, 3) })}</span></summary>
       {check("clean_feet", "cleanFeet", "cleanFeetHelp")}
       {check("match_rest", "matchRest", "matchRestHelp")}
       <div class="option">

@@ -10,7 +10,7 @@ export function Report({ fit, onFrame }: { fit: Schemas["Retargeted"]; /** Show 
   const frame = (at: number) => <button type="button" class="link" aria-label={w("goToFrame", { n: at })} onClick={() => onFrame(at)}>{number(at)}</button>;
   return (
     <details class="report" open>
-      <summary><h3>{w("report")}</h3></summary>
+      <summary><h2>{w("report")}</h2></summary>
       {fit.worst_frame && <p><button type="button" class="link" onClick={() => onFrame(fit.worst_frame!)}>{w("worstFrame", { n: fit.worst_frame })}</button></p>}
       <table>
         <thead><tr><th>{w("bone")}</th><th class="n">{w("mean")}</th><th class="n">{w("largest")}</th><th class="n">{w("atFrame")}</th></tr></thead>

@@ -41,6 +41,7 @@ export function SettingsPage() {
           <a key={one.id} href={`/settings${one.id && "/"}${one.id}`} aria-current={one.id === open ? "page" : undefined}>{w(one.word)}</a>
         ))}
       </nav>
+      {PAGES.map((one) => one.id !== "" && one.id === open && <h2 key={one.id} class="unseen">{w(one.word)}</h2>)}
       {open === "" && <><Browser /><Account /></>}
       {open === "projects" && <ProjectPage />}
       {open === "activity" && <Activity />}
