@@ -293,7 +293,8 @@ def test_a_selection_as_one_zip(client: TestClient, walk: str) -> None:
         assert found.testzip() is None
         # BVH needs a frame rate, which AMC does not have.
         names = found.namelist()
-        assert sorted(len(name) for name in names) == sorted(map(len, ["refused.txt", "walk.bvh", f"walk-{walk[-6:]}.bvh"]))
+        assert len(names) == 3
+        assert {"refused.txt", "walk.bvh"} < set(names)
         assert {found.read(name) for name in names if name.startswith("walk")} == {bvh(700), bvh(3, seed=5)}
     pair = client.post(f"{API}/exports", json={"selection": {"project": "legs"}, "format": "asf-amc"})
     with zipfile.ZipFile(io.BytesIO(pair.content)) as found:
