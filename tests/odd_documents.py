@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from random import Random
 
-from tests.builders import bvh
+from tests.builders import bvh, c3d_file, mcml_of
 from tests.motion.bodies.made import PARTS, person
 
 LABELS = tuple(PARTS)
@@ -85,3 +86,79 @@ ODD: dict[str, dict[str, bytes]] = {
     "seen by turns": {"odd.trc": trc(LABELS, [_NOTHING if n % 2 else _SEEN for n in range(FRAMES)])},
     "seen late": {"odd.trc": trc(LABELS, [_NOTHING if n < 40 else _SEEN for n in range(FRAMES)])},
 }
+
+
+def odd_document(chance: Random) -> dict[str, bytes]:
+    """Return the file of an odd document that chance makes: other shapes, names, gaps, numbers and frame ids than those
+    above."""
+    return chance.choice((_odd_person, _odd_chain, _odd_markers, _odd_points, _odd_mcml))(chance)
+
+
+_ODD_NUMBERS = (0.0, -0.0, 1e-12, 1e6, -1e9, 1e30, 1e300, 5e-324, 360.0, 89.999999)
+_ODD_NAMES = (
+    "left_hand", "LeftHand", "Head", "Root", "Hips", "hips", "End", "a b", "손", "x" * 300, "l_foot", "left foot", "1",
+    "_", "LFHD", "RFHD", "toes", "left_hand ",
+)  # fmt: skip
+
+
+def _frame_count(chance: Random) -> int:
+    return chance.choice((0, 1, 2, 3, 7, 30, 61, 200))
+
+
+def _odd_row(chance: Random) -> Callable[[list[float]], list[float]]:
+    """Return a change of rows: some columns are constant, odd or swapped."""
+    places = [chance.random() for _ in range(200)]
+    number, share, swap = chance.choice(_ODD_NUMBERS), chance.choice((0.02, 0.3, 1.0)), chance.random() < 0.3
+
+    def change(row: list[float]) -> list[float]:
+        new = [number if places[place % 200] < share else value for place, value in enumerate(row)]
+        return new[::-1] if swap else new
+
+    return change
+
+
+def _odd_person(chance: Random) -> dict[str, bytes]:
+    frame_time = chance.choice((1e-6, 1 / 60, 1.0, 1e5))
+    scale = chance.choice((0.0, 1e-9, 0.01, 1.0, 25.4, 1e9))
+    content = person(chance.randrange(1000), _frame_count(chance), frame_time, scale)
+    if chance.random() < 0.6:
+        content = changed(content, _odd_row(chance))
+    for _ in range(chance.choice((0, 0, 1, 4))):
+        old = chance.choice(LABELS).encode()
+        content = content.replace(b" " + old + b"\n", b" " + chance.choice(_ODD_NAMES).encode() + b"\n")
+    return {"odd.bvh": content}
+
+
+def _odd_chain(chance: Random) -> dict[str, bytes]:
+    names = chance.sample(_ODD_NAMES, chance.randint(1, 12))
+    return {"odd.bvh": changed(bvh(_frame_count(chance), chance.randrange(99), names), _odd_row(chance))}
+
+
+def _odd_markers(chance: Random) -> dict[str, bytes]:
+    labels = [chance.choice((*LABELS, *_ODD_NAMES)) for _ in range(chance.choice((0, 1, 2, 20, 300)))]
+    missing, number = chance.choice((0.0, 0.1, 0.9, 1.0)), chance.choice(_ODD_NUMBERS)
+    rows = [
+        [None if chance.random() < missing else chance.choice((number, chance.gauss(0, 900))) for _ in labels * 3]
+        for _ in range(_frame_count(chance))
+    ]
+    return {"odd.trc": trc(labels, rows, chance.choice((1, 25, 60, 100_000)))}
+
+
+def _odd_points(chance: Random) -> dict[str, bytes]:
+    points = chance.choice((1, 3, 40))
+    first = chance.choice((1, 11, 30_000))
+    return {"odd.c3d": c3d_file(max(1, _frame_count(chance)), points, chance.choice((1.0, 120.0)), first)}
+
+
+def _odd_mcml(chance: Random) -> dict[str, bytes]:
+    count = _frame_count(chance)
+    ids = sorted(chance.sample(range(1, 10 * count + 10), count))
+    content = mcml_of(ids).decode()
+    for old, new in (
+        ('Rx="1"', ""), ('Rx="2"', 'Rx="1e300"'), ("left_up_leg", "손목"), ("<frametime>0.0333</frametime>", ""),
+        ("0.0333", "1e-9"), ("<dof>rx ry rz</dof>", "<dof>rx</dof>"), ('name="Root" order', 'name="Head" order'),
+        ("<frame id", "<frame  id"),
+    ):  # fmt: skip
+        if chance.random() < 0.2:
+            content = content.replace(old, new)
+    return {"odd.mcml": content.encode()}

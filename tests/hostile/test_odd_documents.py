@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from random import Random
 from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
+from hypothesis import settings
 
 from schemas.jobs import Selection
 from service.actions.analysing.start_analysis import find_analysis, start_analysis
@@ -18,7 +21,7 @@ from service.storage.database import Database
 from service.xpath.queries import Queries
 from tests.builders import one_kind, store
 from tests.motion.bodies.made import person
-from tests.odd_documents import ODD
+from tests.odd_documents import ODD, odd_document
 
 pytestmark = [one_kind, pytest.mark.filterwarnings("ignore::RuntimeWarning")]
 API = "/api/v1"
@@ -81,6 +84,52 @@ def test_good_documents_answer_beside_odd_ones(client: TestClient, database: Dat
 def test_nothing_fails_at_an_odd_document(client: TestClient, database: Database, kind_of_odd: str) -> None:
     good = store(database, {"good.bvh": person(3)})[0]
     (odd,) = store(database, ODD[kind_of_odd])
+    _ask_everything(client, odd, good, kind_of_odd.startswith("many"))
+
+
+@pytest.mark.parametrize("kind_of_odd", ODD)
+def test_analyses_of_odd_documents_end_with_a_reason(database: Database, kind_of_odd: str) -> None:
+    own = Settings()
+    store(database, {"good.bvh": person(3, 120)})
+    store(database, ODD[kind_of_odd])
+    queries = Queries(database, own)
+    for analysis in ANALYSES.values():
+        parameters = {"bpm": 100} if analysis.name == "dance" else {}
+        made = find_analysis(analysis.name)
+        try:
+            uuid = start_analysis(
+                database, queries, own, made, Selection(project="default"), parameters, author="a", runner="r"
+            )
+            with database.read() as tx:
+                job = tx.jobs.get(uuid)
+            run_here(database, own, job, "r", lambda stage, share: None)
+        except McmlError:
+            continue
+        with database.read() as tx:
+            ended = tx.jobs.get(uuid)
+        assert ended.state == "done" or ended.problem["status"] < 500, ended
+    queries.close()
+
+
+@pytest.mark.fuzz(seeds=6)
+def test_odd_documents_that_chance_makes(client: TestClient, database: Database, seed: int) -> None:
+    """50 of them in one library: nothing fails, and the good documents answer as before."""
+    chance = Random(seed)
+    good = store(database, {"good.bvh": person(3)}) + store(database, {"better.bvh": person(4)})
+    before = answers(client, good)
+    count = 50 if settings.get_current_profile_name() == "fuzz" else 6
+    stored = []
+    while len(stored) < count:
+        with suppress(McmlError):
+            stored += store(database, odd_document(chance))
+    assert answers(client, good) == before
+    for odd in stored:
+        _ask_everything(client, odd, good[0], chance.random() < 0.8)
+    assert answers(client, good) == before
+
+
+def _ask_everything(client: TestClient, odd: str, good: str, long: bool) -> None:
+    """Ask for all that a document has; long: a document for which that takes long, so less of it."""
     of = f"/documents/{odd}"
     both = [odd, good]
     asked: list[tuple[str, str, dict[str, Any]]] = [
@@ -90,7 +139,6 @@ def test_nothing_fails_at_an_odd_document(client: TestClient, database: Database
             f"{of}/revisions", f"{of}/frames",
         )
     ]  # fmt: skip
-    long = kind_of_odd.startswith("many")
     for name in EXPORTS[::5] if long else EXPORTS:
         asked.append(("GET", f"{of}/export", {"params": {"format": name}}))
         asked.append(("POST", "/exports", {"json": {"format": name, "documents": both}}))
@@ -118,27 +166,3 @@ def test_nothing_fails_at_an_odd_document(client: TestClient, database: Database
         assert answer.status_code < 500, (method, path, said, answer.text)
     for question in QUESTIONS[5:9]:
         assert client.get(f"{API}/xpath", params={"q": question}).status_code == 200
-
-
-@pytest.mark.parametrize("kind_of_odd", ODD)
-def test_analyses_of_odd_documents_end_with_a_reason(database: Database, kind_of_odd: str) -> None:
-    settings = Settings()
-    store(database, {"good.bvh": person(3, 120)})
-    store(database, ODD[kind_of_odd])
-    queries = Queries(database, settings)
-    for analysis in ANALYSES.values():
-        parameters = {"bpm": 100} if analysis.name == "dance" else {}
-        made = find_analysis(analysis.name)
-        try:
-            uuid = start_analysis(
-                database, queries, settings, made, Selection(project="default"), parameters, author="a", runner="r"
-            )
-            with database.read() as tx:
-                job = tx.jobs.get(uuid)
-            run_here(database, settings, job, "r", lambda stage, share: None)
-        except McmlError:
-            continue
-        with database.read() as tx:
-            ended = tx.jobs.get(uuid)
-        assert ended.state == "done" or ended.problem["status"] < 500, ended
-    queries.close()
