@@ -37,14 +37,16 @@ run: web ## Serve the repository on 127.0.0.1:8000, with a demo library on first
 	$(BIN)/mcml serve --demo
 
 test: web ## Run all tests, on SQLite and PostgreSQL, and in the browser
+	@$(BIN)/python -m tests.web.keeper install
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
-check: $(STAMP) ## Style, types, layers, spelling, known faults of packages
+check: $(STAMP) ## Style, types, layers, spelling, the same of the studio, known faults of packages
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/codespell service schemas mcml docs tests README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md
+	@$(BIN)/python -m tests.web.keeper
 	@$(BIN)/python -m tests.release.audit
 
 audit: $(STAMP) ## Ask for known faults of the packages that are locked; to be run each day
@@ -53,6 +55,7 @@ audit: $(STAMP) ## Ask for known faults of the packages that are locked; to be r
 fix: $(STAMP) ## Mend style, and make generated files again
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+	@$(BIN)/python -m tests.web.keeper fix
 
 fuzz: $(STAMP) ## Long campaigns with new seeds: kill tests, random documents, files, requests (again: SEED=…)
 	MCML_FUZZ_SEED=$(SEED) $(BIN)/python -m pytest -m "fuzz or hypothesis" --timeout=3600

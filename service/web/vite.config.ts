@@ -2,7 +2,7 @@ import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Plugin } from "vite";
-import { defineConfig } from "vitest/config";
+import { defineConfig } from "vite";
 
 /** Writes .gz and .br beside what compresses, so that the server only picks. */
 function compressed(): Plugin {
@@ -33,7 +33,5 @@ export default defineConfig({
     chunkSizeWarningLimit: 700,
   },
   plugins: [compressed()],
-  // What hangs is ended by pytest: a busy machine takes longer than the usual five seconds.
-  test: { testTimeout: 120_000, hookTimeout: 120_000 },
   server: { proxy: { "/api": "http://127.0.0.1:8000" } },
 });

@@ -14,8 +14,7 @@ type Responses<O> = O extends { responses: infer R } ? R : never;
 export type Answer<P extends Path, M extends Method> = Json<
   Responses<Operation<P, M>>[keyof Responses<Operation<P, M>> & (200 | 201 | 202)]
 >;
-type Query<P extends Path, M extends Method> =
-  Operation<P, M> extends { parameters: { query?: infer Q } } ? Q : never;
+type Query<P extends Path, M extends Method> = Operation<P, M> extends { parameters: { query?: infer Q } } ? Q : never;
 type Variables<P extends Path, M extends Method> =
   Operation<P, M> extends { parameters: { path: infer V } } ? V : Record<string, never>;
 type Body<P extends Path, M extends Method> =
@@ -97,7 +96,8 @@ export async function fetched(url: string, init: RequestInit = {}): Promise<Resp
     throw new Offline("The server does not answer.");
   }
   if (answer.ok) return answer;
-  if (answer.status === 401 && home === HOME) location.assign(`/login?then=${encodeURIComponent(location.pathname + location.search)}`);
+  if (answer.status === 401 && home === HOME)
+    location.assign(`/login?then=${encodeURIComponent(location.pathname + location.search)}`);
   throw new ApiError(answer.status, await problemOf(answer));
 }
 

@@ -2,8 +2,20 @@ import { describe, expect, it } from "vitest";
 import { random } from "../testing/random";
 import { jsonLines } from "./lines";
 
-const answer = (parts: Uint8Array[]) => new Response(new ReadableStream({ start: (control) => { for (const part of parts) control.enqueue(part); control.close(); } }));
-const all = async (found: AsyncGenerator<unknown>) => { const items = []; for await (const one of found) items.push(one); return items; };
+const answer = (parts: Uint8Array[]) =>
+  new Response(
+    new ReadableStream({
+      start: (control) => {
+        for (const part of parts) control.enqueue(part);
+        control.close();
+      },
+    }),
+  );
+const all = async (found: AsyncGenerator) => {
+  const items = [];
+  for await (const one of found) items.push(one);
+  return items;
+};
 
 describe("lines of JSON", () => {
   it("come whole wherever the answer is cut, inside letters too", async () => {
@@ -13,7 +25,11 @@ describe("lines of JSON", () => {
       for (let seed = 0; seed < 60; seed++) {
         const draw = random(seed);
         const parts: Uint8Array[] = [];
-        for (let at = 0; at < bytes.length; ) { const size = draw.whole(1, 9); parts.push(bytes.slice(at, at + size)); at += size; }
+        for (let at = 0; at < bytes.length;) {
+          const size = draw.whole(1, 9);
+          parts.push(bytes.slice(at, at + size));
+          at += size;
+        }
         expect(await all(jsonLines(answer(parts)))).toEqual(items);
       }
     }

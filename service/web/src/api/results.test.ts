@@ -17,7 +17,19 @@ describe("blocks of made motion", () => {
 });
 
 it("rows of a table are read by their columns", () => {
-  const part = { kind: "table", data: { columns: [{ name: "a" }, { name: "b" }], rows: [[1, "x"], [2, null]] } } as never;
-  expect(rowsOf(part)).toEqual([{ a: 1, b: "x" }, { a: 2, b: null }]);
+  const part = {
+    kind: "table",
+    data: {
+      columns: [{ name: "a" }, { name: "b" }],
+      rows: [
+        [1, "x"],
+        [2, null],
+      ],
+    },
+  } as never;
+  expect(rowsOf(part)).toEqual([
+    { a: 1, b: "x" },
+    { a: 2, b: null },
+  ]);
   expect(rowsOf(undefined)).toEqual([]);
 });

@@ -18,29 +18,61 @@ export interface Made<T> extends Done<T> {
   /** (frames, points, 3), told from the origin of the motion. */
   positions: Float32Array;
 }
-export interface Saving { save?: boolean; name?: string; project?: string }
+export interface Saving {
+  save?: boolean;
+  name?: string;
+  project?: string;
+}
 
-export const resultOf = (id: string, signal?: AbortSignal): Promise<Result> => get("/results/{id}", { path: { id }, signal });
+export const resultOf = (id: string, signal?: AbortSignal): Promise<Result> =>
+  get("/results/{id}", { path: { id }, signal });
 
 /** An array of a part, whole or some of its rows. `single`: as f4. */
-export async function arrayOf(id: string, part: string, array: string, { rows, single, signal }: { rows?: number[]; single?: boolean; signal?: AbortSignal } = {}): Promise<NdArray> {
+export async function arrayOf(
+  id: string,
+  part: string,
+  array: string,
+  { rows, single, signal }: { rows?: number[]; single?: boolean; signal?: AbortSignal } = {},
+): Promise<NdArray> {
   const query = { format: "npy", dtype: single ? "f4" : undefined, row: rows };
   const answer = await fetched(address("/results/{id}/{part}/{array}", { id, part, array }, query), { signal });
   return readNpy(await answer.arrayBuffer());
 }
 
-const asked = (id: string, operation: string, parameters: object, saving: Saving, query: object, signal?: AbortSignal) =>
+const asked = (
+  id: string,
+  operation: string,
+  parameters: object,
+  saving: Saving,
+  query: object,
+  signal?: AbortSignal,
+) =>
   fetched(address("/results/{id}/{operation}", { id, operation }, query), {
-    method: "POST", signal, headers: { "content-type": "application/json" }, body: JSON.stringify({ parameters, ...saving }),
+    method: "POST",
+    signal,
+    headers: { "content-type": "application/json" },
+    body: JSON.stringify({ parameters, ...saving }),
   });
 
 /** Do something with a result; T is the value that its operation answers. */
-export async function useResult<T>(id: string, operation: string, parameters: object, saving: Saving = {}, signal?: AbortSignal): Promise<Done<T>> {
+export async function applyResult<T>(
+  id: string,
+  operation: string,
+  parameters: object,
+  saving: Saving = {},
+  signal?: AbortSignal,
+): Promise<Done<T>> {
   return (await (await asked(id, operation, parameters, saving, {}, signal)).json()) as Done<T>;
 }
 
-/** As useResult, with the motion that it makes as positions: for what follows a slider. */
-export async function makeMotion<T>(id: string, operation: string, parameters: object, saving: Saving = {}, signal?: AbortSignal): Promise<Made<T>> {
+/** As applyResult, with the motion that it makes as positions: for what follows a slider. */
+export async function makeMotion<T>(
+  id: string,
+  operation: string,
+  parameters: object,
+  saving: Saving = {},
+  signal?: AbortSignal,
+): Promise<Made<T>> {
   const answer = await asked(id, operation, parameters, saving, { format: "block" }, signal);
   return readBlock(await answer.arrayBuffer());
 }
@@ -55,5 +87,7 @@ export function readBlock<T>(buffer: ArrayBuffer): Made<T> {
 /** The rows of a table part, each by the names of its columns. */
 export function rowsOf<T = Record<string, unknown>>(part: Part | undefined): T[] {
   const columns = ((part?.data.columns ?? []) as { name: string }[]).map((one) => one.name);
-  return ((part?.data.rows ?? []) as unknown[][]).map((row) => Object.fromEntries(columns.map((name, at) => [name, row[at]])) as T);
+  return ((part?.data.rows ?? []) as unknown[][]).map(
+    (row) => Object.fromEntries(columns.map((name, at) => [name, row[at]])) as T,
+  );
 }

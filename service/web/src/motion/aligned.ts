@@ -2,11 +2,16 @@
 import type { Source } from "./blocks";
 
 /** Consecutive frames of both, from 1. */
-export interface Kept { before: number; after: number; count: number }
+export interface Kept {
+  before: number;
+  after: number;
+  count: number;
+}
 /** Position (from 0) in the other revision of the frame at a position in this one; null where it is not there. */
 export type At = (frame: number) => number | null;
 
-export const turned = (kept: readonly Kept[]): Kept[] => kept.map(({ before, after, count }) => ({ before: after, after: before, count }));
+export const turned = (kept: readonly Kept[]): Kept[] =>
+  kept.map(({ before, after, count }) => ({ before: after, after: before, count }));
 
 /** From positions in the later revision to those in the earlier one. */
 export function alignedBy(kept: readonly Kept[]): At {
@@ -30,7 +35,14 @@ export function pairsOf(kept: readonly Kept[], before: number, after: number): K
 
 /** Every `step`-th frame of the later revision as the earlier one has it: (rows, stride), NaN where it has none. shift: added to
  * positions, as each revision has an origin of its own. */
-export async function earlierRows(source: Pick<Source<Float32Array>, "stride" | "fetch">, kept: readonly Kept[], frames: number, step: number, shift: readonly number[], signal: AbortSignal): Promise<Float32Array> {
+export async function earlierRows(
+  source: Pick<Source<Float32Array>, "stride" | "fetch">,
+  kept: readonly Kept[],
+  frames: number,
+  step: number,
+  shift: readonly number[],
+  signal: AbortSignal,
+): Promise<Float32Array> {
   const { stride } = source;
   const rows = Math.ceil(frames / step);
   const found = new Float32Array(rows * stride).fill(NaN);

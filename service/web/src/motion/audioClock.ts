@@ -1,6 +1,9 @@
 /** The clock of what is heard, told at any moment: readings repeat and jitter, so their distance to the page's clock is smoothed. */
 
-export interface Reading { contextTime?: number; performanceTime?: number }
+export interface Reading {
+  contextTime?: number;
+  performanceTime?: number;
+}
 
 const SHARE = 0.05; // of what a new reading says differently that is taken over; more of the first ones, which are few
 const JUMP = 0.03; // seconds: more than that is no jitter, and taken over whole

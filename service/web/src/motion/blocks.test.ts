@@ -18,7 +18,10 @@ class Server {
         const rows = Array.from({ length: Math.ceil((last - first + 1) / step) }, (_, row) => first - 1 + row * step);
         const answer = () => {
           const values = new Float32Array(rows.length * stride);
-          if (stride < 1000) rows.forEach((frame, row) => { for (let column = 0; column < stride; column++) values[row * stride + column] = value(frame, column); });
+          if (stride < 1000)
+            rows.forEach((frame, row) => {
+              for (let column = 0; column < stride; column++) values[row * stride + column] = value(frame, column);
+            });
           resolve(values);
         };
         signal.addEventListener("abort", () => reject(new DOMException("aborted", "AbortError")));
@@ -35,7 +38,9 @@ class Server {
 
   /** What is on its way, in the order in which it was asked: numbers of blocks, or "coarse". */
   get waiting(): (number | "coarse")[] {
-    return this.asked.filter(({ signal }) => !signal.aborted).map(({ span }) => (span.last === undefined ? "coarse" : (span.first - 1) / BLOCK));
+    return this.asked
+      .filter(({ signal }) => !signal.aborted)
+      .map(({ span }) => (span.last === undefined ? "coarse" : (span.first - 1) / BLOCK));
   }
 
   async answerAll(): Promise<void> {
@@ -63,7 +68,17 @@ describe("the order in which frames are fetched", () => {
     await settled();
     expect(server.waiting.slice(1)).toEqual(["coarse", 51, 52, 53]);
     await server.answerAll();
-    expect([50, 51, 52, 53, 54, 55, 56, 3, 49].map((block) => blocks.has(block * BLOCK))).toEqual([true, true, true, true, true, true, false, true, false]);
+    expect([50, 51, 52, 53, 54, 55, 56, 3, 49].map((block) => blocks.has(block * BLOCK))).toEqual([
+      true,
+      true,
+      true,
+      true,
+      true,
+      true,
+      false,
+      true,
+      false,
+    ]);
   });
 
   it("turns around where the motion plays backwards, and stays inside the clip", async () => {
@@ -136,7 +151,8 @@ describe("a frame", () => {
     for (let frame = 0; frame < frames; frame++) {
       const row = blocks.frame(frame)!;
       expect(row.length).toBe(stride);
-      if (blocks.has(frame)) expect([row[0], row[stride - 1]]).toEqual([value(frame, 0), value(frame, stride - 1)].map(Math.fround));
+      if (blocks.has(frame))
+        expect([row[0], row[stride - 1]]).toEqual([value(frame, 0), value(frame, stride - 1)].map(Math.fround));
       else expect(Math.abs(row[0] - frame)).toBeLessThanOrEqual(step);
     }
   });
@@ -163,14 +179,18 @@ describe("memory", () => {
   });
 
   it("is shared by all that is open, and given back when it is closed, also by two views of one clip", async () => {
-    const [one, two] = [server.blocks(8 * BLOCK, { stride: STRIDE, coarse: false }), server.blocks(8 * BLOCK, { stride: STRIDE, coarse: false })];
+    const [one, two] = [
+      server.blocks(8 * BLOCK, { stride: STRIDE, coarse: false }),
+      server.blocks(8 * BLOCK, { stride: STRIDE, coarse: false }),
+    ];
     for (const blocks of [one, two]) {
       for (let block = 0; block < 8; block++) {
         blocks.want(block * BLOCK);
         await server.answerAll();
       }
     }
-    const held = (blocks: Blocks) => Array.from({ length: 8 }, (_, block) => blocks.has(block * BLOCK)).filter(Boolean).length;
+    const held = (blocks: Blocks) =>
+      Array.from({ length: 8 }, (_, block) => blocks.has(block * BLOCK)).filter(Boolean).length;
     expect(held(one) + held(two)).toBe(12);
     expect(keptBytes()).toBe(room);
     one.close();
@@ -218,7 +238,10 @@ describe("the addresses of numbers", () => {
       asked.push(url);
       return new Response(new Uint8Array(new Float64Array([1, 2, 3]).buffer));
     });
-    const skeleton = { points: 2, view: { frames: 1000, columns: ["a.Tx", "a.Ty", "a.Tz", "b.Rx"] } } as unknown as Skeleton;
+    const skeleton = {
+      points: 2,
+      view: { frames: 1000, columns: ["a.Tx", "a.Ty", "a.Tz", "b.Rx"] },
+    } as unknown as Skeleton;
     const positions = positionsOf("u", 4, skeleton);
     expect([positions.stride, positions.frames, positions.coarse]).toEqual([6, 1000, true]);
     expect((await positions.fetch({ first: 257, last: 512 }, new AbortController().signal)).length).toBe(6);

@@ -89,7 +89,10 @@ export class Blocks<T extends Numbers = Float32Array> {
     const block = this.blocks.get(number);
     if (block) return this.row(block, index - number * BLOCK);
     if (!this.coarse) return null;
-    return this.row(this.coarse, Math.min(Math.round(index / this.coarseStep), this.coarse.length / this.source.stride - 1));
+    return this.row(
+      this.coarse,
+      Math.min(Math.round(index / this.coarseStep), this.coarse.length / this.source.stride - 1),
+    );
   }
 
   private row(block: T, place: number): T {
@@ -112,9 +115,12 @@ export class Blocks<T extends Numbers = Float32Array> {
     const last = Math.ceil(this.source.frames / BLOCK) - 1;
     const ahead = perSecond ? Math.max(1, Math.ceil((AHEAD_SECONDS * perSecond) / BLOCK)) : 0;
     const next = Array.from({ length: ahead }, (_, by) => here + (by + 1) * (direction || 1));
-    const inside = (blocks: number[]) => blocks.filter((block) => block >= 0 && block <= last && !this.blocks.has(block));
+    const inside = (blocks: number[]) =>
+      blocks.filter((block) => block >= 0 && block <= last && !this.blocks.has(block));
     const overview = !this.coarse && this.source.coarse && last > 0 ? [OVERVIEW] : [];
-    const wanted = [...new Set([...inside([here]), ...overview, ...inside(next), ...inside([Math.floor(loopStart / BLOCK)])])];
+    const wanted = [
+      ...new Set([...inside([here]), ...overview, ...inside(next), ...inside([Math.floor(loopStart / BLOCK)])]),
+    ];
     for (const [block, stop] of this.asked) {
       if (wanted.includes(block) || block === OVERVIEW) continue;
       stop.abort();
@@ -176,7 +182,16 @@ export const positionsOf = (id: string, revision: number, skeleton: Skeleton): S
   stride: skeleton.points * 3,
   coarse: true,
   fetch: async (span, signal) => {
-    const query = { revision, ...span, space: "positions", format: "block", dtype: "f4", origin: "subtract", missing: "nan", tips: true };
+    const query = {
+      revision,
+      ...span,
+      space: "positions",
+      format: "block",
+      dtype: "f4",
+      origin: "subtract",
+      missing: "nan",
+      tips: true,
+    };
     return new Float32Array(await bytes(id, query, signal));
   },
 });
@@ -186,7 +201,8 @@ export const channelsOf = (id: string, revision: number, skeleton: Skeleton): So
   frames: skeleton.view.frames,
   stride: skeleton.view.columns.length,
   coarse: false,
-  fetch: async (span, signal) => new Float64Array(await bytes(id, { revision, ...span, format: "block", dtype: "f8" }, signal)),
+  fetch: async (span, signal) =>
+    new Float64Array(await bytes(id, { revision, ...span, format: "block", dtype: "f8" }, signal)),
 });
 
 /** The channels of one bone over the whole clip: (frames, channels). */
@@ -195,7 +211,12 @@ export async function curvesOf(id: string, revision: number, bone: string, signa
 }
 
 /** A quantity of the body (`height:left_hand`) in all frames, NaN where unknown: (frames,). */
-export async function quantityOf(id: string, revision: number, quantity: string, signal: AbortSignal): Promise<Float64Array> {
+export async function quantityOf(
+  id: string,
+  revision: number,
+  quantity: string,
+  signal: AbortSignal,
+): Promise<Float64Array> {
   return new Float64Array(await bytes(id, { revision, quantity, format: "block", dtype: "f8" }, signal));
 }
 

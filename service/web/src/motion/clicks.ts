@@ -1,6 +1,9 @@
 /** Clicks of a grid of beats, a little ahead of the time at which they sound. */
 
-export interface Click { time: number; first: boolean }
+export interface Click {
+  time: number;
+  first: boolean;
+}
 
 /** Beats of a grid from `from` on and before `to`, seconds; `first`: the first of a bar of four. */
 export function clicksBetween(grid: ArrayLike<number>, from: number, to: number): Click[] {

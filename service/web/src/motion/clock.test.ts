@@ -17,8 +17,14 @@ describe("the time of a frame", () => {
 
   it("goes on, whatever the rate", () => {
     for (const spacing of [1 / 24, 1 / 25, 1 / 30, 0.0333333, 0.0083333, 1 / 120, 0.008333, 1 / 59.94]) {
-      const parts = Array.from({ length: 700 }, (_, frame) => clock(frame, 1 / spacing, true).split(":").map(Number));
-      const counted = parts.map(([hours, minutes, seconds, frame]) => ((hours * 60 + minutes) * 60 + seconds) * 1000 + frame);
+      const parts = Array.from({ length: 700 }, (_, frame) =>
+        clock(frame, 1 / spacing, true)
+          .split(":")
+          .map(Number),
+      );
+      const counted = parts.map(
+        ([hours, minutes, seconds, frame]) => ((hours * 60 + minutes) * 60 + seconds) * 1000 + frame,
+      );
       expect(counted.filter((one, index) => index && one <= counted[index - 1])).toEqual([]);
       const most = Math.round(1 / spacing);
       expect(parts.filter(([, , , frame]) => frame >= most)).toEqual([]);

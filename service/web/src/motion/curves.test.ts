@@ -5,7 +5,9 @@ import { scaled, shifted, smoothed, unwrapped } from "./curves";
 const curve = (seed: number, gaps: boolean): number[] => {
   const draw = random(seed);
   let value = 0;
-  return Array.from({ length: draw.whole(1, 60) }, () => (gaps && draw() < 0.15 ? NaN : (value += (draw() - 0.5) * 300)));
+  return Array.from({ length: draw.whole(1, 60) }, () =>
+    gaps && draw() < 0.15 ? NaN : (value += (draw() - 0.5) * 300),
+  );
 };
 const there = (values: ArrayLike<number>) => Array.from(values).filter((one) => !Number.isNaN(one));
 
@@ -30,7 +32,10 @@ describe("unwrapped angles", () => {
     const wrapped = whole.map((one) => one - 360 * Math.round(one / 360));
     const turns = whole[0] - wrapped[0];
     unwrapped(wrapped).forEach((one, index) => expect(one + turns).toBeCloseTo(whole[index], 6));
-    const radians = unwrapped(wrapped.map((one) => (one * Math.PI) / 180), 2 * Math.PI);
+    const radians = unwrapped(
+      wrapped.map((one) => (one * Math.PI) / 180),
+      2 * Math.PI,
+    );
     radians.forEach((one, index) => expect((one * 180) / Math.PI + turns).toBeCloseTo(whole[index], 6));
   });
 });
@@ -55,8 +60,14 @@ describe("a smoothed stretch", () => {
       const found = smoothed(values, width);
       const [fade, last] = [Math.ceil(width), values.length - 1];
       values.forEach((value, at) => {
-        if (Number.isNaN(value)) return expect(found[at]).toBeNaN();
-        if (at === 0 || at === last) return last > 1 && expect(found[at]).toBe(value);
+        if (Number.isNaN(value)) {
+          expect(found[at]).toBeNaN();
+          return;
+        }
+        if (at === 0 || at === last) {
+          last > 1 && expect(found[at]).toBe(value);
+          return;
+        }
         if (Math.min(at, last - at) >= fade) expect(found[at]).toBeCloseTo(obvious(values, at, width), 9);
         else {
           const [low, high] = [value, obvious(values, at, width)].sort((a, b) => a - b);
@@ -68,7 +79,8 @@ describe("a smoothed stretch", () => {
   });
 
   it("leaves what is even as it is", () => {
-    for (const found of [smoothed([4, 4, 4, 4, 4], 2), smoothed([4], 3)]) found.forEach((one) => expect(one).toBeCloseTo(4, 12));
+    for (const found of [smoothed([4, 4, 4, 4, 4], 2), smoothed([4], 3)])
+      found.forEach((one) => expect(one).toBeCloseTo(4, 12));
     expect([...smoothed([], 2)]).toEqual([]);
   });
 });
@@ -78,8 +90,12 @@ describe("scaling and shifting", () => {
     for (let seed = 0; seed < 60; seed++) {
       const values = curve(seed, true);
       const mean = there(values).reduce((sum, one) => sum + one, 0) / there(values).length;
-      scaled(values, 0.5).forEach((one, at) => (Number.isNaN(values[at]) ? expect(one).toBeNaN() : expect(one - mean).toBeCloseTo((values[at] - mean) / 2, 9)));
-      shifted(values, 3).forEach((one, at) => (Number.isNaN(values[at]) ? expect(one).toBeNaN() : expect(one).toBe(values[at] + 3)));
+      scaled(values, 0.5).forEach((one, at) =>
+        Number.isNaN(values[at]) ? expect(one).toBeNaN() : expect(one - mean).toBeCloseTo((values[at] - mean) / 2, 9),
+      );
+      shifted(values, 3).forEach((one, at) =>
+        Number.isNaN(values[at]) ? expect(one).toBeNaN() : expect(one).toBe(values[at] + 3),
+      );
     }
     expect([...scaled([], 2)]).toEqual([]);
   });

@@ -42,7 +42,11 @@ export function smoothed(values: ArrayLike<number>, width: number): Float64Array
 /** Times a factor about the mean. */
 export function scaled(values: ArrayLike<number>, factor: number): Float64Array {
   let [sum, count] = [0, 0];
-  for (let at = 0; at < values.length; at++) if (values[at] === values[at]) { sum += values[at]; count++; }
+  for (let at = 0; at < values.length; at++)
+    if (values[at] === values[at]) {
+      sum += values[at];
+      count++;
+    }
   const mean = count ? sum / count : 0;
   return Float64Array.from({ length: values.length }, (_, at) => mean + (values[at] - mean) * factor);
 }

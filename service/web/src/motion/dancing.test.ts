@@ -1,7 +1,18 @@
 import { describe, expect, it } from "vitest";
 import { AudioClock } from "./audioClock";
 import { clicksBetween } from "./clicks";
-import { accepted, movedBeat, nearestBeat, readAllowed, snapped, toggled, withBeat, withoutBeat, writeAllowed, type Beat } from "./dancing";
+import {
+  accepted,
+  movedBeat,
+  nearestBeat,
+  readAllowed,
+  snapped,
+  toggled,
+  withBeat,
+  withoutBeat,
+  writeAllowed,
+  type Beat,
+} from "./dancing";
 import { layOut } from "./layout";
 import { peaksOf } from "./peaks";
 import { tapped, tempoOf } from "./tempo";
@@ -26,7 +37,11 @@ describe("tapping", () => {
 });
 
 describe("beats", () => {
-  const beats: Beat[] = [{ at: 0.5, kind: "detected" }, { at: 1, kind: "tracked" }, { at: 1.5, kind: "detected" }];
+  const beats: Beat[] = [
+    { at: 0.5, kind: "detected" },
+    { at: 1, kind: "tracked" },
+    { at: 1.5, kind: "detected" },
+  ];
 
   it("snap to the nearest minimum that is near enough", () => {
     expect(snapped(1.02, [0.5, 0.99, 1.06], 0.05)).toBe(0.99);
@@ -36,7 +51,11 @@ describe("beats", () => {
   it("are added, moved and taken away, and stay in order", () => {
     expect(withBeat(beats, 0.7).map((one) => one.at)).toEqual([0.5, 0.7, 1, 1.5]);
     expect(withBeat(beats, 1.01)).toEqual([beats[0], { at: 1.01, kind: "hand" }, beats[2]]);
-    expect(movedBeat(beats, 0, 1.2).map((one) => [one.at, one.kind])).toEqual([[1, "tracked"], [1.2, "hand"], [1.5, "detected"]]);
+    expect(movedBeat(beats, 0, 1.2).map((one) => [one.at, one.kind])).toEqual([
+      [1, "tracked"],
+      [1.2, "hand"],
+      [1.5, "detected"],
+    ]);
     expect(withoutBeat(beats, 1)).toEqual([beats[0], beats[2]]);
     expect(movedBeat(beats, 0, -3)[0].at).toBe(0);
     expect(beats).toHaveLength(3);
@@ -70,7 +89,12 @@ describe("clicks", () => {
     for (let from = 0; from < 9; from += 0.1) all.push(...clicksBetween(grid, from, Math.min(9, from + 0.1)));
     expect(all.length).toBeGreaterThanOrEqual(17);
     expect(clicksBetween(grid, 0, 9)).toHaveLength(17);
-    expect(clicksBetween(grid, 0, 2)).toEqual([{ time: 0, first: true }, { time: 0.5, first: false }, { time: 1, first: false }, { time: 1.5, first: false }]);
+    expect(clicksBetween(grid, 0, 2)).toEqual([
+      { time: 0, first: true },
+      { time: 0.5, first: false },
+      { time: 1, first: false },
+      { time: 1.5, first: false },
+    ]);
     expect(clicksBetween(grid, 2, 2.4)).toEqual([{ time: 2, first: true }]);
     expect(clicksBetween(grid, 20, 30)).toEqual([]);
   });
@@ -114,10 +138,17 @@ describe("the clock of what is heard", () => {
 
 describe("the layout of a graph", () => {
   it("keeps what is joined together, nobody in the same place, the same each time", () => {
-    const links = [0, 5].flatMap((first) => [0, 1, 2, 3, 4].flatMap((a) => [0, 1, 2, 3, 4].filter((b) => b > a).map((b) => ({ from: first + a, to: first + b, distance: 0.02, natural: false }))));
+    const links = [0, 5].flatMap((first) =>
+      [0, 1, 2, 3, 4].flatMap((a) =>
+        [0, 1, 2, 3, 4]
+          .filter((b) => b > a)
+          .map((b) => ({ from: first + a, to: first + b, distance: 0.02, natural: false })),
+      ),
+    );
     const places = layOut(10, links);
     expect(layOut(10, links)).toEqual(places);
-    const away = (a: number, b: number) => Math.hypot(places[a * 2] - places[b * 2], places[a * 2 + 1] - places[b * 2 + 1]);
+    const away = (a: number, b: number) =>
+      Math.hypot(places[a * 2] - places[b * 2], places[a * 2 + 1] - places[b * 2 + 1]);
     const mean = (values: number[]) => values.reduce((sum, one) => sum + one, 0) / values.length;
     const apart = [0, 1, 2, 3, 4].flatMap((a) => [5, 6, 7, 8, 9].map((b) => away(a, b)));
     expect(mean(links.map((one) => away(one.from, one.to)))).toBeLessThan(0.7 * mean(apart));
@@ -126,7 +157,12 @@ describe("the layout of a graph", () => {
   });
 
   it("is made of hundreds of bars", () => {
-    const links = Array.from({ length: 1500 }, (_, at) => ({ from: (at * 7) % 300, to: (at * 13 + 1) % 300, distance: (at % 10) / 100, natural: at % 30 === 0 }));
+    const links = Array.from({ length: 1500 }, (_, at) => ({
+      from: (at * 7) % 300,
+      to: (at * 13 + 1) % 300,
+      distance: (at % 10) / 100,
+      natural: at % 30 === 0,
+    }));
     const places = layOut(300, links);
     expect(places.every(Number.isFinite)).toBe(true);
     expect(layOut(300, links, places)).toHaveLength(600);

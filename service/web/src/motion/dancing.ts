@@ -1,7 +1,10 @@
 /** Beats of a clip as a person corrects them, and what may be danced where. Seconds from the first frame. */
 
 export type BeatKind = "detected" | "tracked" | "hand";
-export interface Beat { at: number; kind: BeatKind }
+export interface Beat {
+  at: number;
+  kind: BeatKind;
+}
 
 const SAME = 0.02; // seconds within which two beats are one
 
@@ -19,14 +22,17 @@ export function snapped(at: number, minima: readonly number[], within: number): 
 const ordered = (beats: readonly Beat[]): Beat[] => [...beats].sort((a, b) => a.at - b.at);
 
 /** Beats with one more, set by hand; one that is there already becomes so. */
-export const withBeat = (beats: readonly Beat[], at: number): Beat[] => ordered([...beats.filter((one) => Math.abs(one.at - at) > SAME), { at: Math.max(0, at), kind: "hand" }]);
+export const withBeat = (beats: readonly Beat[], at: number): Beat[] =>
+  ordered([...beats.filter((one) => Math.abs(one.at - at) > SAME), { at: Math.max(0, at), kind: "hand" }]);
 
 export const withoutBeat = (beats: readonly Beat[], index: number): Beat[] => beats.filter((_, at) => at !== index);
 
-export const movedBeat = (beats: readonly Beat[], index: number, at: number): Beat[] => withBeat(withoutBeat(beats, index), at);
+export const movedBeat = (beats: readonly Beat[], index: number, at: number): Beat[] =>
+  withBeat(withoutBeat(beats, index), at);
 
 /** All tracked beats as a person's own: later runs do not lose them. */
-export const accepted = (beats: readonly Beat[]): Beat[] => beats.map((one) => (one.kind === "tracked" ? { ...one, kind: "hand" } : one));
+export const accepted = (beats: readonly Beat[]): Beat[] =>
+  beats.map((one) => (one.kind === "tracked" ? { ...one, kind: "hand" } : one));
 
 /** The beat nearest to a moment; -1 where none is near enough. */
 export function nearestBeat(beats: readonly Beat[], at: number, within: number): number {
@@ -46,13 +52,22 @@ export function readAllowed(text: string): Map<number, number[]> {
   const found = new Map<number, number[]>();
   for (const part of text.split(",")) {
     const [position, bars] = part.split(":");
-    const numbers = (bars ?? "").split(".").map(Number).filter((one) => Number.isInteger(one) && one > 0);
-    if (Number.isInteger(Number(position)) && Number(position) > 0 && numbers.length) found.set(Number(position), numbers);
+    const numbers = (bars ?? "")
+      .split(".")
+      .map(Number)
+      .filter((one) => Number.isInteger(one) && one > 0);
+    if (Number.isInteger(Number(position)) && Number(position) > 0 && numbers.length)
+      found.set(Number(position), numbers);
   }
   return found;
 }
 
-export const writeAllowed = (allowed: Allowed): string => [...allowed].filter(([, bars]) => bars.length).sort(([a], [b]) => a - b).map(([position, bars]) => `${position}:${bars.join(".")}`).join(",");
+export const writeAllowed = (allowed: Allowed): string =>
+  [...allowed]
+    .filter(([, bars]) => bars.length)
+    .sort(([a], [b]) => a - b)
+    .map(([position, bars]) => `${position}:${bars.join(".")}`)
+    .join(",");
 
 /** A bar allowed at a position, or no longer. */
 export function toggled(allowed: Allowed, position: number, bar: number): Map<number, number[]> {

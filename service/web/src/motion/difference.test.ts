@@ -11,7 +11,10 @@ describe("two motions of one skeleton", () => {
     then[(1 * 3 + 2) * 3] = 9; // a tip
     then[0] = NaN; // not seen
     const found = apart(now, then, 3, 2, 0.01);
-    expect(found.map(({ joint, at }) => [joint, at])).toEqual([[1, 2], [0, 3]]);
+    expect(found.map(({ joint, at }) => [joint, at])).toEqual([
+      [1, 2],
+      [0, 3],
+    ]);
     expect(found[0].most).toBeCloseTo(0.05);
     expect([...found[0].away].map((one) => Math.round(one * 1000))).toEqual([0, 0, 50, 0]);
     expect(apart(now, now, 3, 3, 1)).toEqual([]);

@@ -18,9 +18,13 @@ export function apart(now: Float32Array, then: Float32Array, points: number, joi
     let [most, at] = [0, 0];
     for (let row = 0; row < rows; row++) {
       const place = (row * points + joint) * 3;
-      away[row] = Math.hypot(now[place] - then[place], now[place + 1] - then[place + 1], now[place + 2] - then[place + 2]) * metres || 0;
+      away[row] =
+        Math.hypot(now[place] - then[place], now[place + 1] - then[place + 1], now[place + 2] - then[place + 2]) *
+          metres || 0;
       if (away[row] > most) [most, at] = [away[row], row];
     }
     return { joint, away, most, at };
-  }).filter((one) => one.most > LEAST).sort((a, b) => b.most - a.most);
+  })
+    .filter((one) => one.most > LEAST)
+    .sort((a, b) => b.most - a.most);
 }

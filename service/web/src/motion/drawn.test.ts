@@ -5,12 +5,15 @@ import { columnsOf, posed } from "./kinematics";
 import { skeletonOf, type Skeleton } from "./skeleton";
 
 // Node has its own fetch, but no older Node has a navigator.
-vi.hoisted(() => { (globalThis as { navigator?: object }).navigator ??= {}; });
+vi.hoisted(() => {
+  (globalThis as { navigator?: object }).navigator ??= {};
+});
 // A repository that the tests in Python serve, and what is in it.
 const { MCML_SERVER, MCML_DOCUMENTS } = process.env;
 const documents: [string, string][] = MCML_SERVER ? JSON.parse(MCML_DOCUMENTS!) : [];
 const answers = globalThis.fetch;
-if (MCML_SERVER) vi.stubGlobal("fetch", (url: string, init: RequestInit) => answers(`${MCML_SERVER}${url}`, { signal: init.signal }));
+if (MCML_SERVER)
+  vi.stubGlobal("fetch", (url: string, init: RequestInit) => answers(`${MCML_SERVER}${url}`, { signal: init.signal }));
 
 async function read(id: string, query: object): Promise<ArrayBuffer> {
   return (await fetch(address("/documents/{id}/frames", { id }, { format: "block", ...query }), {})).arrayBuffer();
@@ -48,7 +51,8 @@ describe.skipIf(!documents.length)("what is drawn", () => {
         const wanted = seen[frame * stride + at];
         const away = Number.isNaN(wanted) && Number.isNaN(drawn[at]) ? 0 : Math.abs(wanted - drawn[at]);
         if (Number.isNaN(wanted)) holes++;
-        if (away > worst || Number.isNaN(away)) [worst, where] = [away, `frame ${frame + 1}, point ${Math.floor(at / 3)}: ${wanted} but ${drawn[at]}`];
+        if (away > worst || Number.isNaN(away))
+          [worst, where] = [away, `frame ${frame + 1}, point ${Math.floor(at / 3)}: ${wanted} but ${drawn[at]}`];
         if (Number.isNaN(worst)) break;
       }
       if (Number.isNaN(worst)) break;
@@ -60,7 +64,10 @@ describe.skipIf(!documents.length)("what is drawn", () => {
     const view = await get("/documents/{id}/skeleton", { path: { id } });
     const skeleton = skeletonOf(view);
     for (const [source, query] of [
-      [positionsOf(id, view.revision, skeleton), { space: "positions", origin: "subtract", tips: true, missing: "nan", dtype: "f4" }],
+      [
+        positionsOf(id, view.revision, skeleton),
+        { space: "positions", origin: "subtract", tips: true, missing: "nan", dtype: "f4" },
+      ],
       [channelsOf(id, view.revision, skeleton), { dtype: "f8" }],
     ] as const) {
       const bytes = await read(id, { ...query, revision: view.revision });
@@ -71,8 +78,12 @@ describe.skipIf(!documents.length)("what is drawn", () => {
         await vi.waitFor(() => expect(blocks.has(frame)).toBe(true), { timeout: 10_000, interval: 2 });
       }
       for (let frame = 0; frame < view.frames; frame++) {
-        const [row, whole] = [blocks.frame(frame)!, wanted.subarray(frame * source.stride, (frame + 1) * source.stride)];
-        if (row.length !== whole.length || row.some((value, at) => !Object.is(value, whole[at]))) expect(row, `frame ${frame + 1}`).toEqual(whole);
+        const [row, whole] = [
+          blocks.frame(frame)!,
+          wanted.subarray(frame * source.stride, (frame + 1) * source.stride),
+        ];
+        if (row.length !== whole.length || row.some((value, at) => !Object.is(value, whole[at])))
+          expect(row, `frame ${frame + 1}`).toEqual(whole);
       }
       expect(blocks.trouble.value).toBeNull();
       blocks.close();

@@ -2,12 +2,19 @@ import { describe, expect, it } from "vitest";
 import { bind, facingOf, fitted, follow, seenFrom, surfaceOf } from "./faces";
 
 /** A bulged plate of markers, 11 by 11, looking along +Z with Y up; turned so that `axes` are its right, up, out. */
-function face(axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]): Float32Array {
+function face(
+  axes = [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+  ],
+): Float32Array {
   const found: number[] = [];
-  for (let row = -5; row <= 5; row++) for (let column = -5; column <= 5; column++) {
-    const own = [column * 14, row * 20, 60 - (column * column) * 2 - row * row];
-    found.push(...[0, 1, 2].map((axis) => axes.reduce((sum, one, place) => sum + one[axis] * own[place], 0)));
-  }
+  for (let row = -5; row <= 5; row++)
+    for (let column = -5; column <= 5; column++) {
+      const own = [column * 14, row * 20, 60 - column * column * 2 - row * row];
+      found.push(...[0, 1, 2].map((axis) => axes.reduce((sum, one, place) => sum + one[axis] * own[place], 0)));
+    }
   return Float32Array.from(found);
 }
 
@@ -17,8 +24,28 @@ describe("faces of markers", () => {
   it("are seen from where they bulge, upright", () => {
     close(facingOf(face(), "Y").out, [0, 0, 1]);
     close(facingOf(face(), "Y").right, [1, 0, 0]);
-    close(facingOf(face([[-1, 0, 0], [0, 1, 0], [0, 0, -1]]), "Y").out, [0, 0, -1]);
-    close(facingOf(face([[0, 1, 0], [0, 0, 1], [1, 0, 0]]), "Z").out, [1, 0, 0]);
+    close(
+      facingOf(
+        face([
+          [-1, 0, 0],
+          [0, 1, 0],
+          [0, 0, -1],
+        ]),
+        "Y",
+      ).out,
+      [0, 0, -1],
+    );
+    close(
+      facingOf(
+        face([
+          [0, 1, 0],
+          [0, 0, 1],
+          [1, 0, 0],
+        ]),
+        "Z",
+      ).out,
+      [1, 0, 0],
+    );
   });
 
   it("have a surface that faces the eye and leaves none of them out", () => {
@@ -28,7 +55,10 @@ describe("faces of markers", () => {
     expect(new Set(triangles).size).toBe(121);
     const places = seenFrom(facing, markers);
     for (let at = 0; at < triangles.length; at += 3) {
-      const [a, b, c] = [0, 1, 2].map((corner) => [places[triangles[at + corner] * 2], places[triangles[at + corner] * 2 + 1]]);
+      const [a, b, c] = [0, 1, 2].map((corner) => [
+        places[triangles[at + corner] * 2],
+        places[triangles[at + corner] * 2 + 1],
+      ]);
       expect((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).toBeGreaterThan(0);
     }
     const gone = markers.slice();
@@ -49,11 +79,17 @@ describe("faces of markers", () => {
     expect(now[4]).toBeCloseTo(mesh[4] - 3, 3);
     const shifted = markers.map((value, at) => (at % 3 === 1 ? value + 7 : value));
     follow(bound, markers, shifted, now);
-    expect([...now]).toEqual([...mesh].map((value, at) => expect.closeTo(at % 3 === 1 ? value + 7 : value, 3) as never));
+    expect([...now]).toEqual(
+      [...mesh].map((value, at) => expect.closeTo(at % 3 === 1 ? value + 7 : value, 3) as never),
+    );
   });
 
   it("have meshes of any size put where they are", () => {
-    const markers = face([[0, 1, 0], [0, 0, 1], [1, 0, 0]]);
+    const markers = face([
+      [0, 1, 0],
+      [0, 0, 1],
+      [1, 0, 0],
+    ]);
     const small = face().map((value) => value / 1000 + 3);
     const put = fitted(small, markers, facingOf(markers, "Z"));
     put.forEach((value, at) => expect(value).toBeCloseTo(markers[at], 1));

@@ -2,14 +2,25 @@
 import Delaunator from "delaunator";
 
 /** Columns x, y, z: where right, up and towards the eye are, as unit vectors. */
-export interface Facing { right: number[]; up: number[]; out: number[] }
+export interface Facing {
+  right: number[];
+  up: number[];
+  out: number[];
+}
 
 const LONGEST = 3.2; // median edges; longer ones lead over the rim of the face
 const NEAREST = 4; // markers that move a vertex
 
 const dot = (a: ArrayLike<number>, b: ArrayLike<number>): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const cross = (a: number[], b: number[]): number[] => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const unit = (a: number[]): number[] => { const size = Math.hypot(...a) || 1; return a.map((one) => one / size); };
+const cross = (a: number[], b: number[]): number[] => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
+const unit = (a: number[]): number[] => {
+  const size = Math.hypot(...a) || 1;
+  return a.map((one) => one / size);
+};
 
 /** From where a face is seen: out is where it bulges to; up is the stated axis, as far as the face stands by it. */
 export function facingOf(markers: Float32Array, up: string): Facing {
@@ -65,14 +76,20 @@ export function seenFrom(facing: Facing, markers: Float32Array): Float32Array {
 /** Triangles between markers: Delaunay's of the neutral face as it is seen, without those over the rim. */
 export function surfaceOf(facing: Facing, neutral: Float32Array): Uint32Array {
   const places = seenFrom(facing, neutral);
-  const there = Array.from({ length: neutral.length / 3 }, (_, at) => at).filter((at) => !Number.isNaN(neutral[at * 3]));
+  const there = Array.from({ length: neutral.length / 3 }, (_, at) => at).filter(
+    (at) => !Number.isNaN(neutral[at * 3]),
+  );
   if (there.length < 3) return new Uint32Array(0);
   const { triangles } = new Delaunator(Float64Array.from(there.flatMap((at) => [places[at * 2], places[at * 2 + 1]])));
-  const long = (a: number, b: number) => Math.hypot(...[0, 1, 2].map((axis) => neutral[a * 3 + axis] - neutral[b * 3 + axis]));
+  const long = (a: number, b: number) =>
+    Math.hypot(...[0, 1, 2].map((axis) => neutral[a * 3 + axis] - neutral[b * 3 + axis]));
   const found: { corners: number[]; longest: number }[] = [];
   for (let at = 0; at < triangles.length; at += 3) {
     const corners = [triangles[at], triangles[at + 1], triangles[at + 2]].map((one) => there[one]);
-    found.push({ corners, longest: Math.max(long(corners[0], corners[1]), long(corners[1], corners[2]), long(corners[2], corners[0])) });
+    found.push({
+      corners,
+      longest: Math.max(long(corners[0], corners[1]), long(corners[1], corners[2]), long(corners[2], corners[0])),
+    });
   }
   const sorted = found.map((one) => one.longest).sort((one, other) => one - other);
   const limit = LONGEST * (sorted[sorted.length >> 1] ?? 0);
@@ -81,7 +98,11 @@ export function surfaceOf(facing: Facing, neutral: Float32Array): Uint32Array {
 }
 
 /** Of each vertex of a surface the markers that move it, and how much: the nearest in the neutral face, by distance. */
-export interface Binding { markers: Int32Array; weights: Float32Array; rest: Float32Array }
+export interface Binding {
+  markers: Int32Array;
+  weights: Float32Array;
+  rest: Float32Array;
+}
 
 export function bind(vertices: Float32Array, neutral: Float32Array): Binding {
   const count = vertices.length / 3;
@@ -135,7 +156,11 @@ export function fitted(vertices: Float32Array, neutral: Float32Array, facing: Fa
     }
     return [least, most];
   };
-  const own = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+  const own = [
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+  ];
   const to = [facing.right, facing.up, facing.out];
   const from = own.map((axis) => box(vertices, axis));
   const goal = to.map((axis) => box(neutral, axis));
@@ -145,9 +170,12 @@ export function fitted(vertices: Float32Array, neutral: Float32Array, facing: Fa
     // Sides and height meet in their middles; depth by the foremost point, which is the nose of both.
     const along = own.map((_, axis) => {
       const value = vertices[at + axis];
-      return axis === 2 ? goal[2][1] + (value - from[2][1]) * scale : (goal[axis][0] + goal[axis][1]) / 2 + (value - (from[axis][0] + from[axis][1]) / 2) * scale;
+      return axis === 2
+        ? goal[2][1] + (value - from[2][1]) * scale
+        : (goal[axis][0] + goal[axis][1]) / 2 + (value - (from[axis][0] + from[axis][1]) / 2) * scale;
     });
-    for (let axis = 0; axis < 3; axis++) found[at + axis] = to[0][axis] * along[0] + to[1][axis] * along[1] + to[2][axis] * along[2];
+    for (let axis = 0; axis < 3; axis++)
+      found[at + axis] = to[0][axis] * along[0] + to[1][axis] * along[1] + to[2][axis] * along[2];
   }
   return found;
 }

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { Grid } from "./grid";
 
-const random = (seed: number) => () => ((seed = (seed * 1103515245 + 12345) % 2147483648) / 2147483648);
+const random = (seed: number) => () => (seed = (seed * 1103515245 + 12345) % 2147483648) / 2147483648;
 
 describe("points found by their place", () => {
   it.each([1, 7, 500, 3000])("among %i, as looking at each", (count) => {

@@ -37,7 +37,8 @@ export class Grid {
     for (let at = 0; at < count; at++) this.order[next[owner[at]]++] = at;
   }
 
-  private column = (x: number): number => Math.max(0, Math.min(this.columns - 1, Math.floor((x - this.left) / this.size)));
+  private column = (x: number): number =>
+    Math.max(0, Math.min(this.columns - 1, Math.floor((x - this.left) / this.size)));
   private row = (y: number): number => Math.max(0, Math.min(this.rows - 1, Math.floor((y - this.low) / this.size)));
 
   /** The point nearest to a place, no farther than `within`; -1 where none is. */

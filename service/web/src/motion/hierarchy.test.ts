@@ -6,12 +6,17 @@ describe("the picture of a hierarchy", () => {
   it("has parents in the middle of their children, and no two nodes in one place", () => {
     for (let seed = 0; seed < 100; seed++) {
       const draw = random(seed);
-      const parents = Array.from({ length: draw.whole(1, 40) }, (_, node) => (node && draw() < 0.95 ? draw.whole(0, node - 1) : -1));
+      const parents = Array.from({ length: draw.whole(1, 40) }, (_, node) =>
+        node && draw() < 0.95 ? draw.whole(0, node - 1) : -1,
+      );
       const { places, width, height } = tidy(parents);
       const depth = (node: number): number => (parents[node] < 0 ? 0 : 1 + depth(parents[node]));
       parents.forEach((parent, node) => {
         expect(places[node].x).toBe(depth(node));
-        const below = parents.map((_, other) => other).filter((other) => parents[other] === node).map((other) => places[other].y);
+        const below = parents
+          .map((_, other) => other)
+          .filter((other) => parents[other] === node)
+          .map((other) => places[other].y);
         if (below.length) expect(places[node].y).toBeCloseTo((Math.min(...below) + Math.max(...below)) / 2, 9);
         else expect(Number.isInteger(places[node].y)).toBe(true);
         if (parent >= 0) expect(places[node].x).toBe(places[parent].x + 1);

@@ -1,5 +1,8 @@
 /** A tidy picture of a hierarchy: depth to the right, leaves below each other, parents in the middle of their children. */
-export interface Place { x: number; y: number }
+export interface Place {
+  x: number;
+  y: number;
+}
 
 /** Places of nodes, in units of levels and of leaves. parents: -1 at roots; parents stand before children. */
 export function tidy(parents: ArrayLike<number>): { places: Place[]; width: number; height: number } {

@@ -8,7 +8,8 @@ import type { Skeleton, SkeletonView } from "./skeleton";
 type Bone = SkeletonView["bones"][number];
 
 /** Where each channel stands among the numbers of a frame: "Root.Tx" to its place. */
-export const columnsOf = (view: SkeletonView): Map<string, number> => new Map(view.columns.map((column, place) => [column, place]));
+export const columnsOf = (view: SkeletonView): Map<string, number> =>
+  new Map(view.columns.map((column, place) => [column, place]));
 
 /** Positions (points, 3) from the clip's origin. values: the frame's channels by column. NaN, as the server answers with
  * `missing=nan`, where a sample that a point hangs on is missing: of its joint, or of one above. */
@@ -26,7 +27,10 @@ export function posed(skeleton: Skeleton, columns: Map<string, number>, values: 
       return found === null || Number.isNaN(found) ? null : found;
     };
     scales.push(scaleOf(bone, value("SF")));
-    hidden.push((bone.parent >= 0 && hidden[bone.parent]) || bone.channels.some((channel) => channel !== "residual" && value(channel) === null));
+    hidden.push(
+      (bone.parent >= 0 && hidden[bone.parent]) ||
+        bone.channels.some((channel) => channel !== "residual" && value(channel) === null),
+    );
     const above = bone.parent >= 0 ? view.bones[bone.parent] : null;
     const moved = translation(bone, above, above ? scales[bone.parent] : 1, value);
     const turned = rotation(bone, value, view.radians);
@@ -40,13 +44,16 @@ export function posed(skeleton: Skeleton, columns: Map<string, number>, values: 
       where.push(moved);
       turns.push(turned);
     }
-    for (let axis = 0; axis < 3; axis++) positions[index * 3 + axis] = hidden[index] ? NaN : where[index][axis] - view.origin[axis];
+    for (let axis = 0; axis < 3; axis++)
+      positions[index * 3 + axis] = hidden[index] ? NaN : where[index][axis] - view.origin[axis];
   });
   view.tips.forEach((tip, place) => {
     const scale = scales[tip.bone];
     const along = rotate(turns[tip.bone], tip.offset.map((one) => one * scale) as Vector);
     for (let axis = 0; axis < 3; axis++) {
-      positions[(view.bones.length + place) * 3 + axis] = hidden[tip.bone] ? NaN : where[tip.bone][axis] + along[axis] - view.origin[axis];
+      positions[(view.bones.length + place) * 3 + axis] = hidden[tip.bone]
+        ? NaN
+        : where[tip.bone][axis] + along[axis] - view.origin[axis];
     }
   });
   return positions;
@@ -77,8 +84,14 @@ function translation(bone: Bone, above: Bone | null, scale: number, value: (chan
 }
 
 function rotation(bone: Bone, value: (channel: string) => number | null, radians: number): Quaternion {
-  const listed = bone.channels.filter((channel) => channel[0] === "R").map((channel) => channel[1].toUpperCase()).join("");
-  const order = bone.convention === "listed" ? listed : [...bone.rotation_order.toUpperCase()].filter((axis) => listed.includes(axis)).join("");
+  const listed = bone.channels
+    .filter((channel) => channel[0] === "R")
+    .map((channel) => channel[1].toUpperCase())
+    .join("");
+  const order =
+    bone.convention === "listed"
+      ? listed
+      : [...bone.rotation_order.toUpperCase()].filter((axis) => listed.includes(axis)).join("");
   if (!order || bone.convention === "marker") return IDENTITY;
   const angles = [...order].map((axis) => (value(`R${axis.toLowerCase()}`) ?? 0) * radians);
   if (bone.convention === "listed") return turning(order, angles);

@@ -1,13 +1,24 @@
 /** Arrays as numpy.save writes them: https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html */
 
-export type Numbers = Float64Array | Float32Array | Int32Array | Uint8Array | Int8Array | Int16Array | Uint16Array | Uint32Array;
+export type Numbers =
+  Float64Array | Float32Array | Int32Array | Uint8Array | Int8Array | Int16Array | Uint16Array | Uint32Array;
 
 export interface NdArray {
   shape: number[];
   values: Numbers;
 }
 
-const KINDS = { "<f8": Float64Array, "<f4": Float32Array, "<i4": Int32Array, "<u4": Uint32Array, "<i2": Int16Array, "<u2": Uint16Array, "|i1": Int8Array, "|u1": Uint8Array, "|b1": Uint8Array } as const;
+const KINDS = {
+  "<f8": Float64Array,
+  "<f4": Float32Array,
+  "<i4": Int32Array,
+  "<u4": Uint32Array,
+  "<i2": Int16Array,
+  "<u2": Uint16Array,
+  "|i1": Int8Array,
+  "|u1": Uint8Array,
+  "|b1": Uint8Array,
+} as const;
 
 /** Error for what is no such file, or holds another kind of numbers. Integers of 64 bits become floating point. */
 export function readNpy(buffer: ArrayBuffer): NdArray {

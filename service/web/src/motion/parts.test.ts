@@ -6,10 +6,20 @@ const body = (text: string) => {
   return text.split(" ").map((part) => {
     const [name, parent] = part.split("<");
     names.push(name);
-    return { name, parent: parent ? names.indexOf(parent) : -1, side: name.startsWith("left") ? "left" as const : name.startsWith("right") ? "right" as const : "centre" as const };
+    return {
+      name,
+      parent: parent ? names.indexOf(parent) : -1,
+      side: name.startsWith("left")
+        ? ("left" as const)
+        : name.startsWith("right")
+          ? ("right" as const)
+          : ("centre" as const),
+    };
   });
 };
-const PERSON = body("Root waist<Root torso7<waist neck1<torso7 Head<neck1 left_shoulder<torso7 left_up_arm<left_shoulder left_prop<left_up_arm right_up_arm<torso7 left_up_leg<Root left_foot<left_up_leg right_hip<Root right_toes<right_hip");
+const PERSON = body(
+  "Root waist<Root torso7<waist neck1<torso7 Head<neck1 left_shoulder<torso7 left_up_arm<left_shoulder left_prop<left_up_arm right_up_arm<torso7 left_up_leg<Root left_foot<left_up_leg right_hip<Root right_toes<right_hip",
+);
 
 describe("parts of a body", () => {
   it("are found by names, with all that hangs on them", () => {

@@ -13,7 +13,8 @@ const HEAD = /neck|head|skull/i;
 export function partsOf(bones: Bones): Record<Part, string[]> {
   const below = (fits: (bone: Bones[number]) => boolean): boolean[] => {
     const inside: boolean[] = [];
-    for (const [index, bone] of bones.entries()) inside[index] = fits(bone) || (bone.parent >= 0 && inside[bone.parent]);
+    for (const [index, bone] of bones.entries())
+      inside[index] = fits(bone) || (bone.parent >= 0 && inside[bone.parent]);
     return inside;
   };
   const names = (inside: boolean[]) => bones.filter((_, index) => inside[index]).map((bone) => bone.name);

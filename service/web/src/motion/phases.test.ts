@@ -4,7 +4,10 @@ import { densityOf, hullOf, onStep, samePhase, stepOver } from "./phases";
 
 describe("phases", () => {
   it("finds the same phase in a longer motion", () => {
-    const [from, to] = [[0, 10, 30, 70], [0, 5, 45, 100]] as const;
+    const [from, to] = [
+      [0, 10, 30, 70],
+      [0, 5, 45, 100],
+    ] as const;
     expect(samePhase(0, from, to)).toBe(0);
     expect(samePhase(5, from, to)).toBe(2.5);
     expect(samePhase(20, from, to)).toBe(25);
@@ -13,8 +16,12 @@ describe("phases", () => {
   });
 
   it("goes there and back to where it was", () => {
-    const [from, to] = [[0, 7.7, 28.3, 66], [0, 9.1, 33.2, 71.4]] as const;
-    for (const frame of [0.3, 7.7, 15, 28.3, 50, 65.9]) expect(samePhase(samePhase(frame, from, to), to, from)).toBeCloseTo(frame, 9);
+    const [from, to] = [
+      [0, 7.7, 28.3, 66],
+      [0, 9.1, 33.2, 71.4],
+    ] as const;
+    for (const frame of [0.3, 7.7, 15, 28.3, 50, 65.9])
+      expect(samePhase(samePhase(frame, from, to), to, from)).toBeCloseTo(frame, 9);
   });
 
   it("keeps fractions when a player goes on in another motion", () => {
@@ -34,9 +41,29 @@ describe("attributes", () => {
   });
 
   it("puts a hull round points", () => {
-    const hull = hullOf([[0, 0], [2, 0], [1, 1], [2, 2], [0, 2], [1, 0.5]]);
-    expect(hull).toEqual([[0, 0], [2, 0], [2, 2], [0, 2]]);
-    expect(hullOf([[1, 1], [0, 0]])).toEqual([[0, 0], [1, 1]]);
+    const hull = hullOf([
+      [0, 0],
+      [2, 0],
+      [1, 1],
+      [2, 2],
+      [0, 2],
+      [1, 0.5],
+    ]);
+    expect(hull).toEqual([
+      [0, 0],
+      [2, 0],
+      [2, 2],
+      [0, 2],
+    ]);
+    expect(
+      hullOf([
+        [1, 1],
+        [0, 0],
+      ]),
+    ).toEqual([
+      [0, 0],
+      [1, 1],
+    ]);
   });
 
   it("sees a gap in a density", () => {

@@ -20,11 +20,14 @@ export function stepOver(span: number): number {
 }
 
 /** A value on the grid of a step, without digits that are none. */
-export const onStep = (value: number, step: number): number => Number((Math.round(value / step) * step).toPrecision(10));
+export const onStep = (value: number, step: number): number =>
+  Number((Math.round(value / step) * step).toPrecision(10));
 
 /** The corners of the convex hull of points (n, 2), counted round; fewer than three points are their own. */
 export function hullOf(points: readonly (readonly [number, number])[]): [number, number][] {
-  const sorted = points.map(([x, y]) => [x, y] as [number, number]).sort((one, other) => one[0] - other[0] || one[1] - other[1]);
+  const sorted = points
+    .map(([x, y]) => [x, y] as [number, number])
+    .sort((one, other) => one[0] - other[0] || one[1] - other[1]);
   if (sorted.length < 3) return sorted;
   const half = (list: [number, number][]) => {
     const found: [number, number][] = [];
@@ -37,7 +40,8 @@ export function hullOf(points: readonly (readonly [number, number])[]): [number,
   return [...half(sorted), ...half(sorted.toReversed())];
 }
 
-const turn = (a: readonly number[], b: readonly number[], c: readonly number[]): number => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+const turn = (a: readonly number[], b: readonly number[], c: readonly number[]): number =>
+  (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 
 /** How dense values lie over a range: `bins` heights from 0 to 1, smoothed over a fortieth of it. */
 export function densityOf(values: ArrayLike<number>, low: number, high: number, bins = 80): Float64Array {
@@ -46,7 +50,8 @@ export function densityOf(values: ArrayLike<number>, low: number, high: number, 
   let most = 0;
   for (let bin = 0; bin < bins; bin++) {
     const at = low + ((bin + 0.5) * (high - low)) / bins;
-    for (let index = 0; index < values.length; index++) found[bin] += Math.exp(-0.5 * ((values[index] - at) / width) ** 2);
+    for (let index = 0; index < values.length; index++)
+      found[bin] += Math.exp(-0.5 * ((values[index] - at) / width) ** 2);
     if (found[bin] > most) most = found[bin];
   }
   return most ? found.map((one) => one / most) : found;

@@ -24,7 +24,8 @@ export class Preview {
     const share = exact - row;
     if (!share || row + 1 >= rows) return this.values.subarray(row * stride, (row + 1) * stride);
     const found = new Float32Array(stride);
-    for (let at = 0; at < stride; at++) found[at] = this.values[row * stride + at] * (1 - share) + this.values[(row + 1) * stride + at] * share;
+    for (let at = 0; at < stride; at++)
+      found[at] = this.values[row * stride + at] * (1 - share) + this.values[(row + 1) * stride + at] * share;
     return found;
   }
 }
@@ -35,7 +36,8 @@ type Head = Omit<Told, "data">;
 const MOST_FRAMES = 4000; // of one answer
 
 /** How many frames apart a preview of so many is told. */
-export const stepFor = (frames: number, points: number): number => Math.max(1, Math.ceil((frames * points * 12) / MOST_BYTES), Math.ceil(frames / MOST_FRAMES));
+export const stepFor = (frames: number, points: number): number =>
+  Math.max(1, Math.ceil((frames * points * 12) / MOST_BYTES), Math.ceil(frames / MOST_FRAMES));
 
 /** What the server told of a motion, to be played on a body. */
 export function previewOf(told: Told, skeleton: Skeleton, frames: number, perSecond: number, step: number): Preview {
@@ -50,7 +52,13 @@ export function numbersOf(told: Told): Float32Array {
 
 /** A motion that is told as a whole, on a body of what is told of it. */
 export function wholeOf(head: Head, positions: Float32Array): Preview {
-  return new Preview(bodyOf(head, positions, head.shape[0]), head.shape[0], 1 / (head.seconds_per_frame || 1 / 30), positions, 1);
+  return new Preview(
+    bodyOf(head, positions, head.shape[0]),
+    head.shape[0],
+    1 / (head.seconds_per_frame || 1 / 30),
+    positions,
+    1,
+  );
 }
 
 /** A body of nothing but what a preview says: joints, their parents, and the first pose's size. */
@@ -68,8 +76,15 @@ export function bodyOf(told: Head, values: Float32Array, frames: number): Skelet
   const metres = told.metres ?? (extent > 0 ? USUAL_HEIGHT / extent : 1);
   return {
     view: {
-      id: "", name: "", revision: 0, frames, markers: told.parents.every((one) => one < 0), likely_up: told.up, origin: told.origin,
-      bones: told.bones.map((name) => ({ name })), tips: [],
+      id: "",
+      name: "",
+      revision: 0,
+      frames,
+      markers: told.parents.every((one) => one < 0),
+      likely_up: told.up,
+      origin: told.origin,
+      bones: told.bones.map((name) => ({ name })),
+      tips: [],
     } as unknown as Skeleton["view"],
     points: told.parents.length,
     edges: Int32Array.from(told.parents.flatMap((parent, point) => (parent < 0 ? [] : [parent, point]))),

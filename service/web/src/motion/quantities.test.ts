@@ -20,7 +20,9 @@ test("another kind keeps the joint where it takes one", () => {
 });
 
 test("a threshold becomes a question", () => {
-  expect(expression({ kind: "height", argument: "left_hand" }, 1.5, true)).toBe("//frame[mo:height('left_hand') > 1.5]");
+  expect(expression({ kind: "height", argument: "left_hand" }, 1.5, true)).toBe(
+    "//frame[mo:height('left_hand') > 1.5]",
+  );
   expect(expression({ kind: "heading", argument: "" }, -90, false)).toBe("//frame[mo:heading() < -90]");
   expect(expression({ kind: "contact", argument: "it's" }, 0, true)).toBe('//frame[mo:contact("it\'s")]');
 });
@@ -33,7 +35,10 @@ test("what is not known has no ends", () => {
 
 describe("why nothing is known", () => {
   it("names the one cause, the first that has to be mended", () => {
-    const lacks = (...grounds: string[]) => (ground: string) => !grounds.includes(ground);
+    const lacks =
+      (...grounds: string[]) =>
+      (ground: string) =>
+        !grounds.includes(ground);
     expect(causeOf("height", lacks("floor"))).toBe("floor");
     expect(causeOf("height", lacks("unit", "floor"))).toBe("unit");
     expect(causeOf("speed", lacks("rate", "floor"))).toBe("rate");

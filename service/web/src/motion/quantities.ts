@@ -3,10 +3,20 @@
 export const KINDS = ["height", "speed", "acceleration", "angle", "contact", "heading"] as const;
 export type Kind = (typeof KINDS)[number];
 /** argument: a joint or an angle; "" for what needs none. */
-export interface Asked { kind: Kind; argument: string }
+export interface Asked {
+  kind: Kind;
+  argument: string;
+}
 
 export const JOINT_KINDS: ReadonlySet<Kind> = new Set<Kind>(["height", "speed", "acceleration", "contact"]);
-export const UNITS: Record<Kind, string> = { height: "m", speed: "m/s", acceleration: "m/s²", angle: "°", contact: "", heading: "°" };
+export const UNITS: Record<Kind, string> = {
+  height: "m",
+  speed: "m/s",
+  acceleration: "m/s²",
+  angle: "°",
+  contact: "",
+  heading: "°",
+};
 /** What is being typed where the service offers all names of angles. */
 export const ANGLE = "//frame[mo:angle('";
 const FIRST_ANGLE = "left-knee-flexion";
@@ -58,7 +68,15 @@ export const rounded = (value: number): number => Number(value.toPrecision(DIGIT
 
 /** What a quantity rests on, the first first. */
 export type Ground = "rate" | "unit" | "up" | "floor" | "leg";
-const RESTS: Record<Kind, readonly Ground[]> = { height: ["unit", "up", "floor"], speed: ["rate", "unit"], acceleration: ["rate", "unit"], angle: [], contact: ["unit", "up", "floor", "rate"], heading: ["up"] };
+const RESTS: Record<Kind, readonly Ground[]> = {
+  height: ["unit", "up", "floor"],
+  speed: ["rate", "unit"],
+  acceleration: ["rate", "unit"],
+  angle: [],
+  contact: ["unit", "up", "floor", "rate"],
+  heading: ["up"],
+};
 
 /** Why nothing is known of a quantity: the first thing that it rests on and that nobody knows; null: joints lack. */
-export const causeOf = (kind: Kind, knows: (ground: Ground) => boolean): Ground | null => RESTS[kind].find((ground) => !knows(ground)) ?? null;
+export const causeOf = (kind: Kind, knows: (ground: Ground) => boolean): Ground | null =>
+  RESTS[kind].find((ground) => !knows(ground)) ?? null;

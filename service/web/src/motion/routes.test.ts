@@ -25,16 +25,27 @@ describe("ways over links", () => {
     for (let at = 0; at < 50; at++) {
       const [one, other] = [Math.floor(next() * count), Math.floor(next() * count)];
       if (one === other) continue;
-      random.a.push(one); random.b.push(other); random.length.push(next() * 10); random.bridge.push(0);
+      random.a.push(one);
+      random.b.push(other);
+      random.length.push(next() * 10);
+      random.bridge.push(0);
     }
-    const far = Array.from({ length: count }, (_, at) => Array.from({ length: count }, (_, to) => (at === to ? 0 : Infinity)));
-    random.a.forEach((one, at) => { const other = random.b[at]; far[one][other] = far[other][one] = Math.min(far[one][other], random.length[at]); });
-    for (let by = 0; by < count; by++) for (let one = 0; one < count; one++) for (let to = 0; to < count; to++) far[one][to] = Math.min(far[one][to], far[one][by] + far[by][to]);
+    const far = Array.from({ length: count }, (_, at) =>
+      Array.from({ length: count }, (_, to) => (at === to ? 0 : Infinity)),
+    );
+    random.a.forEach((one, at) => {
+      const other = random.b[at];
+      far[one][other] = far[other][one] = Math.min(far[one][other], random.length[at]);
+    });
+    for (let by = 0; by < count; by++)
+      for (let one = 0; one < count; one++)
+        for (let to = 0; to < count; to++) far[one][to] = Math.min(far[one][to], far[one][by] + far[by][to]);
     const made = neighboursOf(count, random);
-    for (let one = 0; one < count; one++) for (let to = 0; to < count; to++) {
-      const found = shortestRoute(made, one, to);
-      if (Number.isFinite(far[one][to])) expect(found!.length).toBeCloseTo(far[one][to], 9);
-      else expect(found).toBeNull();
-    }
+    for (let one = 0; one < count; one++)
+      for (let to = 0; to < count; to++) {
+        const found = shortestRoute(made, one, to);
+        if (Number.isFinite(far[one][to])) expect(found!.length).toBeCloseTo(far[one][to], 9);
+        else expect(found).toBeNull();
+      }
   });
 });

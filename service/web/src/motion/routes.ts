@@ -7,7 +7,11 @@ export interface Links {
   length: ArrayLike<number>;
   bridge: ArrayLike<number>;
 }
-export interface Neighbour { to: number; length: number; bridge: boolean }
+export interface Neighbour {
+  to: number;
+  length: number;
+  bridge: boolean;
+}
 
 /** Of each candidate those it is linked to, the nearest first. */
 export function neighboursOf(count: number, links: Links): Neighbour[][] {
@@ -22,7 +26,11 @@ export function neighboursOf(count: number, links: Links): Neighbour[][] {
 }
 
 /** The shortest way from one candidate to another, both included, and its length; null where none leads there. */
-export function shortestRoute(neighbours: Neighbour[][], from: number, to: number): { way: number[]; length: number } | null {
+export function shortestRoute(
+  neighbours: Neighbour[][],
+  from: number,
+  to: number,
+): { way: number[]; length: number } | null {
   const far = new Float64Array(neighbours.length).fill(Infinity);
   const before = new Int32Array(neighbours.length).fill(-1);
   const open = new Set([from]);

@@ -14,33 +14,60 @@ function chain(convention: "listed" | "base" | "fixed" | "marker", seed = 1): Sk
   const bones = NAMES.map((name, index) => {
     const along = any();
     const bone = {
-      address: `/mcml/skeleton${"/bone".repeat(index + 1)}`, name, source_name: name, parent: index - 1, side: "centre", partner: index,
-      offset: convention === "fixed" ? above : any(), axes: multiply(about("X", draw()), about("Z", draw())), along: convention === "listed" ? [0, 0, 0] : along,
-      channels: ["Rx"], rotation_order: "XYZ", convention, translation: "",
+      address: `/mcml/skeleton${"/bone".repeat(index + 1)}`,
+      name,
+      source_name: name,
+      parent: index - 1,
+      side: "centre",
+      partner: index,
+      offset: convention === "fixed" ? above : any(),
+      axes: multiply(about("X", draw()), about("Z", draw())),
+      along: convention === "listed" ? [0, 0, 0] : along,
+      channels: ["Rx"],
+      rotation_order: "XYZ",
+      convention,
+      translation: "",
     };
     above = along;
     return bone;
   });
   const tips = [{ bone: 3, name: "", offset: convention === "fixed" ? bones[3].along : any() }];
-  return skeletonOf({ bones, tips, metres: 0.01, unit: "cm", origin: [0, 0, 0], likely_up: "Y", markers: false, frames: 1, columns: [] } as unknown as SkeletonView);
+  return skeletonOf({
+    bones,
+    tips,
+    metres: 0.01,
+    unit: "cm",
+    origin: [0, 0, 0],
+    likely_up: "Y",
+    markers: false,
+    frames: 1,
+    columns: [],
+  } as unknown as SkeletonView);
 }
 
 const changesOf = (skeleton: Skeleton, bone: number, vector: Vector) =>
-  new Map(textsOf(skeleton.view, bone, vector).map(({ address, text }) => [address, { address, attributes: {}, text }]));
-const near = (a: readonly number[], b: readonly number[]) => a.forEach((one, axis) => expect(one).toBeCloseTo(b[axis], 3));
+  new Map(
+    textsOf(skeleton.view, bone, vector).map(({ address, text }) => [address, { address, attributes: {}, text }]),
+  );
+const near = (a: readonly number[], b: readonly number[]) =>
+  a.forEach((one, axis) => expect(one).toBeCloseTo(b[axis], 3));
 
 describe("bones at rest that are changed and not stored", () => {
-  it.each(["listed", "base", "fixed"] as const)("%s: the texts that are written say the vector that was wanted", (convention) => {
-    for (let seed = 1; seed < 30; seed++) {
-      const skeleton = chain(convention, seed);
-      for (let bone = 1; bone < NAMES.length; bone++) {
-        const wanted: Vector = [seed, -3.25, bone];
-        const found = reshaped(skeleton, changesOf(skeleton, bone, wanted));
-        near(vectorOf(found.view, bone)!, wanted);
-        for (let other = 1; other < NAMES.length; other++) if (other !== bone) expect(vectorOf(found.view, other)).toEqual(vectorOf(skeleton.view, other));
+  it.each(["listed", "base", "fixed"] as const)(
+    "%s: the texts that are written say the vector that was wanted",
+    (convention) => {
+      for (let seed = 1; seed < 30; seed++) {
+        const skeleton = chain(convention, seed);
+        for (let bone = 1; bone < NAMES.length; bone++) {
+          const wanted: Vector = [seed, -3.25, bone];
+          const found = reshaped(skeleton, changesOf(skeleton, bone, wanted));
+          near(vectorOf(found.view, bone)!, wanted);
+          for (let other = 1; other < NAMES.length; other++)
+            if (other !== bone) expect(vectorOf(found.view, other)).toEqual(vectorOf(skeleton.view, other));
+        }
       }
-    }
-  });
+    },
+  );
 
   it("carry along what hangs on them, and nothing else", () => {
     const skeleton = chain("listed");
@@ -63,7 +90,8 @@ describe("bones at rest that are changed and not stored", () => {
   it("are the stored ones where no draft says otherwise, or says no numbers", () => {
     const skeleton = chain("listed");
     expect(reshaped(skeleton, new Map())).toBe(skeleton);
-    for (const text of ["", "1 2", "1 2 x", undefined]) expect(reshaped(skeleton, new Map([[`${skeleton.view.bones[1].address}/position`, { text }]]))).toBe(skeleton);
+    for (const text of ["", "1 2", "1 2 x", undefined])
+      expect(reshaped(skeleton, new Map([[`${skeleton.view.bones[1].address}/position`, { text }]]))).toBe(skeleton);
     expect(vectorOf(skeleton.view, 0)).toBeNull();
     expect(vectorOf(chain("marker").view, 1)).toBeNull();
   });

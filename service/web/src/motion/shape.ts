@@ -18,7 +18,8 @@ export function vectorOf(view: SkeletonView, bone: number): Vector | null {
 }
 
 /** The joint that the vector begins at. */
-export const baseOf = (view: SkeletonView, bone: number): number => (view.bones[bone].convention === "fixed" ? bone : view.bones[bone].parent);
+export const baseOf = (view: SkeletonView, bone: number): number =>
+  view.bones[bone].convention === "fixed" ? bone : view.bones[bone].parent;
 
 /** The texts of elements that say a bone's vector. */
 export function textsOf(view: SkeletonView, bone: number, vector: Vector): { address: string; text: string }[] {
@@ -37,7 +38,10 @@ export function textsOf(view: SkeletonView, bone: number, vector: Vector): { add
 
 const written = (numbers: number[]): string => numbers.map((one) => String(Number(one.toFixed(DIGITS)))).join(" ");
 const read = (text: string | undefined, count: number): number[] | null => {
-  const numbers = (text ?? "").trim().split(/[\s,]+/).map(Number);
+  const numbers = (text ?? "")
+    .trim()
+    .split(/[\s,]+/)
+    .map(Number);
   return numbers.length === count && text?.trim() && numbers.every(Number.isFinite) ? numbers : null;
 };
 
@@ -71,9 +75,12 @@ function vectorSaid(view: SkeletonView, bone: Bone, changes: Changes): Vector | 
     const norm = Math.hypot(...towards);
     return norm ? (towards.map((part) => (part / norm) * (length?.[0] ?? Math.hypot(...bone.along))) as Vector) : null;
   }
-  const position = bone.parent >= 0 && bone.convention !== "marker" ? read(changes.get(`${bone.address}/position`)?.text, 3) : null;
+  const position =
+    bone.parent >= 0 && bone.convention !== "marker" ? read(changes.get(`${bone.address}/position`)?.text, 3) : null;
   if (!position) return null;
-  return bone.convention === "base" ? rotate(view.bones[bone.parent].axes as Quaternion, position as Vector) : (position as Vector);
+  return bone.convention === "base"
+    ? rotate(view.bones[bone.parent].axes as Quaternion, position as Vector)
+    : (position as Vector);
 }
 
 /** Where joints and tips are at rest, from the root: (points, 3). */
@@ -81,7 +88,8 @@ export function restOf({ view, points, parents }: Skeleton): Float32Array {
   const found = new Float32Array(points * 3);
   for (let point = 0; point < points; point++) {
     const offset = point < view.bones.length ? view.bones[point].offset : view.tips[point - view.bones.length].offset;
-    for (let axis = 0; axis < 3; axis++) found[point * 3 + axis] = parents[point] < 0 ? 0 : found[parents[point] * 3 + axis] + offset[axis];
+    for (let axis = 0; axis < 3; axis++)
+      found[point * 3 + axis] = parents[point] < 0 ? 0 : found[parents[point] * 3 + axis] + offset[axis];
   }
   return found;
 }

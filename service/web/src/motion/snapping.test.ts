@@ -10,7 +10,10 @@ describe("edges", () => {
   });
 
   it("find where the body is slowest, and no trembling", () => {
-    const speeds = Float32Array.from({ length: 200 }, (_, row) => 1 - Math.cos((row - 30) / 10) + 0.01 * Math.sin(row * 2.1));
+    const speeds = Float32Array.from(
+      { length: 200 },
+      (_, row) => 1 - Math.cos((row - 30) / 10) + 0.01 * Math.sin(row * 2.1),
+    );
     const found = stills(speeds, 2, 60);
     expect(found.length).toBe(3);
     [30, 92.8, 155.7].forEach((row, place) => expect(Math.abs(found[place] - row * 2)).toBeLessThanOrEqual(4));

@@ -7,7 +7,9 @@ const DEPTH = 0.06; // of the greatest speed, that a minimum lies below what is 
 /** The mark nearest to an edge; null where none is near enough. within: frames. */
 export function nearestMark(edge: number, marks: readonly number[], within: number): number | null {
   let best: number | null = null;
-  for (const mark of marks) if (Math.abs(mark - edge) <= within && (best === null || Math.abs(mark - edge) < Math.abs(best - edge))) best = mark;
+  for (const mark of marks)
+    if (Math.abs(mark - edge) <= within && (best === null || Math.abs(mark - edge) < Math.abs(best - edge)))
+      best = mark;
   return best;
 }
 
@@ -26,8 +28,13 @@ export function stills(speeds: ArrayLike<number>, step: number, perSecond: numbe
   };
   for (let row = around; row + around < speeds.length; row++) {
     let least = true;
-    for (let by = 1; by <= around && least; by++) least = speeds[row - by] > speeds[row] && speeds[row + by] >= speeds[row];
-    if (least && Math.min(most(row - WIDER * around, row), most(row, row + WIDER * around)) - speeds[row] > DEPTH * greatest) found.push(row * step);
+    for (let by = 1; by <= around && least; by++)
+      least = speeds[row - by] > speeds[row] && speeds[row + by] >= speeds[row];
+    if (
+      least &&
+      Math.min(most(row - WIDER * around, row), most(row, row + WIDER * around)) - speeds[row] > DEPTH * greatest
+    )
+      found.push(row * step);
   }
   return found;
 }

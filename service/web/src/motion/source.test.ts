@@ -10,7 +10,17 @@ it("keeps what is shown, however many clips a page shows", async () => {
     asked.push(url);
     if (url.includes("/frames")) return new Response(new Uint8Array(new Float32Array([1, 2, 3]).buffer));
     const bone = { name: "Root", parent: -1, side: "centre", offset: [0, 0, 0], channels: ["Tx"] };
-    return Response.json({ revision: 2, name: "walk", frames: 1, seconds_per_frame: 0.01, bones: [bone], tips: [], columns: ["Root.Tx"], likely_up: "Y", origin: [0, 0, 0] });
+    return Response.json({
+      revision: 2,
+      name: "walk",
+      frames: 1,
+      seconds_per_frame: 0.01,
+      bones: [bone],
+      tips: [],
+      columns: ["Root.Tx"],
+      likely_up: "Y",
+      origin: [0, 0, 0],
+    });
   });
   const motions: Motion[] = [];
   for (let number = 0; number < 20; number++) motions.push(await motionOf(`clip-${number}`));

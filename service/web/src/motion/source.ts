@@ -45,7 +45,8 @@ async function load(id: string, revision?: number): Promise<Motion> {
   const view = await get("/documents/{id}/skeleton", { path: { id }, query: revision ? { revision } : {} });
   const skeleton = skeletonOf(view);
   return {
-    id, skeleton,
+    id,
+    skeleton,
     revision: view.revision,
     name: view.name,
     blocks: new Blocks(positionsOf(id, view.revision, skeleton)),

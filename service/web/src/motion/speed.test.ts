@@ -8,11 +8,15 @@ describe("the speed of points", () => {
       const draw = random(seed);
       const [rows, points] = [draw.whole(0, 12), draw.whole(1, 5)];
       const values = Float32Array.from({ length: rows * points * 3 }, () => (draw() < 0.05 ? NaN : draw() * 10));
-      const point = (row: number, at: number) => [...values.subarray((row * points + at) * 3, (row * points + at) * 3 + 3)];
+      const point = (row: number, at: number) => [
+        ...values.subarray((row * points + at) * 3, (row * points + at) * 3 + 3),
+      ];
       const found = speedOf({}, values, points);
       expect(found.length).toBe(rows);
       for (let row = 0; row + 1 < rows; row++) {
-        const ways = Array.from({ length: points }, (_, at) => Math.hypot(...point(row, at).map((one, axis) => point(row + 1, at)[axis] - one))).filter((one) => !Number.isNaN(one));
+        const ways = Array.from({ length: points }, (_, at) =>
+          Math.hypot(...point(row, at).map((one, axis) => point(row + 1, at)[axis] - one)),
+        ).filter((one) => !Number.isNaN(one));
         expect(found[row]).toBeCloseTo(ways.length ? ways.reduce((sum, one) => sum + one, 0) / ways.length : 0, 4);
       }
       if (rows > 1) expect(found[rows - 1]).toBe(found[rows - 2]);

@@ -12,7 +12,11 @@ export function speedOf(owner: object, values: Float32Array, points: number): Fl
     let sum = 0;
     let count = 0;
     for (let at = row * stride; at < (row + 1) * stride; at += 3) {
-      const away = Math.hypot(values[at + stride] - values[at], values[at + stride + 1] - values[at + 1], values[at + stride + 2] - values[at + 2]);
+      const away = Math.hypot(
+        values[at + stride] - values[at],
+        values[at + stride + 1] - values[at + 1],
+        values[at + stride + 2] - values[at + 2],
+      );
       if (away === away) {
         sum += away;
         count++;

@@ -1,7 +1,11 @@
 import { describe, expect, it } from "vitest";
 import { anchorOf, frameBeside, type Timed } from "./sync";
 
-const clip = (frames: number, perSecond: number, ...labels: [string, number, number][]): Timed => ({ frames, perSecond, labels: labels.map(([name, first, last]) => ({ name, first, last })) });
+const clip = (frames: number, perSecond: number, ...labels: [string, number, number][]): Timed => ({
+  frames,
+  perSecond,
+  labels: labels.map(([name, first, last]) => ({ name, first, last })),
+});
 const here = clip(400, 120, ["walk", 101, 200], ["jump", 241, 280], ["walk", 301, 400]);
 const there = clip(100, 30, ["jump", 11, 20], ["walk", 41, 60], ["sit", 90, 100]);
 

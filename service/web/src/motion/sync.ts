@@ -9,7 +9,10 @@ export interface Timed {
 }
 
 /** Two frames that stand side by side; from them on both run. */
-export interface Anchor { here: number; there: number }
+export interface Anchor {
+  here: number;
+  there: number;
+}
 
 const START: Anchor = { here: 0, there: 0 };
 
@@ -31,7 +34,13 @@ export function anchorOf(here: Timed, there: Timed, sync: Sync, frame: number): 
 const inOrder = (clip: Timed) => [...clip.labels].sort((a, b) => a.first - b.first || a.last - b.last);
 
 /** The frame of `there` beside a frame of `here`; its first or last where it has no more. */
-export function frameBeside(here: Timed, there: Timed, sync: Sync, frame: number, anchor = anchorOf(here, there, sync, frame)): number {
+export function frameBeside(
+  here: Timed,
+  there: Timed,
+  sync: Sync,
+  frame: number,
+  anchor = anchorOf(here, there, sync, frame),
+): number {
   const seconds = (frame - anchor.here) / here.perSecond;
   const by = sync === "frame" ? frame - anchor.here : Math.floor(seconds * there.perSecond + 1e-6);
   return Math.max(0, Math.min(there.frames - 1, anchor.there + by));

@@ -11,7 +11,11 @@ export function tapped(taps: readonly number[], now: number): number[] {
 
 /** Beats a minute of taps in ms: the median of the last eight intervals; null for fewer than two taps. */
 export function tempoOf(taps: readonly number[]): number | null {
-  const between = taps.slice(1).map((tap, at) => tap - taps[at]).slice(-LAST).sort((a, b) => a - b);
+  const between = taps
+    .slice(1)
+    .map((tap, at) => tap - taps[at])
+    .slice(-LAST)
+    .sort((a, b) => a - b);
   if (!between.length) return null;
   const middle = between.length >> 1;
   const median = between.length % 2 ? between[middle] : (between[middle - 1] + between[middle]) / 2;

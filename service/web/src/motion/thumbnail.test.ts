@@ -3,9 +3,18 @@ import { describe, expect, it } from "vitest";
 import { drawThumbnail, fromBase64, readThumbnail } from "./thumbnail";
 
 interface Case {
-  bytes: string; face: boolean; markers: boolean; bones: [number, number, number, number][];
-  loop: [number, number][][]; scrub: [number, number][][]; ground: number[];
-  seconds: number; aspect: number; step: number; farthest: number[]; highest: number[];
+  bytes: string;
+  face: boolean;
+  markers: boolean;
+  bones: [number, number, number, number][];
+  loop: [number, number][][];
+  scrub: [number, number][][];
+  ground: number[];
+  seconds: number;
+  aspect: number;
+  step: number;
+  farthest: number[];
+  highest: number[];
 }
 // Written by the tests in Python, which make thumbnails and read them in their own way.
 const { MCML_THUMBNAILS } = process.env;
@@ -18,13 +27,23 @@ function recorder() {
   const discs: [number, number][] = [];
   let path: [number, number][] = [];
   const pen = {
-    strokeStyle: "", fillStyle: "", lineWidth: 1, globalAlpha: 1, lineCap: "", lineJoin: "",
-    clearRect: () => {}, fill: () => {},
-    beginPath: () => { path = []; },
+    strokeStyle: "",
+    fillStyle: "",
+    lineWidth: 1,
+    globalAlpha: 1,
+    lineCap: "",
+    lineJoin: "",
+    clearRect: () => {},
+    fill: () => {},
+    beginPath: () => {
+      path = [];
+    },
     moveTo: (x: number, y: number) => path.push([x, y]),
     lineTo: (x: number, y: number) => path.push([x, y]),
     arc: (x: number, y: number) => discs.push([x, y]),
-    stroke() { lines.push({ style: pen.strokeStyle, points: path }); },
+    stroke() {
+      lines.push({ style: pen.strokeStyle, points: path });
+    },
   };
   return { pen: pen as unknown as CanvasRenderingContext2D, lines, discs };
 }
@@ -33,13 +52,23 @@ describe.skipIf(!cases.length)("thumbnails that the repository makes", () => {
   it.each(cases.map((one, index) => [index, one] as const))("%i: are read as they were written", (_, one) => {
     const found = readThumbnail(fromBase64(one.bytes));
     const [poses, moments] = [one.loop.length, one.scrub.length];
-    expect([found.face, found.markers, found.points, found.loopPoses, found.scrubPoses]).toEqual([one.face, one.markers, one.loop[0].length, poses, moments]);
+    expect([found.face, found.markers, found.points, found.loopPoses, found.scrubPoses]).toEqual([
+      one.face,
+      one.markers,
+      one.loop[0].length,
+      poses,
+      moments,
+    ]);
     expect(found.bones.map(({ a, b, side, depth }) => [a, b, side, depth])).toEqual(one.bones);
     expect([found.seconds, found.aspect, found.groundStep]).toEqual([one.seconds, one.aspect, one.step]);
     expect([...found.loopGround, ...found.scrubGround]).toEqual(one.ground);
     const places = (bytes: Uint8Array) => [...bytes].map((value, at) => (value / 255) * (at % 2 ? 1 : one.aspect));
-    expect(Math.max(0, ...places(found.loop).map((value, at) => Math.abs(value - one.loop.flat(2)[at])))).toBeLessThan(1e-9);
-    expect(Math.max(0, ...places(found.scrub).map((value, at) => Math.abs(value - one.scrub.flat(2)[at])))).toBeLessThan(1e-9);
+    expect(Math.max(0, ...places(found.loop).map((value, at) => Math.abs(value - one.loop.flat(2)[at])))).toBeLessThan(
+      1e-9,
+    );
+    expect(
+      Math.max(0, ...places(found.scrub).map((value, at) => Math.abs(value - one.scrub.flat(2)[at]))),
+    ).toBeLessThan(1e-9);
     expect(one.farthest).toContain(found.poster);
     expect(one.highest).toContain(found.head);
   });
@@ -48,14 +77,25 @@ describe.skipIf(!cases.length)("thumbnails that the repository makes", () => {
     const thumb = readThumbnail(fromBase64(one.bytes));
     const [width, height] = [208, 144];
     const scale = Math.min(height * 0.78, (width * 0.86) / one.aspect);
-    const put = ([x, y]: [number, number]): [number, number] => [(width - scale * one.aspect) / 2 + x * scale, height * 0.88 - scale + y * scale];
-    for (const [whole, poses] of [[false, one.loop], [true, one.scrub]] as const) {
+    const put = ([x, y]: [number, number]): [number, number] => [
+      (width - scale * one.aspect) / 2 + x * scale,
+      height * 0.88 - scale + y * scale,
+    ];
+    for (const [whole, poses] of [
+      [false, one.loop],
+      [true, one.scrub],
+    ] as const) {
       poses.forEach((pose, index) => {
         const { pen, lines, discs } = recorder();
         drawThumbnail(pen, thumb, width, height, poses.length > 1 ? index / (poses.length - 1) : 0, INKS, whole);
         const floor = lines.filter(({ style }) => style === "line");
         expect(floor.length).toBe(one.face ? 0 : 1);
-        const drawn = one.markers ? discs : lines.filter(({ style }) => style !== "line").map(({ points }) => points).flat();
+        const drawn = one.markers
+          ? discs
+          : lines
+              .filter(({ style }) => style !== "line")
+              .map(({ points }) => points)
+              .flat();
         const wanted = one.markers ? pose.map(put) : one.bones.flatMap(([a, b]) => [put(pose[a]), put(pose[b])]);
         expect(drawn.length).toBe(wanted.length);
         const away = drawn.map(([x, y], at) => Math.hypot(x - wanted[at][0], y - wanted[at][1]));

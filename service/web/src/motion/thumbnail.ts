@@ -46,7 +46,10 @@ export function readThumbnail(bytes: Uint8Array): Thumbnail {
     seconds: view.getFloat32(8, true),
     aspect: view.getFloat32(12, true),
     groundStep: view.getFloat32(16, true),
-    loop, loopPoses, scrub, scrubPoses,
+    loop,
+    loopPoses,
+    scrub,
+    scrubPoses,
     loopGround: ground.subarray(0, loopPoses),
     scrubGround: ground.subarray(loopPoses),
   };
@@ -80,7 +83,10 @@ function headOf(bones: { b: number }[], loop: Uint8Array, poses: number, points:
   return best;
 }
 
-export interface Inks { sides: [string, string, string]; line: string }
+export interface Inks {
+  sides: [string, string, string];
+  line: string;
+}
 
 const MARGIN = 0.1; // of the height, above the head
 const FLOOR = 0.12; // of the height, below the feet
@@ -90,7 +96,15 @@ const LIMB = 2.5;
  * Draw a moment. phase: 0 to 1 of the loop, or of the whole clip with `whole`; null draws the poster.
  * width, height: CSS pixels of a context that is scaled to them.
  */
-export function drawThumbnail(pen: CanvasRenderingContext2D, thumb: Thumbnail, width: number, height: number, phase: number | null, inks: Inks, whole = false): void {
+export function drawThumbnail(
+  pen: CanvasRenderingContext2D,
+  thumb: Thumbnail,
+  width: number,
+  height: number,
+  phase: number | null,
+  inks: Inks,
+  whole = false,
+): void {
   pen.clearRect(0, 0, width, height);
   const poses = whole ? thumb.scrubPoses : thumb.loopPoses;
   const source = whole ? thumb.scrub : thumb.loop;
@@ -104,7 +118,16 @@ export function drawThumbnail(pen: CanvasRenderingContext2D, thumb: Thumbnail, w
   const wide = scale * thumb.aspect;
   const [left, floor] = [(width - wide) / 2, height * (1 - FLOOR)];
   const topEdge = floor - scale;
-  if (!thumb.face) drawFloor(pen, width, height, floor, slide(ground, base, share) * thumb.groundStep * scale, 64 * thumb.groundStep * scale, inks.line);
+  if (!thumb.face)
+    drawFloor(
+      pen,
+      width,
+      height,
+      floor,
+      slide(ground, base, share) * thumb.groundStep * scale,
+      64 * thumb.groundStep * scale,
+      inks.line,
+    );
   const place = (point: number, axis: number): number => {
     const sample = (pose: number) => source[(Math.max(0, Math.min(poses - 1, pose)) * thumb.points + point) * 2 + axis];
     return catmull(sample(base - 1), sample(base), sample(base + 1), sample(base + 2), share);
@@ -125,7 +148,7 @@ export function drawThumbnail(pen: CanvasRenderingContext2D, thumb: Thumbnail, w
   for (const bone of thumb.bones) {
     pen.globalAlpha = 0.5 + 0.5 * Math.min(1, bone.depth / 40);
     pen.strokeStyle = inks.sides[bone.side] ?? inks.sides[0];
-    pen.lineWidth = (LIMB * Math.max(1, height / 150)) ;
+    pen.lineWidth = LIMB * Math.max(1, height / 150);
     pen.beginPath();
     pen.moveTo(x(bone.a), y(bone.a));
     pen.lineTo(x(bone.b), y(bone.b));
@@ -140,7 +163,15 @@ export function drawThumbnail(pen: CanvasRenderingContext2D, thumb: Thumbnail, w
   }
 }
 
-function drawFloor(pen: CanvasRenderingContext2D, width: number, height: number, floor: number, way: number, spacing: number, line: string): void {
+function drawFloor(
+  pen: CanvasRenderingContext2D,
+  width: number,
+  height: number,
+  floor: number,
+  way: number,
+  spacing: number,
+  line: string,
+): void {
   pen.strokeStyle = line;
   pen.lineWidth = 1;
   pen.beginPath();

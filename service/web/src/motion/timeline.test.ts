@@ -17,7 +17,9 @@ describe("frames and pixels", () => {
 
 describe("a ruler", () => {
   it("has the finest marks of 1, 2, 5 that are far enough apart", () => {
-    const steps = [1, 2, 5].flatMap((one) => [0, 1, 2, 3, 4, 5, 6].map((power) => one * 10 ** power)).sort((a, b) => a - b);
+    const steps = [1, 2, 5]
+      .flatMap((one) => [0, 1, 2, 3, 4, 5, 6].map((power) => one * 10 ** power))
+      .sort((a, b) => a - b);
     const draw = random(2);
     for (let round = 0; round < 500; round++) {
       const range = { first: 0, last: 1 + draw() * 10 ** draw.whole(0, 5) };
@@ -39,7 +41,9 @@ describe("lanes", () => {
       const found = lanes(spans);
       let most = 0;
       for (let frame = 1; frame <= 60; frame++) {
-        const here = spans.map((_, index) => index).filter((index) => spans[index].first <= frame && frame <= spans[index].last);
+        const here = spans
+          .map((_, index) => index)
+          .filter((index) => spans[index].first <= frame && frame <= spans[index].last);
         most = Math.max(most, here.length);
         expect(new Set(here.map((index) => found[index])).size).toBe(here.length);
       }

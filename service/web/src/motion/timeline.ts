@@ -1,9 +1,14 @@
 /** The arithmetic of timelines: frames to pixels, steps of a ruler, lanes for spans that overlap. */
 
-export interface Range { first: number; last: number } // frames from 0; last is one past the end
+export interface Range {
+  first: number;
+  last: number;
+} // frames from 0; last is one past the end
 
-export const toX = (frame: number, range: Range, width: number): number => ((frame - range.first) / (range.last - range.first)) * width;
-export const toFrame = (x: number, range: Range, width: number): number => range.first + (x / width) * (range.last - range.first);
+export const toX = (frame: number, range: Range, width: number): number =>
+  ((frame - range.first) / (range.last - range.first)) * width;
+export const toFrame = (x: number, range: Range, width: number): number =>
+  range.first + (x / width) * (range.last - range.first);
 
 /** Frames between marks of a ruler that are at least `least` pixels apart: 1, 2, 5, 10, 20, 50, … */
 export function rulerStep(range: Range, width: number, least: number): number {
@@ -16,7 +21,9 @@ export function rulerStep(range: Range, width: number, least: number): number {
 
 /** The lane of each span, so that none covers another: the first lane that is free where it begins. */
 export function lanes(spans: readonly { first: number; last: number }[]): number[] {
-  const order = spans.map((_, index) => index).sort((a, b) => spans[a].first - spans[b].first || spans[b].last - spans[a].last);
+  const order = spans
+    .map((_, index) => index)
+    .sort((a, b) => spans[a].first - spans[b].first || spans[b].last - spans[a].last);
   const ends: number[] = [];
   const found = new Array<number>(spans.length).fill(0);
   for (const index of order) {

@@ -22,16 +22,26 @@ const TRAIL_POINTS = 4096;
 const GHOST_OPACITY = 0.16;
 const DIM_OPACITY = 0.45;
 
-export function actorOf(skeleton: Skeleton, token: Token, { shift = 0, dim = false, ink = null }: { shift?: number; dim?: boolean; ink?: string | null }): Actor {
+export function actorOf(
+  skeleton: Skeleton,
+  token: Token,
+  { shift = 0, dim = false, ink = null }: { shift?: number; dim?: boolean; ink?: string | null },
+): Actor {
   const group = new THREE.Group();
   if (skeleton.zUp) group.rotation.x = -Math.PI / 2;
   const tint = tintOf(skeleton, token, ink);
   const body = new Body(skeleton, tint, dim ? DIM_OPACITY : 1);
   const ghosts = [0, 1, 2, 3].map(() => new Body(skeleton, tint, GHOST_OPACITY));
   const geometry = new THREE.BufferGeometry();
-  geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(TRAIL_POINTS * 6), 3).setUsage(THREE.DynamicDrawUsage));
+  geometry.setAttribute(
+    "position",
+    new THREE.BufferAttribute(new Float32Array(TRAIL_POINTS * 6), 3).setUsage(THREE.DynamicDrawUsage),
+  );
   geometry.setDrawRange(0, 0);
-  const trails = new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: token("accent"), transparent: true, opacity: 0.75 }));
+  const trails = new THREE.LineSegments(
+    geometry,
+    new THREE.LineBasicMaterial({ color: token("accent"), transparent: true, opacity: 0.75 }),
+  );
   trails.frustumCulled = false;
   group.add(body.group, trails, ...ghosts.map((ghost) => ghost.group));
   group.position.set(shift, 0, 0);

@@ -22,9 +22,19 @@ export class Body {
   /** The point above the head's joint: the skull is between the two. */
   private readonly crown: number = -1;
 
-  constructor(readonly skeleton: Skeleton, tint: Tint, private readonly opacity = 1) {
+  constructor(
+    readonly skeleton: Skeleton,
+    tint: Tint,
+    private readonly opacity = 1,
+  ) {
     const edges = skeleton.edges.length / 2;
-    const material = new THREE.MeshStandardMaterial({ roughness: 0.62, metalness: 0, transparent: opacity < 1, opacity, depthWrite: opacity === 1 });
+    const material = new THREE.MeshStandardMaterial({
+      roughness: 0.62,
+      metalness: 0,
+      transparent: opacity < 1,
+      opacity,
+      depthWrite: opacity === 1,
+    });
     this.bones = new THREE.InstancedMesh(boneShape, material, Math.max(1, edges));
     this.joints = new THREE.InstancedMesh(jointShape, material, skeleton.points);
     for (const mesh of [this.bones, this.joints]) {
@@ -38,11 +48,17 @@ export class Body {
     this.sizes = new Float32Array(skeleton.points).fill(JOINT * skeleton.height);
     if (skeleton.view.markers) this.sizes.fill(MARKER * skeleton.height);
     const children = new Int32Array(skeleton.points);
-    for (let point = 0; point < skeleton.points; point++) if (skeleton.parents[point] >= 0) children[skeleton.parents[point]]++;
+    for (let point = 0; point < skeleton.points; point++)
+      if (skeleton.parents[point] >= 0) children[skeleton.parents[point]]++;
     for (let point = 0; point < skeleton.points; point++) {
       const parent = skeleton.parents[point];
       // Fingers and toes are slim: points deep in chains of small bones.
-      if (!skeleton.view.markers && parent >= 0 && /hand|finger|thumb|toe|index|middle|ring|little|pinky/i.test(this.name(point)) && children[point] === 0) {
+      if (
+        !skeleton.view.markers &&
+        parent >= 0 &&
+        /hand|finger|thumb|toe|index|middle|ring|little|pinky/i.test(this.name(point)) &&
+        children[point] === 0
+      ) {
         this.sizes[point] *= 0.55;
       }
     }
@@ -78,20 +94,30 @@ export class Body {
       const y = positions[point * 3 + 1] * metres;
       const z = positions[point * 3 + 2] * metres;
       const size = x === x ? this.sizes[point] : 0;
-      spheres[at] = size; spheres[at + 5] = size; spheres[at + 10] = size; spheres[at + 15] = 1;
-      spheres[at + 12] = x === x ? x : 0; spheres[at + 13] = x === x ? y : 0; spheres[at + 14] = x === x ? z : 0;
+      spheres[at] = size;
+      spheres[at + 5] = size;
+      spheres[at + 10] = size;
+      spheres[at + 15] = 1;
+      spheres[at + 12] = x === x ? x : 0;
+      spheres[at + 13] = x === x ? y : 0;
+      spheres[at + 14] = x === x ? z : 0;
     }
     if (this.crown >= 0 && spheres[this.crown * 16 + 15]) {
       const [head, crown] = [this.skeleton.head * 16 + 12, this.crown * 3];
-      for (let axis = 0; axis < 3; axis++) spheres[head + axis] += (positions[crown + axis] * metres - spheres[head + axis]) * 0.5 || 0;
+      for (let axis = 0; axis < 3; axis++)
+        spheres[head + axis] += (positions[crown + axis] * metres - spheres[head + axis]) * 0.5 || 0;
     }
     const limbs = this.bones.instanceMatrix.array as Float32Array;
     for (let edge = 0; edge < edges.length / 2; edge++) {
       const from = edges[edge * 2] * 3;
       const to = edges[edge * 2 + 1] * 3;
       const at = edge * 16;
-      const ax = positions[from] * metres, ay = positions[from + 1] * metres, az = positions[from + 2] * metres;
-      const dx = positions[to] * metres - ax, dy = positions[to + 1] * metres - ay, dz = positions[to + 2] * metres - az;
+      const ax = positions[from] * metres,
+        ay = positions[from + 1] * metres,
+        az = positions[from + 2] * metres;
+      const dx = positions[to] * metres - ax,
+        dy = positions[to + 1] * metres - ay,
+        dz = positions[to + 2] * metres - az;
       const length = Math.hypot(dx, dy, dz);
       if (!(length > 1e-9)) {
         limbs.fill(0, at, at + 16);
@@ -99,16 +125,40 @@ export class Body {
         continue;
       }
       const radius = Math.min(this.radius, length * 0.22 + this.radius * 0.2);
-      const ux = dx / length, uy = dy / length, uz = dz / length;
+      const ux = dx / length,
+        uy = dy / length,
+        uz = dz / length;
       // A perpendicular that does not vanish: across the axis the bone is least along.
       let px: number, py: number, pz: number;
-      if (Math.abs(ux) < 0.6) { px = 0; py = uz; pz = -uy; } else { px = -uz; py = 0; pz = ux; }
+      if (Math.abs(ux) < 0.6) {
+        px = 0;
+        py = uz;
+        pz = -uy;
+      } else {
+        px = -uz;
+        py = 0;
+        pz = ux;
+      }
       const norm = radius / Math.hypot(px, py, pz);
-      px *= norm; py *= norm; pz *= norm;
-      limbs[at] = px; limbs[at + 1] = py; limbs[at + 2] = pz; limbs[at + 3] = 0;
-      limbs[at + 4] = dx; limbs[at + 5] = dy; limbs[at + 6] = dz; limbs[at + 7] = 0;
-      limbs[at + 8] = py * uz - pz * uy; limbs[at + 9] = pz * ux - px * uz; limbs[at + 10] = px * uy - py * ux; limbs[at + 11] = 0;
-      limbs[at + 12] = ax; limbs[at + 13] = ay; limbs[at + 14] = az; limbs[at + 15] = 1;
+      px *= norm;
+      py *= norm;
+      pz *= norm;
+      limbs[at] = px;
+      limbs[at + 1] = py;
+      limbs[at + 2] = pz;
+      limbs[at + 3] = 0;
+      limbs[at + 4] = dx;
+      limbs[at + 5] = dy;
+      limbs[at + 6] = dz;
+      limbs[at + 7] = 0;
+      limbs[at + 8] = py * uz - pz * uy;
+      limbs[at + 9] = pz * ux - px * uz;
+      limbs[at + 10] = px * uy - py * ux;
+      limbs[at + 11] = 0;
+      limbs[at + 12] = ax;
+      limbs[at + 13] = ay;
+      limbs[at + 14] = az;
+      limbs[at + 15] = 1;
     }
     this.bones.instanceMatrix.needsUpdate = true;
     this.joints.instanceMatrix.needsUpdate = true;

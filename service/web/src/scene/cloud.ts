@@ -19,7 +19,11 @@ void main() {
 }`;
 
 /** What is seen: the middle of the window, and pixels for one unit. */
-export interface View { x: number; y: number; scale: number }
+export interface View {
+  x: number;
+  y: number;
+  scale: number;
+}
 
 export class Cloud {
   private readonly gl: WebGL2RenderingContext;
@@ -31,7 +35,11 @@ export class Cloud {
   size = 3;
 
   /** places: (n, 2). kinds: (n,) 0 to 8, which ink. Error where there is no WebGL. */
-  constructor(readonly canvas: HTMLCanvasElement, places: Float32Array, kinds: Uint8Array) {
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    places: Float32Array,
+    kinds: Uint8Array,
+  ) {
     const gl = canvas.getContext("webgl2", { antialias: false, premultipliedAlpha: true, alpha: true });
     if (!gl) throw new Error("no WebGL");
     this.gl = gl;
@@ -48,7 +56,10 @@ export class Cloud {
   private linked(): WebGLProgram {
     const { gl } = this;
     const program = gl.createProgram();
-    for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]] as const) {
+    for (const [kind, text] of [
+      [gl.VERTEX_SHADER, VERTEX],
+      [gl.FRAGMENT_SHADER, FRAGMENT],
+    ] as const) {
       const shader = gl.createShader(kind)!;
       gl.shaderSource(shader, text);
       gl.compileShader(shader);
@@ -59,7 +70,13 @@ export class Cloud {
     return program;
   }
 
-  private attribute(name: string, size: number, type: number, values: Float32Array | Uint8Array, usage: number): WebGLBuffer {
+  private attribute(
+    name: string,
+    size: number,
+    type: number,
+    values: Float32Array | Uint8Array,
+    usage: number,
+  ): WebGLBuffer {
     const { gl } = this;
     const buffer = gl.createBuffer();
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
@@ -110,7 +127,13 @@ export class Cloud {
     gl.clear(gl.COLOR_BUFFER_BIT);
     gl.useProgram(this.program);
     const zoom = view.scale * ratio * 2;
-    gl.uniform4f(gl.getUniformLocation(this.program, "view"), view.x, view.y, zoom / canvas.width, zoom / canvas.height);
+    gl.uniform4f(
+      gl.getUniformLocation(this.program, "view"),
+      view.x,
+      view.y,
+      zoom / canvas.width,
+      zoom / canvas.height,
+    );
     gl.uniform1f(gl.getUniformLocation(this.program, "size"), this.size * ratio);
     gl.drawArrays(gl.POINTS, 0, this.count);
   }

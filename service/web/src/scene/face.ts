@@ -22,14 +22,24 @@ export class FaceStage {
   private skin: Skin = "surface";
 
   /** neutral: (markers, 3) the face at rest, NaN where a marker is missing. Error where there is no WebGL. */
-  constructor(private readonly host: HTMLElement, private readonly neutral: Float32Array, private readonly facing: Facing, private readonly token: (name: string) => string) {
+  constructor(
+    private readonly host: HTMLElement,
+    private readonly neutral: Float32Array,
+    private readonly facing: Facing,
+    private readonly token: (name: string) => string,
+  ) {
     host.append(this.renderer.domElement);
     this.renderer.domElement.className = "stage-canvas";
     const box = new THREE.Box3();
     const at = new THREE.Vector3();
-    for (let marker = 0; marker < neutral.length; marker += 3) if (neutral[marker] === neutral[marker]) box.expandByPoint(at.fromArray(neutral, marker));
+    for (let marker = 0; marker < neutral.length; marker += 3)
+      if (neutral[marker] === neutral[marker]) box.expandByPoint(at.fromArray(neutral, marker));
     this.extent = box.getSize(new THREE.Vector3()).length() || 1;
-    this.dots = new THREE.InstancedMesh(new THREE.SphereGeometry(this.extent / 110, 10, 8), new THREE.MeshStandardMaterial({ roughness: 0.6 }), neutral.length / 3);
+    this.dots = new THREE.InstancedMesh(
+      new THREE.SphereGeometry(this.extent / 110, 10, 8),
+      new THREE.MeshStandardMaterial({ roughness: 0.6 }),
+      neutral.length / 3,
+    );
     this.dots.frustumCulled = false;
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(neutral.slice(), 3).setUsage(THREE.DynamicDrawUsage));
@@ -37,12 +47,16 @@ export class FaceStage {
     this.surface = new THREE.Mesh(geometry, skinMaterial());
     this.surface.frustumCulled = false;
     const light = new THREE.DirectionalLight(0xffffff, 2.2);
-    const [right, up, out] = [facing.right, facing.up, facing.out].map((one) => new THREE.Vector3(...(one as [number, number, number])));
+    const [right, up, out] = [facing.right, facing.up, facing.out].map(
+      (one) => new THREE.Vector3(...(one as [number, number, number])),
+    );
     light.position.copy(out).addScaledVector(up, 0.9).addScaledVector(right, -0.7);
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a94a2, 2.2), light, this.dots, this.surface);
     const middle = box.getCenter(new THREE.Vector3());
     this.camera.up.copy(up);
-    this.camera.position.copy(middle).addScaledVector(out, (this.extent * ROOM) / 2 / Math.tan((this.camera.fov * Math.PI) / 360));
+    this.camera.position
+      .copy(middle)
+      .addScaledVector(out, (this.extent * ROOM) / 2 / Math.tan((this.camera.fov * Math.PI) / 360));
     this.camera.near = this.extent / 50;
     this.camera.far = this.extent * 20;
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
@@ -65,7 +79,8 @@ export class FaceStage {
     const array = room.array as Float32Array;
     for (let marker = 0; marker < markers.length / 3; marker++) {
       const seen = markers[marker * 3] === markers[marker * 3];
-      for (let axis = 0; axis < 3; axis++) array[marker * 3 + axis] = seen ? markers[marker * 3 + axis] : this.neutral[marker * 3 + axis];
+      for (let axis = 0; axis < 3; axis++)
+        array[marker * 3 + axis] = seen ? markers[marker * 3 + axis] : this.neutral[marker * 3 + axis];
       if (seen) this.spot.makeTranslation(markers[marker * 3], markers[marker * 3 + 1], markers[marker * 3 + 2]);
       else this.spot.makeScale(0, 0, 0);
       this.dots.setMatrixAt(marker, this.spot);
@@ -95,7 +110,11 @@ export class FaceStage {
   async bindMesh(name: string, content: ArrayBuffer): Promise<void> {
     const geometry = await readMesh(name, content);
     const place = geometry.getAttribute("position");
-    const vertices = fitted(Float32Array.from({ length: place.count * 3 }, (_, at) => place.getComponent(Math.floor(at / 3), at % 3)), this.neutral, this.facing);
+    const vertices = fitted(
+      Float32Array.from({ length: place.count * 3 }, (_, at) => place.getComponent(Math.floor(at / 3), at % 3)),
+      this.neutral,
+      this.facing,
+    );
     const made = new THREE.BufferGeometry();
     made.setAttribute("position", new THREE.BufferAttribute(vertices.slice(), 3).setUsage(THREE.DynamicDrawUsage));
     if (geometry.index) made.setIndex(geometry.index);
@@ -118,7 +137,8 @@ export class FaceStage {
   recolour(): void {
     this.renderer.setClearColor(new THREE.Color(this.token("well")));
     (this.dots.material as THREE.MeshStandardMaterial).color.set(this.token("accent"));
-    for (const shape of [this.surface, this.mesh?.shape]) (shape?.material as THREE.MeshStandardMaterial | undefined)?.color.set(this.token("edge"));
+    for (const shape of [this.surface, this.mesh?.shape])
+      (shape?.material as THREE.MeshStandardMaterial | undefined)?.color.set(this.token("edge"));
     this.ask();
   }
 
@@ -132,10 +152,11 @@ export class FaceStage {
   }
 
   private ask(): void {
-    if (!this.pending && !document.hidden) this.pending = requestAnimationFrame(() => {
-      this.pending = 0;
-      this.renderer.render(this.scene, this.camera);
-    });
+    if (!this.pending && !document.hidden)
+      this.pending = requestAnimationFrame(() => {
+        this.pending = 0;
+        this.renderer.render(this.scene, this.camera);
+      });
   }
 
   close(): void {
@@ -151,7 +172,8 @@ export class FaceStage {
   }
 }
 
-const skinMaterial = () => new THREE.MeshStandardMaterial({ roughness: 0.75, side: THREE.DoubleSide, flatShading: false });
+const skinMaterial = () =>
+  new THREE.MeshStandardMaterial({ roughness: 0.75, side: THREE.DoubleSide, flatShading: false });
 
 /** The first mesh of a file; all of an OBJ's. */
 async function readMesh(name: string, content: ArrayBuffer): Promise<THREE.BufferGeometry> {
@@ -167,7 +189,11 @@ async function readMesh(name: string, content: ArrayBuffer): Promise<THREE.Buffe
   let largest: THREE.Mesh | null = null;
   found.traverse((one) => {
     const mesh = one as THREE.Mesh;
-    if (mesh.isMesh && (!largest || mesh.geometry.getAttribute("position").count > largest.geometry.getAttribute("position").count)) largest = mesh;
+    if (
+      mesh.isMesh &&
+      (!largest || mesh.geometry.getAttribute("position").count > largest.geometry.getAttribute("position").count)
+    )
+      largest = mesh;
   });
   if (!largest) throw new Error(`${name}: no mesh`);
   const mesh = largest as THREE.Mesh;

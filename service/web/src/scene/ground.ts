@@ -42,7 +42,12 @@ export class Ground {
 
   constructor() {
     const material = new THREE.ShaderMaterial({
-      uniforms: this.uniforms, vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true, side: THREE.DoubleSide, depthWrite: false,
+      uniforms: this.uniforms,
+      vertexShader: VERTEX,
+      fragmentShader: FRAGMENT,
+      transparent: true,
+      side: THREE.DoubleSide,
+      depthWrite: false,
     });
     this.mesh = new THREE.Mesh(new THREE.PlaneGeometry(1, 1).rotateX(-Math.PI / 2), material);
     this.mesh.frustumCulled = false;

@@ -39,18 +39,28 @@ function linesOf(handle: Handle, around: Surroundings) {
   const from = around.screen(around.world(handle.at));
   return handle.arrows.flatMap((arrow) => {
     const by = (arrow.reach * around.length) / around.metres;
-    const to = around.screen(around.world([0, 1, 2].map((axis) => handle.at[axis] + arrow.direction[axis] * by) as [number, number, number]));
+    const to = around.screen(
+      around.world([0, 1, 2].map((axis) => handle.at[axis] + arrow.direction[axis] * by) as [number, number, number]),
+    );
     return from && to ? [{ arrow, from, to }] : [];
   });
 }
 
-export function drawHandle(pen: CanvasRenderingContext2D, handle: Handle, around: Surroundings, token: (name: string) => string): void {
+export function drawHandle(
+  pen: CanvasRenderingContext2D,
+  handle: Handle,
+  around: Surroundings,
+  token: (name: string) => string,
+): void {
   const font = pen.font;
   for (const { arrow, from, to } of linesOf(handle, around)) {
     const knob = arrow.reach > 1;
     const long = Math.hypot(to.x - from.x, to.y - from.y) || 1;
     const [ux, uy] = [(to.x - from.x) / long, (to.y - from.y) / long];
-    for (const [ink, wide] of [[token("well"), 6], [token(arrow.token), handle.held === arrow.name ? 4 : 2.5]] as const) {
+    for (const [ink, wide] of [
+      [token("well"), 6],
+      [token(arrow.token), handle.held === arrow.name ? 4 : 2.5],
+    ] as const) {
       pen.strokeStyle = pen.fillStyle = ink;
       pen.lineWidth = wide;
       pen.setLineDash(knob ? [4, 4] : []);
@@ -96,12 +106,26 @@ export function arrowAt(handle: Handle, around: Surroundings, x: number, y: numb
 }
 
 /** How far along an arrow's line the pointer is, in the actor's unit: where the ray through it comes nearest. */
-export function reachOf(handle: Handle, around: Surroundings, name: string, x: number, y: number, width: number, height: number): number {
+export function reachOf(
+  handle: Handle,
+  around: Surroundings,
+  name: string,
+  x: number,
+  y: number,
+  width: number,
+  height: number,
+): number {
   const arrow = handle.arrows.find((one) => one.name === name);
   if (!arrow) return 0;
   const start = around.world(handle.at);
-  const line = around.world([0, 1, 2].map((axis) => handle.at[axis] + arrow.direction[axis]) as [number, number, number]).sub(start).normalize();
-  const ray = new THREE.Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, 0.5).unproject(around.camera).sub(around.camera.position).normalize();
+  const line = around
+    .world([0, 1, 2].map((axis) => handle.at[axis] + arrow.direction[axis]) as [number, number, number])
+    .sub(start)
+    .normalize();
+  const ray = new THREE.Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, 0.5)
+    .unproject(around.camera)
+    .sub(around.camera.position)
+    .normalize();
   const between = start.clone().sub(around.camera.position);
   const across = line.dot(ray);
   // A line that points at the eye cannot be pulled along.

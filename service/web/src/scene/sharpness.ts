@@ -34,7 +34,10 @@ export class Sharpness {
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   /** redraw: draws the picture again, with all pixels. */
-  constructor(private readonly renderer: WebGLRenderer, private readonly redraw: () => void) {}
+  constructor(
+    private readonly renderer: WebGLRenderer,
+    private readonly redraw: () => void,
+  ) {}
 
   /** Pixels of the screen for one of the page. */
   set screen(ratio: number) {

@@ -11,17 +11,29 @@ import { Ground } from "./ground";
 import { arrowAt, drawHandle, reachOf, type Handle, type Surroundings } from "./handle";
 import { middleOf } from "../motion/middle";
 import { drawAxes } from "./axes";
+import { cleared, drawJoints, pictureOf } from "./overlay";
+import { lamps } from "./lamps";
 import { isSoftware, Sharpness } from "./sharpness";
 import { fillTrails } from "./trails";
 import type { Skeleton } from "../motion/skeleton";
 
 export type CameraView = "persp" | "front" | "side" | "top";
-export interface Shown { follow: boolean; ghosts: boolean; trails: boolean; names: boolean; axes: boolean; rest?: boolean }
+export interface Shown {
+  follow: boolean;
+  ghosts: boolean;
+  trails: boolean;
+  names: boolean;
+  axes: boolean;
+  rest?: boolean;
+}
 
-export interface Pose { positions: Float32Array | null; before: (Float32Array | null)[]; trail: Float32Array[] }
+export interface Pose {
+  positions: Float32Array | null;
+  before: (Float32Array | null)[];
+  trail: Float32Array[];
+}
 
 const PICK_PIXELS = 14;
-const MOST_NAMED = 4; // of joints that are selected: more names would cover one another
 
 export class Stage {
   readonly canvas: HTMLCanvasElement;
@@ -53,22 +65,26 @@ export class Stage {
   onDrawn: () => void = () => {};
   private unfinished: WebGLSync | null = null;
 
-  constructor(private readonly host: HTMLElement, private readonly token: (name: string) => string) {
-    this.renderer = new THREE.WebGLRenderer({ antialias: !isSoftware(), alpha: false, powerPreference: "high-performance" });
+  constructor(
+    private readonly host: HTMLElement,
+    private readonly token: (name: string) => string,
+  ) {
+    this.renderer = new THREE.WebGLRenderer({
+      antialias: !isSoftware(),
+      alpha: false,
+      powerPreference: "high-performance",
+    });
     this.renderer.outputColorSpace = THREE.SRGBColorSpace;
-    this.sharpness = new Sharpness(this.renderer, () => { if (!document.hidden) this.draw(); });
+    this.sharpness = new Sharpness(this.renderer, () => {
+      if (!document.hidden) this.draw();
+    });
     this.canvas = this.renderer.domElement;
     this.overlay = document.createElement("canvas");
     this.overlay.className = "stage-overlay";
     this.canvas.className = "stage-canvas";
     host.append(this.canvas, this.overlay);
     this.scene.add(this.ground.mesh);
-    const sky = this.sky;
-    const sun = new THREE.DirectionalLight(0xffffff, 1.7);
-    sun.position.set(1.5, 4, 2.5);
-    const back = new THREE.DirectionalLight(0xffffff, 0.5);
-    back.position.set(-2, 2, -3);
-    this.scene.add(sky, sun, back);
+    this.scene.add(this.sky, ...lamps());
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
@@ -212,7 +228,11 @@ export class Stage {
   private readonly turn = (): void => {
     this.pending = 0;
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    if (this.unfinished && !gl.isContextLost() && gl.getSyncParameter(this.unfinished, gl.SYNC_STATUS) !== gl.SIGNALED) {
+    if (
+      this.unfinished &&
+      !gl.isContextLost() &&
+      gl.getSyncParameter(this.unfinished, gl.SYNC_STATUS) !== gl.SIGNALED
+    ) {
       this.pending = requestAnimationFrame(this.turn);
       return;
     }
@@ -269,7 +289,13 @@ export class Stage {
 
   private around(handle: Handle): Surroundings {
     const actor = this.actors[handle.actor];
-    return { world: (at) => this.placed(actor, at), screen: (at) => this.projected(at), camera: this.camera, metres: actor.skeleton.metres, length: 0.13 * actor.skeleton.height };
+    return {
+      world: (at) => this.placed(actor, at),
+      screen: (at) => this.projected(at),
+      camera: this.camera,
+      metres: actor.skeleton.metres,
+      length: 0.13 * actor.skeleton.height,
+    };
   }
 
   /** The arrow of the handle under a place on the canvas. */
@@ -308,36 +334,16 @@ export class Stage {
   }
 
   private drawOverlay(): void {
-    const pen = this.overlay.getContext("2d")!;
-    const ratio = this.overlay.width / Math.max(1, this.host.clientWidth);
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.clearRect(0, 0, this.host.clientWidth, this.host.clientHeight);
+    const { clientWidth: width, clientHeight: height } = this.host;
+    const pen = cleared(this.overlay, width, height);
     const actor = this.actors.find((one) => !one.dim);
     if (actor?.positions) {
       pen.font = `12px ${getComputedStyle(this.host).fontFamily}`;
-      pen.textBaseline = "middle";
-      actor.skeleton.view.bones.forEach((bone, point) => {
-        const chosen = this.selected.has(point);
-        if (!this.shown.names && !chosen && point !== this.hovered) return;
-        const at = this.onScreen(actor, point);
-        if (!at) return;
-        if (chosen || point === this.hovered) {
-          pen.lineWidth = 2;
-          pen.strokeStyle = this.token(chosen ? "select" : "accent");
-          pen.beginPath();
-          pen.arc(at.x, at.y, 9, 0, Math.PI * 2);
-          pen.stroke();
-        }
-        if (!this.shown.names && point !== this.hovered && this.selected.size > MOST_NAMED) return;
-        pen.lineWidth = 3;
-        pen.strokeStyle = this.token("well");
-        pen.strokeText(bone.name, at.x + 14, at.y);
-        pen.fillStyle = this.token(chosen ? "select" : "text2");
-        pen.fillText(bone.name, at.x + 14, at.y);
-      });
+      const marked = { names: this.shown.names, selected: this.selected, hovered: this.hovered };
+      drawJoints(pen, actor.skeleton, marked, (point) => this.onScreen(actor, point), this.token);
     }
     if (this.handle) drawHandle(pen, this.handle, this.around(this.handle), this.token);
-    if (this.shown.axes) drawAxes(pen, this.camera, this.token, this.host.clientWidth - 40, this.host.clientHeight - 40, actor?.skeleton.zUp ?? false);
+    if (this.shown.axes) drawAxes(pen, this.camera, this.token, width - 40, height - 40, actor?.skeleton.zUp ?? false);
   }
 
   /** Colour all of an actor by a token; null: by its sides. */
@@ -371,13 +377,7 @@ export class Stage {
   picture(): Promise<Blob> {
     this.sharpness.rest();
     this.draw();
-    const both = document.createElement("canvas");
-    both.width = this.canvas.width;
-    both.height = this.canvas.height;
-    const pen = both.getContext("2d")!;
-    pen.drawImage(this.canvas, 0, 0);
-    pen.drawImage(this.overlay, 0, 0, both.width, both.height);
-    return new Promise((resolve) => both.toBlob((blob) => resolve(blob!), "image/png"));
+    return pictureOf(this.canvas, this.overlay);
   }
 
   get drawCalls(): number {

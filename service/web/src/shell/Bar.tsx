@@ -1,46 +1,101 @@
 /** The bar: where one is, one box to find anything, jobs, language, theme. */
-import { signal } from "@preact/signals";
 import { language, theme } from "../state/settings";
 import { page } from "../state/route";
 import { Icon } from "../ui/icons";
 import { Menu } from "../ui/Menu";
 import { SearchBox } from "../panels/library/SearchBox";
 import { w, type Word } from "../words";
-import { drawerOpen, keysOpen } from "./App";
 import { JobTray } from "./JobTray";
-import { paletteOpen } from "./Palette";
-
-/** What the open page is about, such as the clip's name. */
-export const subject = signal<{ text: string; detail?: string } | null>(null);
+import { drawerOpen, keysOpen, paletteOpen, subject } from "../state/shell";
 
 export function Bar() {
-  const where: Partial<Record<string, Word>> = { library: "library", clip: "library", xpath: "xpath", compose: "compose", retarget: "retarget", settings: "settings", reach: "blender", dance: "dance", faces: "faces", analyses: "analyses", results: "analyses" };
+  const where: Partial<Record<string, Word>> = {
+    library: "library",
+    clip: "library",
+    xpath: "xpath",
+    compose: "compose",
+    retarget: "retarget",
+    settings: "settings",
+    reach: "blender",
+    dance: "dance",
+    faces: "faces",
+    analyses: "analyses",
+    results: "analyses",
+  };
   const word = where[page.value];
   const about = subject.value;
   document.title = [about?.text, word && w(word), w("product")].filter(Boolean).join(" · ");
   return (
     <header class="bar">
-      <button type="button" class="button quiet icon drawer-button" aria-label={w("menu")} aria-expanded={drawerOpen.value} onClick={() => (drawerOpen.value = !drawerOpen.value)}><Icon name="list" /></button>
-      <a class="mark" href="/library" aria-label={w("library")}><img src="/favicon.svg" alt="" width="24" height="24" /></a>
+      <button
+        type="button"
+        class="button quiet icon drawer-button"
+        aria-label={w("menu")}
+        aria-expanded={drawerOpen.value}
+        onClick={() => (drawerOpen.value = !drawerOpen.value)}
+      >
+        <Icon name="list" />
+      </button>
+      <a class="mark" href="/library" aria-label={w("library")}>
+        <img src="/favicon.svg" alt="" width="24" height="24" />
+      </a>
       <div class="where cut">
         {page.value === "clip" ? (
-          <><a href="/library" class="cut">{w("library")}</a><span class="dim"> › </span><strong class="cut">{about?.text ?? "…"}</strong></>
+          <>
+            <a href="/library" class="cut">
+              {w("library")}
+            </a>
+            <span class="dim"> › </span>
+            <strong class="cut">{about?.text ?? "…"}</strong>
+          </>
         ) : (
           <strong>{word ? w(word) : ""}</strong>
         )}
         {about?.detail && <span class="chip">{about.detail}</span>}
       </div>
-      {page.value === "library" ? <SearchBox /> : <button type="button" class="finder" title={w("searchAll")} onClick={() => (paletteOpen.value = "")}>
-        <Icon name="search" /><span class="grow cut">{w("searchAll")}</span><kbd>Ctrl K</kbd>
-      </button>}
+      {page.value === "library" ? (
+        <SearchBox />
+      ) : (
+        <button type="button" class="finder" title={w("searchAll")} onClick={() => (paletteOpen.value = "")}>
+          <Icon name="search" />
+          <span class="grow cut">{w("searchAll")}</span>
+          <kbd>Ctrl K</kbd>
+        </button>
+      )}
       <div class="bar-end">
         <JobTray />
-        <Menu label={w("language")} className="chip" side="right" items={[
-          { text: "English", checked: language.value === "en", run: () => (language.value = "en") },
-          { text: "한국어", checked: language.value === "ko", run: () => (language.value = "ko") },
-        ]}>{language.value === "ko" ? "한" : "EN"}</Menu>
-        <Menu label={w("theme")} className="chip" side="right" items={(["dark", "light", "system"] as const).map((one) => ({ text: w(one), checked: theme.value === one, run: () => (theme.value = one) }))}><Icon name="eye" /></Menu>
-        <button type="button" class="chip" aria-label={w("help")} title={`${w("help")} (?)`} onClick={() => (keysOpen.value = true)}>?</button>
+        <Menu
+          label={w("language")}
+          className="chip"
+          side="right"
+          items={[
+            { text: "English", checked: language.value === "en", run: () => (language.value = "en") },
+            { text: "한국어", checked: language.value === "ko", run: () => (language.value = "ko") },
+          ]}
+        >
+          {language.value === "ko" ? "한" : "EN"}
+        </Menu>
+        <Menu
+          label={w("theme")}
+          className="chip"
+          side="right"
+          items={(["dark", "light", "system"] as const).map((one) => ({
+            text: w(one),
+            checked: theme.value === one,
+            run: () => (theme.value = one),
+          }))}
+        >
+          <Icon name="eye" />
+        </Menu>
+        <button
+          type="button"
+          class="chip"
+          aria-label={w("help")}
+          title={`${w("help")} (?)`}
+          onClick={() => (keysOpen.value = true)}
+        >
+          ?
+        </button>
       </div>
     </header>
   );

@@ -20,16 +20,26 @@ export function Connection() {
   useEffect(() => {
     let timer = 0;
     const next = () => {
-      timer = window.setTimeout(async () => {
-        if (!document.hidden) await ask();
-        next();
-      }, (lost.value ? ASK_SECONDS_LOST : ASK_SECONDS) * 1000);
+      timer = window.setTimeout(
+        async () => {
+          if (!document.hidden) await ask();
+          next();
+        },
+        (lost.value ? ASK_SECONDS_LOST : ASK_SECONDS) * 1000,
+      );
     };
     const offline = () => void ask();
     addEventListener("offline", offline);
     next();
-    return () => { window.clearTimeout(timer); removeEventListener("offline", offline); };
+    return () => {
+      window.clearTimeout(timer);
+      removeEventListener("offline", offline);
+    };
   }, []);
   if (!lost.value) return null;
-  return <div class="banner warn" role="status">{w("offline", { time: lost.value.toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" }) })}</div>;
+  return (
+    <div class="banner warn" role="status">
+      {w("offline", { time: lost.value.toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" }) })}
+    </div>
+  );
 }

@@ -19,7 +19,10 @@ export function DropTarget() {
       setOver((now) => now || "add");
     };
     const leave = (event: DragEvent) => {
-      if (hasFiles(event) && --depth <= 0) { depth = 0; setOver(""); }
+      if (hasFiles(event) && --depth <= 0) {
+        depth = 0;
+        setOver("");
+      }
     };
     const drag = (event: DragEvent) => {
       if (!hasFiles(event)) return;
@@ -53,11 +56,28 @@ export function DropTarget() {
   }, []);
   if (!over) return null;
   const own = dropHere.value;
-  if (own) return <section class="drop-cover alone" aria-label={own.title}><div class="drop-field over"><Icon name="upload" /><h2>{own.title}</h2><p>{own.help}</p></div></section>;
+  if (own)
+    return (
+      <section class="drop-cover alone" aria-label={own.title}>
+        <div class="drop-field over">
+          <Icon name="upload" />
+          <h2>{own.title}</h2>
+          <p>{own.help}</p>
+        </div>
+      </section>
+    );
   return (
     <section class="drop-cover" aria-label={w("dropTitle")}>
-      <div class={`drop-field ${over === "add" ? "over" : ""}`} data-drop="add"><Icon name="upload" /><h2>{w("dropTitle")}</h2><p>{w("dropHelp")}</p></div>
-      <div class={`drop-field ${over === "look" ? "over" : ""}`} data-drop="look"><Icon name="eye" /><h2>{w("lookFirst")}</h2><p>{w("lookFirstHelp")}</p></div>
+      <div class={`drop-field ${over === "add" ? "over" : ""}`} data-drop="add">
+        <Icon name="upload" />
+        <h2>{w("dropTitle")}</h2>
+        <p>{w("dropHelp")}</p>
+      </div>
+      <div class={`drop-field ${over === "look" ? "over" : ""}`} data-drop="look">
+        <Icon name="eye" />
+        <h2>{w("lookFirst")}</h2>
+        <p>{w("lookFirstHelp")}</p>
+      </div>
     </section>
   );
 }

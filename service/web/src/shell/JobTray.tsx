@@ -20,40 +20,80 @@ export function JobTray() {
       // Who waits for it on its page sees it there.
       else if (seen.current.delete(job.id) && job.state === "done" && job.result && !waitedFor()) {
         const place = placeOf(job.analysis, job.result);
-        note(w("jobEnded", { name: job.name ?? job.analysis }), { action: { text: w("openResult"), run: () => go(place) } });
+        note(w("jobEnded", { name: job.name ?? job.analysis }), {
+          action: { text: w("openResult"), run: () => go(place) },
+        });
       }
     }
   }, [list]);
   useEffect(() => {
     if (!open) return;
-    const outside = (event: PointerEvent) => { if (!box.current?.contains(event.target as Node)) setOpen(false); };
+    const outside = (event: PointerEvent) => {
+      if (!box.current?.contains(event.target as Node)) setOpen(false);
+    };
     addEventListener("pointerdown", outside);
     return () => removeEventListener("pointerdown", outside);
   }, [open]);
   if (!list.length) return null;
   return (
-    <span class="menu" ref={box} onKeyDown={(event) => { if (event.key === "Escape") setOpen(false); }}>
-      <button type="button" class="chip" aria-expanded={open} onClick={() => setOpen(!open)}>{w("jobs")} {active.length || ""}{active[0] && <progress value={active[0].share} aria-label={w("jobs")} />}</button>
+    <span
+      class="menu"
+      ref={box}
+      onKeyDown={(event) => {
+        if (event.key === "Escape") setOpen(false);
+      }}
+    >
+      <button type="button" class="chip" aria-expanded={open} onClick={() => setOpen(!open)}>
+        {w("jobs")} {active.length || ""}
+        {active[0] && <progress value={active[0].share} aria-label={w("jobs")} />}
+      </button>
       {open && (
         <ul class="menu-list right job-tray" aria-label={w("jobs")}>
-          {list.map((job) => <Row key={job.id} job={job} onDone={() => setOpen(false)} />)}
+          {list.map((job) => (
+            <Row key={job.id} job={job} onDone={() => setOpen(false)} />
+          ))}
         </ul>
       )}
     </span>
   );
 }
 
-const STATES: Record<string, Word> = { done: "jobDone", failed: "jobFailed", cancelled: "jobCancelled", waiting: "jobWaiting" };
+const STATES: Record<string, Word> = {
+  done: "jobDone",
+  failed: "jobFailed",
+  cancelled: "jobCancelled",
+  waiting: "jobWaiting",
+};
 
 function Row({ job, onDone }: { job: Job; onDone: () => void }) {
   return (
     <li class="job">
-      <div class="row"><strong class="cut grow">{job.name ?? job.analysis}</strong><span class="dim">{STATES[job.state] ? w(STATES[job.state]) : job.stage}</span>
-        {running(job) && <button type="button" class="button quiet icon dense" aria-label={w("cancel")} title={w("cancel")} onClick={() => void cancelJob(job)}><Icon name="close" /></button>}
+      <div class="row">
+        <strong class="cut grow">{job.name ?? job.analysis}</strong>
+        <span class="dim">{STATES[job.state] ? w(STATES[job.state]) : job.stage}</span>
+        {running(job) && (
+          <button
+            type="button"
+            class="button quiet icon dense"
+            aria-label={w("cancel")}
+            title={w("cancel")}
+            onClick={() => void cancelJob(job)}
+          >
+            <Icon name="close" />
+          </button>
+        )}
       </div>
       {running(job) && <progress value={job.share} aria-label={job.stage ?? ""} />}
-      {job.problem && <p>{job.problem.detail ?? job.problem.title} {job.problem.remedy}</p>}
-      {job.result && <a href={placeOf(job.analysis, job.result)} onClick={onDone}>{w("openResult")}</a>}
+      {job.problem && (
+        <p>
+          {job.problem.detail ?? job.problem.title} {job.problem.remedy}
+        </p>
+      )}
+      {job.result && (
+        <a href={placeOf(job.analysis, job.result)} onClick={onDone}>
+          {w("openResult")}
+        </a>
+      )}
     </li>
   );
 }

@@ -13,7 +13,11 @@ export function Keys({ onClose }: { onClose: () => void }) {
         <dl class="keys">
           {list.map((one) => (
             <div key={one.id}>
-              <dt>{one.keys.map((keys) => <kbd key={keys}>{keys}</kbd>)}</dt>
+              <dt>
+                {one.keys.map((keys) => (
+                  <kbd key={keys}>{keys}</kbd>
+                ))}
+              </dt>
               <dd>{w(one.word)}</dd>
             </div>
           ))}
@@ -23,8 +27,14 @@ export function Keys({ onClose }: { onClose: () => void }) {
   return (
     <Dialog title={w("help")} onClose={onClose} wide>
       <div class="keys-columns">
-        {table(w("onThisPage"), all.filter((one) => !everywhere.has(one.id)))}
-        {table(w("everywhere"), all.filter((one) => everywhere.has(one.id)))}
+        {table(
+          w("onThisPage"),
+          all.filter((one) => !everywhere.has(one.id)),
+        )}
+        {table(
+          w("everywhere"),
+          all.filter((one) => everywhere.has(one.id)),
+        )}
       </div>
     </Dialog>
   );

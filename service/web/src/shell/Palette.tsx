@@ -1,20 +1,21 @@
 /** Ctrl+K: pages, commands, clips, motion names, a time of the open clip, XPath. */
-import { signal } from "@preact/signals";
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { get } from "../api/client";
 import { commands } from "../state/keys";
 import { loadVocabulary, namesLike } from "../state/vocabulary";
 import { go } from "../state/route";
+import { paletteOpen, timeJump } from "../state/shell";
 import { Icon, type IconName } from "../ui/icons";
 import { useAsync } from "../ui/useAsync";
 import { duration, w } from "../words";
 
-/** The text it opens with; null: it is closed. */
-export const paletteOpen = signal<string | null>(null);
-/** Of the open clip: go to a frame (from 1) or to seconds. */
-export const timeJump = signal<((text: string) => void) | null>(null);
-
-interface Found { key: string; icon: IconName; text: string; detail?: string; run: () => void }
+interface Found {
+  key: string;
+  icon: IconName;
+  text: string;
+  detail?: string;
+  run: () => void;
+}
 const MOST = 8;
 
 export function Palette() {
@@ -22,25 +23,50 @@ export function Palette() {
   const [at, setAt] = useState(0);
   const box = useRef<HTMLDialogElement>(null);
   // Before the next letter is typed.
-  useLayoutEffect(() => { box.current?.showModal(); }, []);
+  useLayoutEffect(() => {
+    box.current?.showModal();
+  }, []);
   const words = text.trim();
   const plain = words && !/^(>|:|\/\/)/.test(words) ? words.replace(/^#/, "") : "";
-  const clips = useAsync(async (signal) => {
-    if (!plain) return { clips: [], names: [] as string[] };
-    const [clips] = await Promise.all([
-      words.startsWith("#") ? null : get("/documents", { query: { q: plain, limit: MOST }, signal }),
-      loadVocabulary(),
-    ]);
-    return { clips: clips?.items ?? [], names: namesLike(plain, MOST) };
-  }, [plain, words.startsWith("#")]);
+  const clips = useAsync(
+    async (signal) => {
+      if (!plain) return { clips: [], names: [] as string[] };
+      const [clips] = await Promise.all([
+        words.startsWith("#") ? null : get("/documents", { query: { q: plain, limit: MOST }, signal }),
+        loadVocabulary(),
+      ]);
+      return { clips: clips?.items ?? [], names: namesLike(plain, MOST) };
+    },
+    [plain, words.startsWith("#")],
+  );
   const found: Found[] = [];
-  if (words.startsWith("//")) found.push({ key: "xpath", icon: "xpath", text: words, detail: w("xpath"), run: () => go(`/xpath?q=${encodeURIComponent(words)}&run=1`) });
-  if (words.startsWith(":") && timeJump.value) found.push({ key: "time", icon: "play", text: words, run: () => timeJump.value!(words.slice(1)) });
+  if (words.startsWith("//"))
+    found.push({
+      key: "xpath",
+      icon: "xpath",
+      text: words,
+      detail: w("xpath"),
+      run: () => go(`/xpath?q=${encodeURIComponent(words)}&run=1`),
+    });
+  if (words.startsWith(":") && timeJump.value)
+    found.push({ key: "time", icon: "play", text: words, run: () => timeJump.value!(words.slice(1)) });
   for (const one of clips.value?.clips ?? []) {
-    found.push({ key: one.id, icon: "library", text: one.name, detail: [one.project, duration(one.duration)].filter(Boolean).join(" · "), run: () => go(`/clips/${one.id}`) });
+    found.push({
+      key: one.id,
+      icon: "library",
+      text: one.name,
+      detail: [one.project, duration(one.duration)].filter(Boolean).join(" · "),
+      run: () => go(`/clips/${one.id}`),
+    });
   }
   for (const name of clips.value?.names ?? []) {
-    found.push({ key: `#${name}`, icon: "label", text: name, detail: w("motionName"), run: () => go(`/library?motion_name=${encodeURIComponent(name)}`) });
+    found.push({
+      key: `#${name}`,
+      icon: "label",
+      text: name,
+      detail: w("motionName"),
+      run: () => go(`/library?motion_name=${encodeURIComponent(name)}`),
+    });
   }
   const sought = words.replace(/^>/, "").toLowerCase();
   for (const one of commands()) {
@@ -55,23 +81,59 @@ export function Palette() {
     if (event.isComposing) return;
     if (event.key === "ArrowDown") setAt((place + 1) % found.length);
     else if (event.key === "ArrowUp") setAt((place - 1 + found.length) % found.length);
-    else if (event.key === "Enter" && found[place]) { close(); found[place].run(); }
-    else return;
+    else if (event.key === "Enter" && found[place]) {
+      close();
+      found[place].run();
+    } else return;
     event.preventDefault();
   };
   return (
-    <dialog ref={box} class="palette" aria-label={w("palette")} onClose={close} onClick={(event) => event.target === box.current && close()}>
-      <input class="field" role="combobox" aria-expanded={found.length > 0} aria-controls="palette-list" aria-activedescendant={found[place] && `palette-${place}`} aria-label={w("palette")} placeholder={w("searchAll")}
-        value={text} onInput={(event) => { setText(event.currentTarget.value); setAt(0); }} onKeyDown={onKey} autoFocus />
+    <dialog
+      ref={box}
+      class="palette"
+      aria-label={w("palette")}
+      onClose={close}
+      onClick={(event) => event.target === box.current && close()}
+    >
+      <input
+        class="field"
+        role="combobox"
+        aria-expanded={found.length > 0}
+        aria-controls="palette-list"
+        aria-activedescendant={found[place] && `palette-${place}`}
+        aria-label={w("palette")}
+        placeholder={w("searchAll")}
+        value={text}
+        onInput={(event) => {
+          setText(event.currentTarget.value);
+          setAt(0);
+        }}
+        onKeyDown={onKey}
+        autoFocus
+      />
       <ul id="palette-list" role="listbox" hidden={!found.length} aria-label={w("palette")}>
         {found.slice(0, 40).map((one, index) => (
-          <li key={one.key} id={`palette-${index}`} role="option" aria-selected={index === place} onPointerMove={() => setAt(index)} onClick={() => { close(); one.run(); }}>
-            <Icon name={one.icon} /><span class="grow cut">{one.text}</span>{one.detail && <span class="dim">{one.detail}</span>}
+          <li
+            key={one.key}
+            id={`palette-${index}`}
+            role="option"
+            aria-selected={index === place}
+            onPointerMove={() => setAt(index)}
+            onClick={() => {
+              close();
+              one.run();
+            }}
+          >
+            <Icon name={one.icon} />
+            <span class="grow cut">{one.text}</span>
+            {one.detail && <span class="dim">{one.detail}</span>}
           </li>
         ))}
       </ul>
       {/* Beside the list: a listbox holds options alone. */}
-      <p class="dim palette-none" role="status">{found.length ? "" : clips.busy ? w("loading") : w("nothingFound")}</p>
+      <p class="dim palette-none" role="status">
+        {found.length ? "" : clips.busy ? w("loading") : w("nothingFound")}
+      </p>
     </dialog>
   );
 }

@@ -7,22 +7,53 @@ export function Toasts() {
   const box = useRef<HTMLDivElement>(null);
   // What floats at the bottom, as the list of uploads does, stands above them.
   useEffect(() => {
-    const observer = new ResizeObserver(() => document.documentElement.style.setProperty("--toasts", `${box.current?.offsetHeight ?? 0}px`));
+    const observer = new ResizeObserver(() =>
+      document.documentElement.style.setProperty("--toasts", `${box.current?.offsetHeight ?? 0}px`),
+    );
     observer.observe(box.current!);
     return () => observer.disconnect();
   }, []);
   return (
     <div ref={box} class="toasts" role="region" aria-label={w("notices")} aria-live="polite">
       {notes.value.map((one) => (
-        <div key={one.id} class={`toast ${one.bad ? "bad" : ""}`} role={one.bad ? "alert" : "status"}
-          onPointerEnter={() => held.add(one.id)} onPointerLeave={() => held.delete(one.id)} onFocusIn={() => held.add(one.id)} onFocusOut={() => held.delete(one.id)}>
+        <div
+          key={one.id}
+          class={`toast ${one.bad ? "bad" : ""}`}
+          role={one.bad ? "alert" : "status"}
+          onPointerEnter={() => held.add(one.id)}
+          onPointerLeave={() => held.delete(one.id)}
+          onFocusIn={() => held.add(one.id)}
+          onFocusOut={() => held.delete(one.id)}
+        >
           {one.bad && <Icon name="warn" />}
           <div class="grow">
             <div>{one.text}</div>
             {one.detail && <div class="dim">{one.detail}</div>}
           </div>
-          {one.action && <button type="button" class="button dense" onClick={() => { one.action!.run(); held.delete(one.id); dismiss(one.id); }}>{one.action.text}</button>}
-          <button type="button" class="button quiet icon dense" aria-label={w("close")} onClick={() => { held.delete(one.id); dismiss(one.id); }}><Icon name="close" /></button>
+          {one.action && (
+            <button
+              type="button"
+              class="button dense"
+              onClick={() => {
+                one.action!.run();
+                held.delete(one.id);
+                dismiss(one.id);
+              }}
+            >
+              {one.action.text}
+            </button>
+          )}
+          <button
+            type="button"
+            class="button quiet icon dense"
+            aria-label={w("close")}
+            onClick={() => {
+              held.delete(one.id);
+              dismiss(one.id);
+            }}
+          >
+            <Icon name="close" />
+          </button>
         </div>
       ))}
     </div>

@@ -169,7 +169,12 @@ export class Clip {
     if (!next || this.pinned !== null) return false;
     try {
       const base = drafts.isEmpty(before) ? this.detail.revision : this.base;
-      const answer = await ask("post", "/documents/{id}/changes", { path: { id: this.id }, query: { dry_run: true, merge: true }, match: base, body: drafts.asChanges(next) });
+      const answer = await ask("post", "/documents/{id}/changes", {
+        path: { id: this.id },
+        query: { dry_run: true, merge: true },
+        match: base,
+        body: drafts.asChanges(next),
+      });
       const fault = answer.faults?.[0];
       if (fault) {
         note(fault.what, { detail: fault.remedy ?? undefined, bad: true });
@@ -188,8 +193,13 @@ export class Clip {
   setBone(bone: number, vector: Vector, before?: Draft): void {
     const from = before ?? this.draft.peek();
     const texts = textsOf(this.skeleton.view, bone, vector);
-    const made = drafts.orReplaced(() => texts.reduce((draft, { address, text }) => drafts.withElement(draft, { address, attributes: {}, text }), from));
-    if (!made) return note(w("replacedByText"), { bad: true });
+    const made = drafts.orReplaced(() =>
+      texts.reduce((draft, { address, text }) => drafts.withElement(draft, { address, attributes: {}, text }), from),
+    );
+    if (!made) {
+      note(w("replacedByText"), { bad: true });
+      return;
+    }
     const next = { ...made, steps: from.steps + 1 };
     if (before && this.draft.peek() !== before) this.amend(next);
     else this.change(next);

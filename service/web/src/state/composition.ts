@@ -51,10 +51,29 @@ const PLACES = 1000; // of strength and speed in an address
 
 let lastKey = 0;
 export const pieceOf = (document: string, name = "", first = 1, last = 0, frames = 0): Piece => ({
-  key: ++lastKey, document, name, first, last, frames, speed: 1, mirror: false, transition: null, style: null, layers: [],
+  key: ++lastKey,
+  document,
+  name,
+  first,
+  last,
+  frames,
+  speed: 1,
+  mirror: false,
+  transition: null,
+  style: null,
+  layers: [],
 });
 export const layerOf = (document: string, name = "", first = 1, last = 0, frames = 0): Layer => ({
-  key: ++lastKey, document, name, first, last, frames, at: 1, bones: [], strength: 1, ease: 8,
+  key: ++lastKey,
+  document,
+  name,
+  first,
+  last,
+  frames,
+  at: 1,
+  bones: [],
+  strength: 1,
+  ease: 8,
 });
 export const sizeOf = (one: Pick<Piece, "first" | "last">): number => Math.max(0, one.last - one.first + 1);
 
@@ -64,56 +83,84 @@ const short = (value: number): string => String(Math.round(value * PLACES) / PLA
 
 /** "id:first-last_x2_m_t8_c,id" as an address has it: speed, mirrored, transition, crossfade or bridge. */
 export function parsePieces(text: string): Piece[] {
-  return text.split(",").filter(Boolean).map((part) => {
-    const [where, ...options] = part.split("_");
-    const [document, range = ""] = where.split(":");
-    const [first, last] = range.split("-").map(Number);
-    const piece = pieceOf(document, "", first || 1, last || 0);
-    for (const option of options) {
-      const value = Number(option.slice(1));
-      if (option === "m") piece.mirror = true;
-      else if (option === "b" || option === "c") piece.style = option === "b" ? "bridge" : "crossfade";
-      else if (option[0] === "x" && value >= SLOWEST && value <= FASTEST) piece.speed = value;
-      else if (option[0] === "t" && value >= 0 && value <= LONGEST) piece.transition = Math.round(value);
-    }
-    return piece;
-  });
+  return text
+    .split(",")
+    .filter(Boolean)
+    .map((part) => {
+      const [where, ...options] = part.split("_");
+      const [document, range = ""] = where.split(":");
+      const [first, last] = range.split("-").map(Number);
+      const piece = pieceOf(document, "", first || 1, last || 0);
+      for (const option of options) {
+        const value = Number(option.slice(1));
+        if (option === "m") piece.mirror = true;
+        else if (option === "b" || option === "c") piece.style = option === "b" ? "bridge" : "crossfade";
+        else if (option[0] === "x" && value >= SLOWEST && value <= FASTEST) piece.speed = value;
+        else if (option[0] === "t" && value >= 0 && value <= LONGEST) piece.transition = Math.round(value);
+      }
+      return piece;
+    });
 }
 
 /** Of a whole clip, or one whose frames are not known yet, no range is written. */
 export const writePieces = (pieces: readonly Piece[]): string =>
-  pieces.map((piece) => [
-    rangeOf(piece),
-    ...(piece.speed === 1 ? [] : [`x${short(piece.speed)}`]),
-    ...(piece.mirror ? ["m"] : []),
-    ...(piece.transition === null ? [] : [`t${piece.transition}`]),
-    ...(piece.style === null ? [] : [piece.style[0]]),
-  ].join("_")).join(",");
+  pieces
+    .map((piece) =>
+      [
+        rangeOf(piece),
+        ...(piece.speed === 1 ? [] : [`x${short(piece.speed)}`]),
+        ...(piece.mirror ? ["m"] : []),
+        ...(piece.transition === null ? [] : [`t${piece.transition}`]),
+        ...(piece.style === null ? [] : [piece.style[0]]),
+      ].join("_"),
+    )
+    .join(",");
 
 /** "piece:at:strength:ease:bone+bone:id:first-last", pieces from 1. */
 export const writeLayers = (pieces: readonly Piece[]): string =>
-  pieces.flatMap((piece, index) => piece.layers.map((one) =>
-    [index + 1, one.at, short(one.strength), one.ease, one.bones.map(encodeURIComponent).join("+"), rangeOf(one)].join(":"),
-  )).join(",");
+  pieces
+    .flatMap((piece, index) =>
+      piece.layers.map((one) =>
+        [
+          index + 1,
+          one.at,
+          short(one.strength),
+          one.ease,
+          one.bones.map(encodeURIComponent).join("+"),
+          rangeOf(one),
+        ].join(":"),
+      ),
+    )
+    .join(",");
 
 /** Pieces with the layers that an address names. */
 export function withLayers(pieces: readonly Piece[], text: string): Piece[] {
-  const found = text.split(",").filter(Boolean).map((part) => part.split(":"));
+  const found = text
+    .split(",")
+    .filter(Boolean)
+    .map((part) => part.split(":"));
   return pieces.map((piece, index) => ({
     ...piece,
-    layers: found.filter(([place, , , , , document]) => Number(place) === index + 1 && document).map(([, at, strength, ease, bones, document, range = ""]) => {
-      const [first, last] = range.split("-").map(Number);
-      return {
-        ...layerOf(document, "", first || 1, last || 0),
-        at: Math.max(1, Number(at) || 1), strength: Math.min(1, Math.max(0, Number(strength))) || 0, ease: Math.max(0, Number(ease) || 0),
-        bones: bones.split("+").filter(Boolean).map(decodeURIComponent),
-      };
-    }),
+    layers: found
+      .filter(([place, , , , , document]) => Number(place) === index + 1 && document)
+      .map(([, at, strength, ease, bones, document, range = ""]) => {
+        const [first, last] = range.split("-").map(Number);
+        return {
+          ...layerOf(document, "", first || 1, last || 0),
+          at: Math.max(1, Number(at) || 1),
+          strength: Math.min(1, Math.max(0, Number(strength))) || 0,
+          ease: Math.max(0, Number(ease) || 0),
+          bones: bones.split("+").filter(Boolean).map(decodeURIComponent),
+        };
+      }),
   }));
 }
 
 /** As an address has it; null takes a parameter away. */
-export const writeBoard = ({ name, pieces, transition, style }: Storyboard, usualName: string): Record<"s" | "l" | "t" | "style" | "name", string | null> => ({
+export const writeBoard = (
+  { name, pieces, transition, style }: Storyboard,
+  usualName: string,
+): Record<"s" | "l" | "t" | "style" | "name", string | null> => ({
   s: writePieces(pieces) || null,
   l: writeLayers(pieces) || null,
   t: transition === USUAL_TRANSITION ? null : String(transition),
@@ -129,11 +176,27 @@ export const readBoard = (param: (name: string) => string, usualName: string): S
 });
 
 /** What the repository is asked to make. What is as usual is not said: frames that follow one another stay so. */
-export const asSegments = (pieces: readonly Piece[]) => pieces.map((one, index) => ({
-  document: one.document, first: one.first, last: one.last, speed: one.speed, mirror: one.mirror,
-  transition: index ? one.transition : null, style: index ? one.style : null,
-  layers: one.layers.filter((layer) => layer.bones.length && layer.at <= sizeOf(one)).map(({ document, first, last, at, bones, strength, ease }) => ({ document, first, last, at, bones: [...bones], strength, ease })),
-}));
+export const asSegments = (pieces: readonly Piece[]) =>
+  pieces.map((one, index) => ({
+    document: one.document,
+    first: one.first,
+    last: one.last,
+    speed: one.speed,
+    mirror: one.mirror,
+    transition: index ? one.transition : null,
+    style: index ? one.style : null,
+    layers: one.layers
+      .filter((layer) => layer.bones.length && layer.at <= sizeOf(one))
+      .map(({ document, first, last, at, bones, strength, ease }) => ({
+        document,
+        first,
+        last,
+        at,
+        bones: [...bones],
+        strength,
+        ease,
+      })),
+  }));
 
 /** Change one piece, held within its clip and what a composition takes. */
 export const withPiece = (pieces: readonly Piece[], key: number, change: Partial<Piece>): Piece[] =>
@@ -141,20 +204,39 @@ export const withPiece = (pieces: readonly Piece[], key: number, change: Partial
     if (piece.key !== key) return piece;
     const one = { ...piece, ...change };
     const speed = Number.isFinite(one.speed) ? Math.min(FASTEST, Math.max(SLOWEST, one.speed)) : piece.speed;
-    return { ...one, ...held(one, piece), speed, transition: one.transition === null ? null : Math.round(Math.min(LONGEST, Math.max(0, one.transition))) };
+    return {
+      ...one,
+      ...held(one, piece),
+      speed,
+      transition: one.transition === null ? null : Math.round(Math.min(LONGEST, Math.max(0, one.transition))),
+    };
   });
 
 export const withLayer = (pieces: readonly Piece[], key: number, change: Partial<Layer>): Piece[] =>
-  pieces.map((piece) => piece.layers.some((one) => one.key === key)
-    ? { ...piece, layers: piece.layers.map((layer) => {
-        if (layer.key !== key) return layer;
-        const one = { ...layer, ...change };
-        return { ...one, ...held(one, layer), at: Math.max(1, Math.min(piece.last ? sizeOf(piece) : one.at, Math.round(one.at) || 1)), strength: Math.min(1, Math.max(0, one.strength)), ease: Math.max(0, Math.round(one.ease) || 0) };
-      }) }
-    : piece);
+  pieces.map((piece) =>
+    piece.layers.some((one) => one.key === key)
+      ? {
+          ...piece,
+          layers: piece.layers.map((layer) => {
+            if (layer.key !== key) return layer;
+            const one = { ...layer, ...change };
+            return {
+              ...one,
+              ...held(one, layer),
+              at: Math.max(1, Math.min(piece.last ? sizeOf(piece) : one.at, Math.round(one.at) || 1)),
+              strength: Math.min(1, Math.max(0, one.strength)),
+              ease: Math.max(0, Math.round(one.ease) || 0),
+            };
+          }),
+        }
+      : piece,
+  );
 
 /** A range inside its clip; the edge that was not moved stays. */
-function held(one: Pick<Piece, "first" | "last" | "frames">, before: Pick<Piece, "first" | "last">): { first: number; last: number } {
+function held(
+  one: Pick<Piece, "first" | "last" | "frames">,
+  before: Pick<Piece, "first" | "last">,
+): { first: number; last: number } {
   const most = one.frames || Math.max(one.last, one.first);
   let first = Math.round(Math.min(most, Math.max(1, one.first || 1)));
   let last = one.last && Math.round(Math.min(most, Math.max(1, one.last)));
@@ -166,10 +248,17 @@ function held(one: Pick<Piece, "first" | "last" | "frames">, before: Pick<Piece,
 }
 
 export const withoutLayer = (pieces: readonly Piece[], key: number): Piece[] =>
-  pieces.map((piece) => (piece.layers.some((one) => one.key === key) ? { ...piece, layers: piece.layers.filter((one) => one.key !== key) } : piece));
+  pieces.map((piece) =>
+    piece.layers.some((one) => one.key === key)
+      ? { ...piece, layers: piece.layers.filter((one) => one.key !== key) }
+      : piece,
+  );
 
 /** What became known of the clips; the same list where nothing is new. */
-export function learnt(pieces: readonly Piece[], of: (document: string) => { name: string; frames: number; bones: readonly string[] } | undefined): readonly Piece[] {
+export function learnt(
+  pieces: readonly Piece[],
+  of: (document: string) => { name: string; frames: number; bones: readonly string[] } | undefined,
+): readonly Piece[] {
   let any = false;
   const fill = <T extends Piece | Layer>(one: T): T => {
     const known = one.frames ? undefined : of(one.document);
@@ -181,12 +270,15 @@ export function learnt(pieces: readonly Piece[], of: (document: string) => { nam
   const first = pieces[0] && of(pieces[0].document);
   const found = pieces.map((piece) => {
     const one = fill(piece);
-    return { ...one, layers: one.layers.map((layer) => {
-      const full = fill(layer);
-      if (full.bones.length || !first) return full;
-      any = true;
-      return { ...full, bones: first.bones };
-    }) };
+    return {
+      ...one,
+      layers: one.layers.map((layer) => {
+        const full = fill(layer);
+        if (full.bones.length || !first) return full;
+        any = true;
+        return { ...full, bones: first.bones };
+      }),
+    };
   });
   return any ? found : pieces;
 }
@@ -198,9 +290,14 @@ export function splitPiece(pieces: readonly Piece[], index: number, frame: numbe
   const cut = frame - piece.first; // frames of the first part
   const before = piece.layers.filter((one) => one.at <= cut);
   const after = piece.layers.filter((one) => one.at > cut).map((one) => ({ ...one, at: one.at - cut }));
-  return pieces.flatMap((one, at) => (at === index
-    ? [{ ...one, last: frame - 1, layers: before }, { ...one, key: ++lastKey, first: frame, transition: null, style: null, layers: after }]
-    : [one]));
+  return pieces.flatMap((one, at) =>
+    at === index
+      ? [
+          { ...one, last: frame - 1, layers: before },
+          { ...one, key: ++lastKey, first: frame, transition: null, style: null, layers: after },
+        ]
+      : [one],
+  );
 }
 
 export function movePiece(pieces: readonly Piece[], from: number, to: number): Piece[] {
@@ -210,10 +307,19 @@ export function movePiece(pieces: readonly Piece[], from: number, to: number): P
   return next;
 }
 
-export interface Stretch { name: string; first: number; last: number }
+export interface Stretch {
+  name: string;
+  first: number;
+  last: number;
+}
 
 /** The frame to which an edge goes: the nearest edge of a named stretch within `reach` frames, or where it is. */
-export function snapped(frame: number, edge: "first" | "last", spans: readonly Stretch[], reach: number): { frame: number; name: string | null } {
+export function snapped(
+  frame: number,
+  edge: "first" | "last",
+  spans: readonly Stretch[],
+  reach: number,
+): { frame: number; name: string | null } {
   let best: { frame: number; name: string | null } = { frame, name: null };
   let least = reach + 1e-9;
   for (const { name, first, last } of spans) {

@@ -26,7 +26,10 @@ export interface ElementChange {
   added?: readonly Addition[];
 }
 
-export interface Addition { where: "before" | "after" | "into"; fragment: string }
+export interface Addition {
+  where: "before" | "after" | "into";
+  fragment: string;
+}
 
 /** A change of something that a text of the same draft has replaced, or that the draft takes away: it would be lost. */
 export class Replaced extends RangeError {}
@@ -74,7 +77,12 @@ export function withSamples(draft: Draft, track: string, values: Iterable<readon
   let { elements } = draft;
   for (const [frame, value] of values) {
     const text = frameText(draft, frame);
-    if (text) elements = rewritten(elements, text, sampleWithin(text.fragment!, track.slice(0, at), track.slice(at + 1), value));
+    if (text)
+      elements = rewritten(
+        elements,
+        text,
+        sampleWithin(text.fragment!, track.slice(0, at), track.slice(at + 1), value),
+      );
     else changed.set(frame, value);
   }
   const samples = changed.size ? new Map(draft.samples).set(track, changed) : draft.samples;
@@ -87,7 +95,8 @@ export function withLabels(draft: Draft, labels: readonly Span[], before: readon
   for (const one of draft.elements.values()) {
     const frame = one.fragment === undefined ? null : /^\/mcml\/motion\/frame\[(\d+)\]$/.exec(one.address);
     if (!frame) continue;
-    const names = (spans: readonly Span[]) => spans.filter((span) => span.first <= Number(frame[1]) && span.last >= Number(frame[1])).map((span) => span.name);
+    const names = (spans: readonly Span[]) =>
+      spans.filter((span) => span.first <= Number(frame[1]) && span.last >= Number(frame[1])).map((span) => span.name);
     const [old, now] = [names(before), names(labels)];
     const [gone, come] = [old.filter((name) => !now.includes(name)), now.filter((name) => !old.includes(name))];
     if (gone.length || come.length) elements = rewritten(elements, one, namesWithin(one.fragment!, gone, come));
@@ -102,10 +111,22 @@ export function withElement(draft: Draft, change: ElementChange): Draft {
   if (inside && change.fragment === undefined) {
     const { owner } = inside;
     if (owner.fragment === undefined) throw new Replaced(owner.address);
-    return { ...draft, elements: rewritten(draft.elements, owner, changedWithin(owner.fragment, inside.steps, change)), steps };
+    return {
+      ...draft,
+      elements: rewritten(draft.elements, owner, changedWithin(owner.fragment, inside.steps, change)),
+      steps,
+    };
   }
   const before = draft.elements.get(change.address);
-  return { ...draft, elements: set(draft.elements, { ...before, ...change, attributes: { ...before?.attributes, ...change.attributes } }), steps };
+  return {
+    ...draft,
+    elements: set(draft.elements, {
+      ...before,
+      ...change,
+      attributes: { ...before?.attributes, ...change.attributes },
+    }),
+    steps,
+  };
 }
 
 /** Take an element away, and all that was changed within it; once more: let it stay. */
@@ -127,7 +148,11 @@ export function withDeleted(draft: Draft, address: string): Draft {
 export function withAdded(draft: Draft, address: string, addition: Addition): Draft {
   if (replacedBy(draft, address)) throw new Replaced(address);
   const before = draft.elements.get(address) ?? { address, attributes: {} };
-  return { ...draft, elements: set(draft.elements, { ...before, added: [...(before.added ?? []), addition] }), steps: draft.steps + 1 };
+  return {
+    ...draft,
+    elements: set(draft.elements, { ...before, added: [...(before.added ?? []), addition] }),
+    steps: draft.steps + 1,
+  };
 }
 
 /** Take back what was put beside an element or into it: the addition at a place of its list. */
@@ -135,7 +160,8 @@ export function withoutAdded(draft: Draft, address: string, place: number): Draf
   const before = draft.elements.get(address);
   const added = before?.added?.filter((_, at) => at !== place) ?? [];
   const elements = new Map(draft.elements);
-  if (before && (added.length || before.deleted || before.text !== undefined || Object.keys(before.attributes).length)) elements.set(address, { ...before, added });
+  if (before && (added.length || before.deleted || before.text !== undefined || Object.keys(before.attributes).length))
+    elements.set(address, { ...before, added });
   else elements.delete(address);
   return { ...draft, elements, steps: draft.steps + 1 };
 }
@@ -145,7 +171,11 @@ export function withFragment(draft: Draft, address: string, fragment: string, fr
   const elements = new Map([...draft.elements].filter(([other]) => !other.startsWith(`${address}/`)));
   elements.set(address, { address, attributes: {}, fragment });
   if (frame === null) return { ...draft, elements };
-  const samples = new Map([...draft.samples].map(([track, values]) => [track, new Map([...values].filter(([at]) => at !== frame))] as const).filter(([, values]) => values.size));
+  const samples = new Map(
+    [...draft.samples]
+      .map(([track, values]) => [track, new Map([...values].filter(([at]) => at !== frame))] as const)
+      .filter(([, values]) => values.size),
+  );
   return { ...draft, elements, samples };
 }
 
@@ -167,7 +197,9 @@ export function without(draft: Draft, conflicts: readonly Schemas["Conflict"][])
   for (const { kind, address, first, last } of conflicts) {
     if (kind === "label") labels = null;
     else if (kind === "frames") {
-      const kept = [...(samples.get(address) ?? [])].filter(([frame]) => frame < (first ?? 0) || frame > (last ?? Infinity));
+      const kept = [...(samples.get(address) ?? [])].filter(
+        ([frame]) => frame < (first ?? 0) || frame > (last ?? Infinity),
+      );
       if (kept.length) samples.set(address, new Map(kept));
       else samples.delete(address);
     } else elements.delete(address);
@@ -192,7 +224,7 @@ export function asChanges(draft: Draft, message = ""): Schemas["ChangeSet"] {
   const frames: NonNullable<Schemas["ChangeSet"]["frames"]> = [];
   for (const [track, samples] of draft.samples) {
     const sorted = [...samples].sort((a, b) => a[0] - b[0]);
-    for (let at = 0; at < sorted.length; ) {
+    for (let at = 0; at < sorted.length;) {
       const first = sorted[at][0];
       const values: number[][] = [];
       while (at < sorted.length && sorted[at][0] === first + values.length) values.push([sorted[at++][1]]);
@@ -209,15 +241,25 @@ type Edit = NonNullable<Schemas["ChangeSet"]["elements"]>[number];
 /** The edits of one element. Those at one address are made in this order, and its address goes on meaning the place: what
  * comes after it is put in from the last on, what comes before it at the very end. */
 function editsOf({ address: xpath, attributes, text, fragment, deleted, added = [] }: ElementChange): Edit[] {
-  const inserts = (where: Addition["where"]): Edit[] => added.filter((one) => one.where === where).map((one) => ({ do: "insert", xpath, where, fragment: one.fragment }));
+  const inserts = (where: Addition["where"]): Edit[] =>
+    added.filter((one) => one.where === where).map((one) => ({ do: "insert", xpath, where, fragment: one.fragment }));
   const edits: Edit[] = [];
   if (deleted && added.length) {
     // Beside what goes there is no place: what comes stands in its own.
-    return [{ do: "replace", xpath, fragment: ["before", "after"].flatMap((where) => added.filter((one) => one.where === where).map((one) => one.fragment)).join("") }];
+    return [
+      {
+        do: "replace",
+        xpath,
+        fragment: ["before", "after"]
+          .flatMap((where) => added.filter((one) => one.where === where).map((one) => one.fragment))
+          .join(""),
+      },
+    ];
   }
   if (deleted) edits.push({ do: "delete", xpath, renumber: true });
   else if (fragment !== undefined) edits.push({ do: "replace", xpath, fragment });
-  else if (text !== undefined || Object.keys(attributes).length) edits.push({ do: "change", xpath, attributes, text: text ?? null });
+  else if (text !== undefined || Object.keys(attributes).length)
+    edits.push({ do: "change", xpath, attributes, text: text ?? null });
   return [...edits, ...inserts("into"), ...inserts("after").reverse(), ...inserts("before").reverse()];
 }
 

@@ -3,8 +3,14 @@ import type { Problem } from "../api/client";
 import { w } from "../words";
 
 /** A file or folder of which nothing can be sent. */
-export interface Missed { file: string; problem: Problem }
-export interface Dropped { files: File[]; missed: Missed[] }
+export interface Missed {
+  file: string;
+  problem: Problem;
+}
+export interface Dropped {
+  files: File[];
+  missed: Missed[];
+}
 
 /** Where a file is, as far as the browser says; "" at the top. */
 export function folderOf(file: File): string {
@@ -13,14 +19,17 @@ export function folderOf(file: File): string {
 }
 
 const unreadable = (file: string, error: unknown): Missed => ({
-  file, problem: { title: w("cannotRead"), detail: (error as Error)?.message || String(error), remedy: w("cannotReadHelp") },
+  file,
+  problem: { title: w("cannotRead"), detail: (error as Error)?.message || String(error), remedy: w("cannotReadHelp") },
 });
 
 /** Every item of a drop is in the answer, as a file or as what was missed. */
 export async function filesOf(transfer: Pick<DataTransfer, "items" | "files">): Promise<Dropped> {
   const found: Dropped = { files: [], missed: [] };
   // Items are gone after the first wait.
-  const items = [...transfer.items].filter((item) => item.kind === "file").map((item) => ({ entry: item.webkitGetAsEntry?.() ?? null, file: item.getAsFile() }));
+  const items = [...transfer.items]
+    .filter((item) => item.kind === "file")
+    .map((item) => ({ entry: item.webkitGetAsEntry?.() ?? null, file: item.getAsFile() }));
   if (!items.length) return { files: [...transfer.files], missed: [] };
   const walk = async (entry: FileSystemEntry): Promise<void> => {
     const path = entry.fullPath.replace(/^\//, "");
@@ -39,7 +48,8 @@ export async function filesOf(transfer: Pick<DataTransfer, "items" | "files">): 
         if (!some.length) break;
         for (const one of some) await walk(one);
       }
-      if (!held) found.missed.push({ file: `${path}/`, problem: { title: w("emptyFolder"), remedy: w("emptyFolderHelp") } });
+      if (!held)
+        found.missed.push({ file: `${path}/`, problem: { title: w("emptyFolder"), remedy: w("emptyFolderHelp") } });
     } catch (error) {
       found.missed.push(unreadable(path, error));
     }

@@ -59,6 +59,7 @@ export function followEvents(): void {
     };
   };
   // Held for as long as this tab lives.
-  if (navigator.locks) void navigator.locks.request("mcml.events", () => (listen(), new Promise<never>(() => undefined)));
+  if (navigator.locks)
+    void navigator.locks.request("mcml.events", () => (listen(), new Promise<never>(() => undefined)));
   else listen();
 }

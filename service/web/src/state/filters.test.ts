@@ -8,7 +8,11 @@ describe("filters that are kept", () => {
     const where = asConditions(FILTER)!;
     expect(where).toMatchObject({ skeleton: 3, length: "2..10" });
     expect(asFilter(where)).toEqual(FILTER);
-    expect(asFilter({ ...where, q: null, format: undefined, property: [] })).toEqual({ project: "film", skeleton: "3", length: "2..10" });
+    expect(asFilter({ ...where, q: null, format: undefined, property: [] })).toEqual({
+      project: "film",
+      skeleton: "3",
+      length: "2..10",
+    });
   });
 
   it("are no conditions where they ask a question or name a collection", () => {
@@ -24,7 +28,11 @@ describe("filters that are kept", () => {
   });
 
   it("are an address, in which the view stays and other filters go", () => {
-    const found = addressOf({ property: ["a:1", "b:2"] }, new URLSearchParams("view=list&q=x&project=y"), ["q", "project", "property"]);
+    const found = addressOf({ property: ["a:1", "b:2"] }, new URLSearchParams("view=list&q=x&project=y"), [
+      "q",
+      "project",
+      "property",
+    ]);
     expect(found).toBe("/library?view=list&property=a%3A1&property=b%3A2");
     expect(addressOf({}, new URLSearchParams("q=x"), ["q"])).toBe("/library");
   });

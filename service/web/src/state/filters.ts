@@ -16,18 +16,26 @@ export function asConditions(filter: Filter): Conditions | null {
 }
 
 export function asFilter(where: Conditions): Filter {
-  const said = Object.entries(where).filter(([, value]) => value !== null && value !== undefined && value !== "" && !(Array.isArray(value) && !value.length));
-  return Object.fromEntries(said.map(([name, value]) => [name, Array.isArray(value) ? (value as string[]) : String(value)]));
+  const said = Object.entries(where).filter(
+    ([, value]) => value !== null && value !== undefined && value !== "" && !(Array.isArray(value) && !value.length),
+  );
+  return Object.fromEntries(
+    said.map(([name, value]) => [name, Array.isArray(value) ? (value as string[]) : String(value)]),
+  );
 }
 
-const parts = (filter: Filter): string[] => Object.entries(filter).flatMap(([name, value]) => (typeof value === "string" ? [value] : value).map((one) => `${name}=${one}`)).sort();
+const parts = (filter: Filter): string[] =>
+  Object.entries(filter)
+    .flatMap(([name, value]) => (typeof value === "string" ? [value] : value).map((one) => `${name}=${one}`))
+    .sort();
 
 export const sameFilter = (one: Filter, other: Filter): boolean => parts(one).join("\n") === parts(other).join("\n");
 
 /** The library under a filter; `others` of the address stay, such as its view. */
 export function addressOf(filter: Filter, others: URLSearchParams, filters: readonly string[]): string {
   const params = new URLSearchParams([...others].filter(([name]) => !filters.includes(name)));
-  for (const [name, value] of Object.entries(filter)) for (const one of typeof value === "string" ? [value] : value) params.append(name, one);
+  for (const [name, value] of Object.entries(filter))
+    for (const one of typeof value === "string" ? [value] : value) params.append(name, one);
   const text = params.toString();
   return `/library${text ? `?${text}` : ""}`;
 }

@@ -1,6 +1,9 @@
 /** Changes made within an element that is already replaced by a text of the same draft: they go into that text. */
 
-export interface Within { attributes?: Record<string, string | null>; text?: string }
+export interface Within {
+  attributes?: Record<string, string | null>;
+  text?: string;
+}
 
 const parsed = (fragment: string): Element | null => {
   const root = new DOMParser().parseFromString(fragment, "application/xml").documentElement;
@@ -69,5 +72,9 @@ export const namesWithin = (frame: string, gone: readonly string[], come: readon
 /** A sample as a frame's text says it, "Root.Tx"; null where it does not. */
 export function sampleIn(frame: string, track: string): string | null {
   const at = track.lastIndexOf(".");
-  return [...(parsed(frame)?.children ?? [])].find((one) => one.getAttribute("name") === track.slice(0, at))?.getAttribute(track.slice(at + 1)) ?? null;
+  return (
+    [...(parsed(frame)?.children ?? [])]
+      .find((one) => one.getAttribute("name") === track.slice(0, at))
+      ?.getAttribute(track.slice(at + 1)) ?? null
+  );
 }

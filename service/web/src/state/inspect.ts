@@ -4,7 +4,10 @@ import { address, fetched, type Schemas } from "../api/client";
 import type { Missed } from "./dropped";
 import { refuse } from "./notes";
 
-export interface Looked { files: File[]; result: Schemas["InspectResult"] }
+export interface Looked {
+  files: File[];
+  result: Schemas["InspectResult"];
+}
 export const looked = signal<Looked | null>(null);
 
 /** missed: what of a drop is no file; told with the others. */
@@ -18,7 +21,10 @@ export async function lookFirst(files: File[], missed: Missed[] = []): Promise<v
   try {
     const answer = await fetched(address("/inspect", {}, { positions: "f4" }), { method: "POST", body: form });
     const result = (await answer.json()) as Schemas["InspectResult"];
-    looked.value = { files, result: { ...result, problems: [...result.problems, ...(missed as Schemas["FileProblem"][])] } };
+    looked.value = {
+      files,
+      result: { ...result, problems: [...result.problems, ...(missed as Schemas["FileProblem"][])] },
+    };
   } catch (error) {
     refuse(error);
   }

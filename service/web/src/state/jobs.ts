@@ -57,7 +57,11 @@ export async function ended(job: Job): Promise<Job> {
 }
 
 /** Run an analysis to its end: the id of its result. */
-export async function runAnalysis(analysis: string, body: object, started: (job: Job) => void = () => undefined): Promise<string> {
+export async function runAnalysis(
+  analysis: string,
+  body: object,
+  started: (job: Job) => void = () => undefined,
+): Promise<string> {
   const job = await startAnalysis(analysis, body);
   started(job);
   return (await ended(job)).result!;
@@ -85,6 +89,11 @@ export function followKept(): void {
 
 /** Where a result of an analysis is looked at. */
 export function placeOf(analysis: string, result: string): string {
-  const pages: Record<string, string> = { reach: "reach", expression: "faces", dance: "dance", "motion-graph": "dance" };
+  const pages: Record<string, string> = {
+    reach: "reach",
+    expression: "faces",
+    dance: "dance",
+    "motion-graph": "dance",
+  };
   return pages[analysis] ? `/${pages[analysis]}/${result}` : `/results/${result}`;
 }

@@ -2,7 +2,8 @@
 import { describe, expect, it, vi } from "vitest";
 import { chord, commands, followKeys, offer } from "./keys";
 
-const pressed = (code: string, more: KeyboardEventInit = {}) => new KeyboardEvent("keydown", { code, bubbles: true, cancelable: true, composed: true, ...more });
+const pressed = (code: string, more: KeyboardEventInit = {}) =>
+  new KeyboardEvent("keydown", { code, bubbles: true, cancelable: true, composed: true, ...more });
 
 describe("a chord", () => {
   it("is what stands on the key of a usual keyboard, under any layout and language", () => {
@@ -50,7 +51,10 @@ describe("commands", () => {
 
   it("leave letters to whoever types them", () => {
     const run = vi.fn();
-    const stop = offer("test", [{ id: "a", word: "close", keys: ["K"], run }, { id: "b", word: "save", keys: ["Ctrl+S"], run }]);
+    const stop = offer("test", [
+      { id: "a", word: "close", keys: ["K"], run },
+      { id: "b", word: "save", keys: ["Ctrl+S"], run },
+    ]);
     const field = document.body.appendChild(document.createElement("input"));
     press("KeyK", {}, field);
     expect(run).not.toHaveBeenCalled();

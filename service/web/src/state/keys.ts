@@ -30,16 +30,37 @@ export function offer(owner: string, list: Command[]): () => void {
 }
 
 const NAMES: Record<string, string> = {
-  Space: "Space", ArrowLeft: "Left", ArrowRight: "Right", ArrowUp: "Up", ArrowDown: "Down", Slash: "/", Comma: ",",
-  Period: ".", BracketLeft: "[", BracketRight: "]", Backslash: "\\", Escape: "Esc", Enter: "Enter", Delete: "Del",
-  Backspace: "Backspace", Home: "Home", End: "End", PageUp: "PgUp", PageDown: "PgDn", Semicolon: ";", Quote: "'", F2: "F2",
-  Minus: "-", Equal: "=",
+  Space: "Space",
+  ArrowLeft: "Left",
+  ArrowRight: "Right",
+  ArrowUp: "Up",
+  ArrowDown: "Down",
+  Slash: "/",
+  Comma: ",",
+  Period: ".",
+  BracketLeft: "[",
+  BracketRight: "]",
+  Backslash: "\\",
+  Escape: "Esc",
+  Enter: "Enter",
+  Delete: "Del",
+  Backspace: "Backspace",
+  Home: "Home",
+  End: "End",
+  PageUp: "PgUp",
+  PageDown: "PgDn",
+  Semicolon: ";",
+  Quote: "'",
+  F2: "F2",
+  Minus: "-",
+  Equal: "=",
 };
 
 /** What was pressed, as in `Command.keys`. */
 export function chord(event: KeyboardEvent): string {
   const code = event.code;
-  const name = NAMES[code] ?? (code.startsWith("Key") ? code.slice(3) : code.startsWith("Digit") ? code.slice(5) : code);
+  const name =
+    NAMES[code] ?? (code.startsWith("Key") ? code.slice(3) : code.startsWith("Digit") ? code.slice(5) : code);
   if (event.key === "?") return "?";
   const held = [event.ctrlKey || event.metaKey ? "Ctrl" : "", event.altKey ? "Alt" : "", event.shiftKey ? "Shift" : ""];
   return [...held.filter(Boolean), name].join("+");
@@ -49,7 +70,10 @@ function isTyping(target: EventTarget | null): boolean {
   const element = (target instanceof Element && target.shadowRoot?.activeElement) || target;
   if (!(element instanceof HTMLElement)) return false;
   if (element.isContentEditable) return true;
-  return /^(TEXTAREA|SELECT)$/.test(element.tagName) || (element instanceof HTMLInputElement && !/^(checkbox|radio|range|button)$/.test(element.type));
+  return (
+    /^(TEXTAREA|SELECT)$/.test(element.tagName) ||
+    (element instanceof HTMLInputElement && !/^(checkbox|radio|range|button)$/.test(element.type))
+  );
 }
 
 let before = "";
@@ -66,12 +90,23 @@ export function followKeys(): void {
     if (!modified && !singleKeys.value) return;
     const inside = event.target instanceof Element ? event.target : null;
     // Enter, Space and arrows belong to the control that has the focus.
-    if (inside?.closest("button, a, [role=tab], [role=menuitem], [role=slider], [role=separator], summary") && /^(Enter|Space)$/.test(pressed)) return;
-    if (inside?.closest("[role=tree], [role=grid], [role=listbox], [role=tablist], [role=menu], [role=slider], [role=separator], input[type=range]") && /^(Left|Right|Up|Down|Home|End|PgUp|PgDn)$/.test(pressed)) return;
+    if (
+      inside?.closest("button, a, [role=tab], [role=menuitem], [role=slider], [role=separator], summary") &&
+      /^(Enter|Space)$/.test(pressed)
+    )
+      return;
+    if (
+      inside?.closest(
+        "[role=tree], [role=grid], [role=listbox], [role=tablist], [role=menu], [role=slider], [role=separator], input[type=range]",
+      ) &&
+      /^(Left|Right|Up|Down|Home|End|PgUp|PgDn)$/.test(pressed)
+    )
+      return;
     const sequence = before ? `${before} then ${pressed}` : "";
     const all = commands();
-    const found = all.find((one) => one.keys.includes(sequence || "\0") && (one.when?.() ?? true))
-      ?? all.findLast((one) => one.keys.includes(pressed) && (one.when?.() ?? true));
+    const found =
+      all.find((one) => one.keys.includes(sequence || "\0") && (one.when?.() ?? true)) ??
+      all.findLast((one) => one.keys.includes(pressed) && (one.when?.() ?? true));
     const starts = !sequence && all.some((one) => one.keys.some((keys) => keys.startsWith(`${pressed} then `)));
     before = "";
     window.clearTimeout(beforeTimer);

@@ -15,7 +15,18 @@ export interface Card extends Omit<Summary, "labels" | "passport" | "thumbnail">
   passport: Summary["passport"];
 }
 
-export const FILTERS = ["project", "q", "motion_name", "format", "skeleton", "property", "length", "rate", "xpath", "collection"] as const;
+export const FILTERS = [
+  "project",
+  "q",
+  "motion_name",
+  "format",
+  "skeleton",
+  "property",
+  "length",
+  "rate",
+  "xpath",
+  "collection",
+] as const;
 export type FilterName = (typeof FILTERS)[number];
 const PAGE = 60;
 const KEPT_PAGES = 60;
@@ -78,7 +89,13 @@ async function fetchPage(page: number): Promise<void> {
   asked.set(page, stop);
   const asking = key.peek();
   try {
-    const query = { ...filter.peek(), sort: sort.peek(), limit: PAGE, offset: page * PAGE, with: "thumbnail,labels,passport" };
+    const query = {
+      ...filter.peek(),
+      sort: sort.peek(),
+      limit: PAGE,
+      offset: page * PAGE,
+      with: "thumbnail,labels,passport",
+    };
     const answer = await get("/documents", { query, signal: stop.signal });
     if (asking !== key.peek()) return;
     const items = answer.items.map(asCard);
@@ -162,7 +179,8 @@ export async function removeDocuments(ids: string[]): Promise<void> {
   }
   picked.value = new Set([...picked.peek()].filter((id) => !gone.includes(id)));
   refresh();
-  if (gone.length) note(w("deleted", { n: gone.length }), { action: { text: w("undo"), run: () => void restore(gone) } });
+  if (gone.length)
+    note(w("deleted", { n: gone.length }), { action: { text: w("undo"), run: () => void restore(gone) } });
 }
 
 async function restore(ids: string[]): Promise<void> {

@@ -12,21 +12,42 @@ export interface Window {
 
 export const FRAMES_AT_ONCE = 40;
 
-export async function readWindow(id: string, revision: number, frames: [number, number] | null, signal: AbortSignal): Promise<Window> {
+export async function readWindow(
+  id: string,
+  revision: number,
+  frames: [number, number] | null,
+  signal: AbortSignal,
+): Promise<Window> {
   const query = frames ? { part: "frames", first: frames[0], last: frames[1], revision } : { part: "head", revision };
   const answer = await fetched(address("/documents/{id}/mcml", { id }, { ...query, pretty: true }), { signal });
   const header = (name: string) => Number(answer.headers.get(`x-mcml-${name}`));
   return { text: await answer.text(), firstLine: header("first-line"), totalLines: header("total-lines"), frames };
 }
 
-export interface Replacement { address: string; before: string; fragment: string; line: number }
+export interface Replacement {
+  address: string;
+  before: string;
+  fragment: string;
+  line: number;
+}
 
 /** Frames of the window whose text is another now, each as one replacement. RangeError where frames were added or taken
  * away, or something between them was changed: that is done in the tree or the timeline. */
 export function changedFrames(before: string, after: string, first: number): Replacement[] {
   const [old, now] = [partsOf(before, ["frame"]), partsOf(after, ["frame"])];
   if (old.rest !== now.rest) throw new RangeError(`${old.parts.length} ${now.parts.length}`);
-  return now.parts.flatMap((one, index) => (one.text === old.parts[index].text ? [] : [{ address: `/mcml/motion/frame[${first + index}]`, before: old.parts[index].text, fragment: one.text, line: one.line }]));
+  return now.parts.flatMap((one, index) =>
+    one.text === old.parts[index].text
+      ? []
+      : [
+          {
+            address: `/mcml/motion/frame[${first + index}]`,
+            before: old.parts[index].text,
+            fragment: one.text,
+            line: one.line,
+          },
+        ],
+  );
 }
 
 /** Parts of the head (header, root, skeleton) whose text is another now. RangeError where something beside them is. */
@@ -34,13 +55,23 @@ export function changedParts(before: string, after: string): Replacement[] {
   const names = ["header", "root", "skeleton"];
   const [old, now] = [partsOf(before, names), partsOf(after, names)];
   if (old.rest !== now.rest) throw new RangeError(names.join());
-  return now.parts.flatMap((one, index) => (one.text === old.parts[index].text ? [] : [{ address: `/mcml/${one.name}`, before: old.parts[index].text, fragment: one.text, line: one.line }]));
+  return now.parts.flatMap((one, index) =>
+    one.text === old.parts[index].text
+      ? []
+      : [{ address: `/mcml/${one.name}`, before: old.parts[index].text, fragment: one.text, line: one.line }],
+  );
 }
 
 /** Elements of these names, none of which is inside another, and what is left of the text without them and white space. */
-function partsOf(text: string, names: string[]): { parts: { name: string; text: string; line: number }[]; rest: string } {
+function partsOf(
+  text: string,
+  names: string[],
+): { parts: { name: string; text: string; line: number }[]; rest: string } {
   const parts: { name: string; text: string; line: number }[] = [];
-  const element = new RegExp(`<!--[^]*?-->|<(${names.join("|")})(?=[\\s/>])(?:"[^"]*"|'[^']*'|[^>"'])*?(?:/>|>[^]*?</\\1\\s*>)`, "g");
+  const element = new RegExp(
+    `<!--[^]*?-->|<(${names.join("|")})(?=[\\s/>])(?:"[^"]*"|'[^']*'|[^>"'])*?(?:/>|>[^]*?</\\1\\s*>)`,
+    "g",
+  );
   const rest = text.replace(element, (found, name: string | undefined, at: number) => {
     if (name === undefined) return found;
     parts.push({ name, text: found, line: text.slice(0, at).split("\n").length });
@@ -51,9 +82,18 @@ function partsOf(text: string, names: string[]): { parts: { name: string; text: 
 
 /** The samples of a frame's text that are others now; null where more than samples changed. Frames as from 1. */
 export function changedSamples(before: string, after: string): Map<string, number> | null {
-  const [old, now] = [before, after].map((text) => new DOMParser().parseFromString(text, "application/xml").documentElement);
+  const [old, now] = [before, after].map(
+    (text) => new DOMParser().parseFromString(text, "application/xml").documentElement,
+  );
   const shape = (frame: Element) =>
-    [...frame.children].map((one) => `${one.tagName} ${one.tagName === "frame_bone" ? one.getAttributeNames().join(" ") + one.getAttribute("name") : one.textContent}`).join("|") + frame.getAttribute("id") + frame.children.length;
+    [...frame.children]
+      .map(
+        (one) =>
+          `${one.tagName} ${one.tagName === "frame_bone" ? one.getAttributeNames().join(" ") + one.getAttribute("name") : one.textContent}`,
+      )
+      .join("|") +
+    frame.getAttribute("id") +
+    frame.children.length;
   if (now.querySelector("parsererror") || now.tagName === "parsererror" || shape(old) !== shape(now)) return null;
   const found = new Map<string, number>();
   for (const [index, bone] of [...now.children].entries()) {

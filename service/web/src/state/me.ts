@@ -6,7 +6,11 @@ const me = signal<Schemas["Me"] | null>(null);
 let asked: Promise<Schemas["Me"] | null> | null = null;
 
 /** Null where the server does not say. */
-export const askMe = () => (asked ??= get("/account").then((found) => (me.value = found), () => null));
+export const askMe = () =>
+  (asked ??= get("/account").then(
+    (found) => (me.value = found),
+    () => null,
+  ));
 
 /** Whether the server asks programs for a token: it does of who is here by an account or a token. */
 export const needsToken = () => Boolean(me.value && (me.value.role || me.value.name !== "local"));

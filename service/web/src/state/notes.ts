@@ -33,11 +33,22 @@ export function dismiss(id: number): void {
 /** Toasts under the pointer or with the focus; they stay. */
 export const held = new Set<number>();
 
+/** Copy a text and say so. */
+export async function copyText(text: string, said: string): Promise<void> {
+  await navigator.clipboard.writeText(text);
+  note(said);
+}
+
 /** Say what went wrong, in the server's words with its remedy. Aborted requests are no trouble. */
 export function refuse(error: unknown): void {
   if ((error as Error)?.name === "AbortError") return;
   // Of preconditions the server tells programs; a person is told what happened.
-  if (error instanceof ApiError && error.status === 412) note(w("staleWrite"), { detail: w("staleHelp"), bad: true, action: { text: w("reload"), run: () => location.reload() } });
+  if (error instanceof ApiError && error.status === 412)
+    note(w("staleWrite"), {
+      detail: w("staleHelp"),
+      bad: true,
+      action: { text: w("reload"), run: () => location.reload() },
+    });
   else if (error instanceof ApiError) note(error.message, { detail: error.remedy, bad: true });
   else if (error instanceof Offline) note(error.message, { bad: true });
   else {

@@ -2,21 +2,45 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { random, type Random } from "../testing/random";
 import { Outline, PAUSE, type Element } from "./outline";
 
-interface Node { name: string; attributes: Record<string, string>; children: Node[]; address: string }
+interface Node {
+  name: string;
+  attributes: Record<string, string>;
+  children: Node[];
+  address: string;
+}
 
 /** A document with frames enough for several windows. */
 function drawn(draw: Random, frames: number): Node {
-  const node = (name: string, attributes: Record<string, string> = {}, children: Node[] = []): Node => ({ name, attributes, children, address: "" });
+  const node = (name: string, attributes: Record<string, string> = {}, children: Node[] = []): Node => ({
+    name,
+    attributes,
+    children,
+    address: "",
+  });
   const bones = draw.whole(0, 3);
-  const frame = (id: number) => node("frame", { id: String(id) }, Array.from({ length: bones }, (_, bone) => node("frame_bone", { name: `bone_${bone}`, Rx: "1", Ry: "2" })));
+  const frame = (id: number) =>
+    node(
+      "frame",
+      { id: String(id) },
+      Array.from({ length: bones }, (_, bone) => node("frame_bone", { name: `bone_${bone}`, Rx: "1", Ry: "2" })),
+    );
   const found = node("mcml", {}, [
     node("header", {}, [node("filename")]),
     node("skeleton", { name: "s" }, [node("bone", { name: "Root" }, [node("bone", { name: "leg" })])]),
-    node("motion", draw() < 0.5 ? { unit: "cm" } : {}, Array.from({ length: frames }, (_, index) => frame(index + 1))),
+    node(
+      "motion",
+      draw() < 0.5 ? { unit: "cm" } : {},
+      Array.from({ length: frames }, (_, index) => frame(index + 1)),
+    ),
   ]);
   const name = (one: Node, address: string) => {
     one.address = address;
-    one.children.forEach((child, index) => name(child, `${address}/${child.name}[${one.children.slice(0, index + 1).filter((other) => other.name === child.name).length}]`));
+    one.children.forEach((child, index) =>
+      name(
+        child,
+        `${address}/${child.name}[${one.children.slice(0, index + 1).filter((other) => other.name === child.name).length}]`,
+      ),
+    );
   };
   name(found, "/mcml");
   return found;
@@ -26,10 +50,20 @@ function drawn(draw: Random, frames: number): Node {
 function flat(node: Node, opened: Set<string>, depth = 0): string[] {
   const inside = opened.has(node.address) || depth === 0;
   const attributes = inside ? Object.keys(node.attributes).map((name) => `${depth + 1} ${node.address} @${name}`) : [];
-  return [`${depth} ${node.address}`, ...attributes, ...(inside ? node.children.flatMap((child) => flat(child, opened, depth + 1)) : [])];
+  return [
+    `${depth} ${node.address}`,
+    ...attributes,
+    ...(inside ? node.children.flatMap((child) => flat(child, opened, depth + 1)) : []),
+  ];
 }
 
-const answered = ({ name, attributes, children, address }: Node): Element => ({ name, attributes, address, text: "", children: children.length });
+const answered = ({ name, attributes, children, address }: Node): Element => ({
+  name,
+  attributes,
+  address,
+  text: "",
+  children: children.length,
+});
 const settled = async () => {
   for (let turn = 0; turn < 8; turn++) await new Promise((resolve) => setTimeout(resolve, 0));
 };
@@ -41,11 +75,19 @@ describe("the rows of a document", () => {
     asked = [];
     vi.stubGlobal("fetch", async (url: string) => {
       const { searchParams } = new URL(url, "http://here");
-      const [address, first, limit] = [searchParams.get("address")!, Number(searchParams.get("first")), Number(searchParams.get("limit"))];
+      const [address, first, limit] = [
+        searchParams.get("address")!,
+        Number(searchParams.get("first")),
+        Number(searchParams.get("limit")),
+      ];
       asked.push(`${address} ${first}`);
-      const find = (node: Node): Node | undefined => (node.address === address ? node : node.children.map(find).find(Boolean));
+      const find = (node: Node): Node | undefined =>
+        node.address === address ? node : node.children.map(find).find(Boolean);
       const children = find(document)!.children;
-      return Response.json({ total: children.length, items: children.slice(first - 1, first - 1 + limit).map(answered) });
+      return Response.json({
+        total: children.length,
+        items: children.slice(first - 1, first - 1 + limit).map(answered),
+      });
     });
   });
   afterEach(() => vi.unstubAllGlobals());
@@ -54,7 +96,9 @@ describe("the rows of a document", () => {
   async function rows(outline: Outline): Promise<string[]> {
     const read = () => Array.from({ length: outline.rows }, (_, index) => outline.row(index));
     while (read().some((row) => row.node === null)) await settled();
-    return read().map((row) => `${row.depth} ${row.node!.address}${row.attribute === null ? "" : ` @${row.attribute}`}`);
+    return read().map(
+      (row) => `${row.depth} ${row.node!.address}${row.attribute === null ? "" : ` @${row.attribute}`}`,
+    );
   }
 
   it("are those of the flattened tree, whatever is opened and closed", async () => {
@@ -85,7 +129,12 @@ describe("the rows of a document", () => {
     const motion = document.children[2];
     const start = 3 + Object.keys(motion.attributes).length + 1;
     const row = outline.row(start + 119);
-    expect([row.node!.address, row.place, row.siblings, row.open]).toEqual(["/mcml/motion[1]/frame[120]", 119, 150, false]);
+    expect([row.node!.address, row.place, row.siblings, row.open]).toEqual([
+      "/mcml/motion[1]/frame[120]",
+      119,
+      150,
+      false,
+    ]);
   });
 
   it("of a frame are found from afar, and asked for in one window each", async () => {
@@ -97,7 +146,9 @@ describe("the rows of a document", () => {
       for (const frame of [2345, 1, 3000, 777]) {
         const index = await outline.rowOfFrame(frame, bone);
         const row = outline.row(index);
-        expect(row.node!.address).toBe(`/mcml/motion[1]/frame[${frame}]${bone === null ? "" : `/frame_bone[${document.children[2].children[0].children.length}]`}`);
+        expect(row.node!.address).toBe(
+          `/mcml/motion[1]/frame[${frame}]${bone === null ? "" : `/frame_bone[${document.children[2].children[0].children.length}]`}`,
+        );
       }
       expect(await outline.rowOfFrame(5, "no such bone")).toBe(await outline.rowOfFrame(5, null));
       expect(asked.length).toBe(new Set(asked).size);

@@ -80,7 +80,14 @@ export class Outline {
   private find(branch: Branch, index: number, depth: number): Row {
     const attributes = branch.attributes;
     if (index < attributes.length) {
-      return { depth, node: branch.element, attribute: attributes[index], place: index, siblings: attributes.length + branch.total, open: false };
+      return {
+        depth,
+        node: branch.element,
+        attribute: attributes[index],
+        place: index,
+        siblings: attributes.length + branch.total,
+        open: false,
+      };
     }
     let left = index - attributes.length; // rows of children, opened ones with what is below them
     let place = 0;
@@ -95,7 +102,14 @@ export class Outline {
       place = at + 1;
     }
     place += left;
-    return { depth, node: branch.items.get(place) ?? this.awaited(branch, place), attribute: null, place, siblings: branch.total, open: branch.opened.has(place) };
+    return {
+      depth,
+      node: branch.items.get(place) ?? this.awaited(branch, place),
+      attribute: null,
+      place,
+      siblings: branch.total,
+      open: branch.opened.has(place),
+    };
   }
 
   private awaited(branch: Branch, place: number): null {
@@ -131,7 +145,8 @@ export class Outline {
 
   /** Of a fresh tree the skeleton and the motion stand open. */
   private openFirst(): void {
-    for (const [place, item] of this.root.items) if (/^(motion)$/.test(item.name)) this.root.opened.set(place, new Branch(item));
+    for (const [place, item] of this.root.items)
+      if (/^(motion)$/.test(item.name)) this.root.opened.set(place, new Branch(item));
   }
 
   isLeaf(element: Element): boolean {
@@ -143,7 +158,8 @@ export class Outline {
     if (!found) return;
     const [branch, place] = found;
     if (branch.opened.has(place) && open !== true) branch.opened.delete(place);
-    else if (!branch.opened.has(place) && open !== false) branch.opened.set(place, new Branch(branch.items.get(place)!));
+    else if (!branch.opened.has(place) && open !== false)
+      branch.opened.set(place, new Branch(branch.items.get(place)!));
     this.version.value++;
   }
 

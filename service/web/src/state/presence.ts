@@ -42,7 +42,8 @@ export function bePresent(id: string): () => void {
   const leave = () => {
     turn = turn.then(async () => {
       // As the page goes: not waited for.
-      if (await hasAccount()) void fetch(address(PATH, { id }, { tab }), { method: "DELETE", keepalive: true }).catch(() => undefined);
+      if (await hasAccount())
+        void fetch(address(PATH, { id }, { tab }), { method: "DELETE", keepalive: true }).catch(() => undefined);
     });
   };
   const timer = setInterval(beat, BEAT);

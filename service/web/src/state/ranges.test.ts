@@ -20,9 +20,16 @@ describe("ranges of numbers", () => {
   });
 
   it("hold the bins that they were made of", () => {
-    for (const [from, to] of [[0, 0], [0, 1], [1, 2], [2, 2]]) {
+    for (const [from, to] of [
+      [0, 0],
+      [0, 1],
+      [1, 2],
+      [2, 2],
+    ]) {
       const range = rangeOfBins(EDGES, from, to);
-      expect([0, 1, 2].filter((bin) => isInRange(EDGES, bin, range))).toEqual([0, 1, 2].filter((bin) => bin >= from && bin <= to));
+      expect([0, 1, 2].filter((bin) => isInRange(EDGES, bin, range))).toEqual(
+        [0, 1, 2].filter((bin) => bin >= from && bin <= to),
+      );
     }
   });
 });

@@ -11,7 +11,16 @@ describe("the page of an address", () => {
     expect(pageOf("/library/")).toEqual({ page: "library", id: "" });
   });
 
-  it.each(["/nowhere", "/clips", "/clips/a/b", "/library/x", "/constructor", "/__proto__", "/clips/%E0%A4%A", "/index.php"])("is unknown of %s", (path) => {
+  it.each([
+    "/nowhere",
+    "/clips",
+    "/clips/a/b",
+    "/library/x",
+    "/constructor",
+    "/__proto__",
+    "/clips/%E0%A4%A",
+    "/index.php",
+  ])("is unknown of %s", (path) => {
     expect(pageOf(path).page).toBe("unknown");
   });
 });

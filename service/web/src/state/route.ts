@@ -1,7 +1,19 @@
 /** Where one is: the address of the page is the state of the view. Pages push an entry, moves in time replace it. */
 import { computed, signal } from "@preact/signals";
 
-export type Page = "library" | "clip" | "xpath" | "compose" | "retarget" | "reach" | "dance" | "faces" | "analyses" | "results" | "settings" | "unknown";
+export type Page =
+  | "library"
+  | "clip"
+  | "xpath"
+  | "compose"
+  | "retarget"
+  | "reach"
+  | "dance"
+  | "faces"
+  | "analyses"
+  | "results"
+  | "settings"
+  | "unknown";
 
 export interface Route {
   page: Page;
@@ -14,8 +26,18 @@ const READ_AT_MOST_EVERY = 250; // ms; four replaced entries a second
 
 /** Pages by the first part of their addresses. */
 const PAGES = new Map<string, Page>([
-  ["", "library"], ["library", "library"], ["xpath", "xpath"], ["compose", "compose"], ["retarget", "retarget"], ["settings", "settings"], ["clips", "clip"],
-  ["reach", "reach"], ["dance", "dance"], ["faces", "faces"], ["analyses", "analyses"], ["results", "results"],
+  ["", "library"],
+  ["library", "library"],
+  ["xpath", "xpath"],
+  ["compose", "compose"],
+  ["retarget", "retarget"],
+  ["settings", "settings"],
+  ["clips", "clip"],
+  ["reach", "reach"],
+  ["dance", "dance"],
+  ["faces", "faces"],
+  ["analyses", "analyses"],
+  ["results", "results"],
 ]);
 /** Those about one thing, which the second part names. */
 const OF_ONE = new Set<Page>(["clip", "settings", "reach", "dance", "faces", "analyses", "results"]);
@@ -30,7 +52,8 @@ export function pageOf(path: string): { page: Page; id: string } {
   } catch {
     return { page: "unknown", id: "" };
   }
-  if (!page || more.some(Boolean) || (page === "clip" && !id) || (id && !OF_ONE.has(page))) return { page: "unknown", id: "" };
+  if (!page || more.some(Boolean) || (page === "clip" && !id) || (id && !OF_ONE.has(page)))
+    return { page: "unknown", id: "" };
   return { page, id };
 }
 
@@ -54,7 +77,10 @@ const loaders = new Map<Page, () => Promise<unknown>>();
 export const loadedBy = (page: Page, load: () => Promise<unknown>): void => void loaders.set(page, load);
 
 /** Load a page's code before it is opened; what fails is said when it is. */
-export const prefetch = (page: Page): void => void loaders.get(page)?.().catch(() => undefined);
+export const prefetch = (page: Page): void =>
+  void loaders
+    .get(page)?.()
+    .catch(() => undefined);
 
 let waiting: Record<string, string | null> = {};
 let timer = 0;

@@ -17,7 +17,10 @@ export const COLUMNS = {
 
 export type Column = keyof typeof COLUMNS;
 export type Sort = "newest" | `${"" | "-"}${Column}`;
-export interface Order { column: Column; down: boolean }
+export interface Order {
+  column: Column;
+  down: boolean;
+}
 
 export const NEWEST: Order = { column: "created", down: true };
 

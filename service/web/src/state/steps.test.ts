@@ -8,10 +8,19 @@ describe("a value with its steps", () => {
       const draw = random(seed);
       const steps = new Steps(0);
       const all = [0];
-      for (let step = draw.whole(0, 8); step > 0; step--) { all.push(all.length); steps.set(all.length - 1); }
-      for (const value of [...all].reverse()) { expect(steps.now.value).toBe(value); steps.undo(); }
+      for (let step = draw.whole(0, 8); step > 0; step--) {
+        all.push(all.length);
+        steps.set(all.length - 1);
+      }
+      for (const value of [...all].reverse()) {
+        expect(steps.now.value).toBe(value);
+        steps.undo();
+      }
       expect([steps.now.value, steps.canUndo.value]).toEqual([0, false]);
-      for (const value of all) { expect(steps.now.value).toBe(value); steps.redo(); }
+      for (const value of all) {
+        expect(steps.now.value).toBe(value);
+        steps.redo();
+      }
       expect(steps.canRedo.value).toBe(false);
     }
   });

@@ -4,21 +4,35 @@ import { filesOf } from "./dropped";
 import { filesDone, grouped, outcomes, rowsOf, together, type Upload } from "./uploads";
 
 const file = (path: string): File => Object.assign(new File([""], path.split("/").at(-1)!), { path: `/${path}` });
-const names = (groups: File[][]) => groups.map((group) => group.map((one) => (one as File & { path: string }).path.slice(1)).sort()).sort();
+const names = (groups: File[][]) =>
+  groups.map((group) => group.map((one) => (one as File & { path: string }).path.slice(1)).sort()).sort();
 
 describe("files that are stored together", () => {
   it("are an ASF and the AMCs of its folder", () => {
     const files = ["a/02.asf", "b/05.asf", "a/02_01.amc", "a/02_02.AMC", "b/05_01.amc", "a/walk.bvh"].map(file);
-    expect(names(grouped(files))).toEqual([["a/02.asf", "a/02_01.amc", "a/02_02.AMC"], ["a/walk.bvh"], ["b/05.asf", "b/05_01.amc"]]);
+    expect(names(grouped(files))).toEqual([
+      ["a/02.asf", "a/02_01.amc", "a/02_02.AMC"],
+      ["a/walk.bvh"],
+      ["b/05.asf", "b/05_01.amc"],
+    ]);
   });
 
   it("are none where there is no ASF: each AMC by itself is refused by itself", () => {
-    expect(names(grouped(["a/1.amc", "a/2.amc", "b/3.asf"].map(file)))).toEqual([["a/1.amc"], ["a/2.amc"], ["b/3.asf"]]);
+    expect(names(grouped(["a/1.amc", "a/2.amc", "b/3.asf"].map(file)))).toEqual([
+      ["a/1.amc"],
+      ["a/2.amc"],
+      ["b/3.asf"],
+    ]);
   });
 
   it("are told by folder also where a dialogue chose them", () => {
-    const chosen = (path: string) => Object.defineProperty(new File([""], path.split("/").at(-1)!), "webkitRelativePath", { value: path });
-    expect(grouped(["x/1.asf", "y/1.amc", "x/1.amc"].map(chosen)).map((group) => group.length).sort()).toEqual([1, 2]);
+    const chosen = (path: string) =>
+      Object.defineProperty(new File([""], path.split("/").at(-1)!), "webkitRelativePath", { value: path });
+    expect(
+      grouped(["x/1.asf", "y/1.amc", "x/1.amc"].map(chosen))
+        .map((group) => group.length)
+        .sort(),
+    ).toEqual([1, 2]);
     expect(grouped([new File([""], "1.asf"), new File([""], "1.amc")]).length).toBe(1);
   });
 
@@ -31,7 +45,13 @@ describe("files that are stored together", () => {
 });
 
 const upload = (name: string, bytes = 10, more = 0): Upload => ({
-  id: 0, name, files: Array.from({ length: 1 + more }, () => ({ name, size: bytes }) as File), state: "queued", sent: 0, documents: [], problems: [],
+  id: 0,
+  name,
+  files: Array.from({ length: 1 + more }, () => ({ name, size: bytes }) as File),
+  state: "queued",
+  sent: 0,
+  documents: [],
+  problems: [],
 });
 const chosen = (queue: Upload[]) => together(queue).map((one) => one.name);
 const MIB = 1 << 20;
@@ -41,7 +61,10 @@ describe("uploads that share a request", () => {
     const queue = Array.from({ length: 40 }, (_, n) => upload(`${n}.bvh`));
     expect(together(queue)).toEqual(queue.slice(0, 32));
     expect(together([])).toEqual([]);
-    expect(chosen([upload("a.bvh", 5 * MIB), upload("b.c3d", 3 * MIB), upload("c.htr", 1)])).toEqual(["a.bvh", "b.c3d"]);
+    expect(chosen([upload("a.bvh", 5 * MIB), upload("b.c3d", 3 * MIB), upload("c.htr", 1)])).toEqual([
+      "a.bvh",
+      "b.c3d",
+    ]);
     expect(chosen([upload("long.bvh", 500 * MIB), upload("b.bvh")])).toEqual(["long.bvh"]);
   });
 
@@ -49,7 +72,8 @@ describe("uploads that share a request", () => {
     expect(chosen([upload("a.bvh"), upload("x.zip"), upload("b.bvh")])).toEqual(["a.bvh"]);
     expect(chosen([upload("x.zip"), upload("b.bvh")])).toEqual(["x.zip"]);
     expect(chosen([upload("1.asf", 10, 3), upload("b.bvh")])).toEqual(["1.asf"]);
-    for (const name of ["notes.txt", "x.tar", "a.bvh.gz", "b.fbx", "noending"]) expect(chosen([upload("a.bvh"), upload(name)])).toEqual(["a.bvh"]);
+    for (const name of ["notes.txt", "x.tar", "a.bvh.gz", "b.fbx", "noending"])
+      expect(chosen([upload("a.bvh"), upload(name)])).toEqual(["a.bvh"]);
     expect(chosen([upload("a.bvh"), upload("a.bvh")])).toEqual(["a.bvh"]);
   });
 
@@ -63,7 +87,9 @@ describe("uploads that share a request", () => {
       { state: "stored", documents: [made("c")], problems: [] },
     ]);
     const zip = upload("all.zip");
-    expect(outcomes([zip], [made("a"), made("c")], [bad])).toEqual([{ state: "stored", documents: [made("a"), made("c")], problems: [bad] }]);
+    expect(outcomes([zip], [made("a"), made("c")], [bad])).toEqual([
+      { state: "stored", documents: [made("a"), made("c")], problems: [bad] },
+    ]);
   });
 
   it("are told by their names where files and clips do not match one to one", () => {
@@ -97,18 +123,42 @@ describe("every file that is dropped", () => {
   });
 
   const entry = (path: string, held: unknown[] | Error | File) => ({
-    fullPath: path, isFile: !Array.isArray(held),
-    file: (good: (file: File) => void, bad: (error: Error) => void) => (held instanceof Error ? bad(held) : good(held as File)),
-    createReader: () => { let some = held as unknown[]; return { readEntries: (good: (entries: unknown[]) => void) => { good(some); some = []; } }; },
+    fullPath: path,
+    isFile: !Array.isArray(held),
+    file: (good: (file: File) => void, bad: (error: Error) => void) =>
+      held instanceof Error ? bad(held) : good(held as File),
+    createReader: () => {
+      let some = held as unknown[];
+      return {
+        readEntries: (good: (entries: unknown[]) => void) => {
+          good(some);
+          some = [];
+        },
+      };
+    },
   });
   const dropped = (items: { entry?: unknown; file?: File }[]) =>
-    filesOf({ files: [] as never, items: items.map(({ entry, file }) => ({ kind: "file", webkitGetAsEntry: () => entry ?? null, getAsFile: () => file ?? null })) as never });
+    filesOf({
+      files: [] as never,
+      items: items.map(({ entry, file }) => ({
+        kind: "file",
+        webkitGetAsEntry: () => entry ?? null,
+        getAsFile: () => file ?? null,
+      })) as never,
+    });
 
   it("is found in folders; what cannot be read stops no other", async () => {
     const good = new File(["x"], "a.bvh");
     const found = await dropped([
-      { entry: entry("/one", [entry("/one/a.bvh", good), entry("/one/locked.bvh", new Error("no permission")), entry("/one/empty", [])]) },
-      { file: new File(["y"], "b.bvh") }, {},
+      {
+        entry: entry("/one", [
+          entry("/one/a.bvh", good),
+          entry("/one/locked.bvh", new Error("no permission")),
+          entry("/one/empty", []),
+        ]),
+      },
+      { file: new File(["y"], "b.bvh") },
+      {},
     ]);
     expect(found.files.map((one) => one.name)).toEqual(["a.bvh", "b.bvh"]);
     expect(found.missed.map((one) => one.file).slice(0, 2)).toEqual(["one/locked.bvh", "one/empty/"]);

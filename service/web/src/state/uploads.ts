@@ -50,7 +50,10 @@ const isOver = (one: Upload): boolean => /stored|refused|cancelled/.test(one.sta
 const filesIn = (some: Upload[]): number => some.reduce((sum, one) => sum + Math.max(1, one.files.length), 0);
 
 /** Files that are done, of how many. */
-export const filesDone = (all: Upload[]): { done: number; of: number } => ({ done: filesIn(all.filter(isOver)), of: filesIn(all) });
+export const filesDone = (all: Upload[]): { done: number; of: number } => ({
+  done: filesIn(all.filter(isOver)),
+  of: filesIn(all),
+});
 
 /** Tell the pace until nothing is under way. */
 function tellPace(): void {
@@ -99,17 +102,35 @@ export function grouped(files: File[]): File[][] {
 /** One row for each file or group, of unknown kinds too: the server says what they are. missed: rows of what cannot be sent. */
 export function rowsOf(all: File[], missed: Missed[] = []): Upload[] {
   const left = all.length - MOST_FILES;
-  const untaken = left > 0 ? [{ file: w("filesMore", { n: left }), problem: { title: w("tooMany", { n: MOST_FILES }), remedy: w("tooManyHelp") } }] : [];
-  const row = (more: Pick<Upload, "files" | "name" | "state" | "problems">): Upload => ({ id: ++last, sent: 0, documents: [], ...more });
+  const untaken =
+    left > 0
+      ? [
+          {
+            file: w("filesMore", { n: left }),
+            problem: { title: w("tooMany", { n: MOST_FILES }), remedy: w("tooManyHelp") },
+          },
+        ]
+      : [];
+  const row = (more: Pick<Upload, "files" | "name" | "state" | "problems">): Upload => ({
+    id: ++last,
+    sent: 0,
+    documents: [],
+    ...more,
+  });
   return [
-    ...grouped(all.slice(0, MOST_FILES)).map((files) => row({ files, name: files.map((file) => file.name).join(" + "), state: "queued", problems: [] })),
+    ...grouped(all.slice(0, MOST_FILES)).map((files) =>
+      row({ files, name: files.map((file) => file.name).join(" + "), state: "queued", problems: [] }),
+    ),
     ...[...missed, ...untaken].map((one) => row({ files: [], name: one.file, state: "refused", problems: [one] })),
   ];
 }
 
 export function addFiles(all: File[], missed: Missed[] = []): void {
   const added = rowsOf(all, missed);
-  if (!added.length) return note(w("noFiles"), { bad: true });
+  if (!added.length) {
+    note(w("noFiles"), { bad: true });
+    return;
+  }
   uploads.value = [...uploads.peek(), ...added];
   trayOpen.value = true;
   tellPace();
@@ -189,8 +210,13 @@ async function askFirst(one: Upload, file: File): Promise<void> {
     const looked = ((await answer.json()) as Schemas["InspectResult"]).problems as Upload["problems"];
     problems = looked.filter(({ problem }) => problem.type?.endsWith("#unsupported-error"));
   } catch (error) {
-    if (stop.signal.aborted) return pump();
-    problems = [{ file: file.name, problem: error instanceof ApiError ? error.problem : { title: w("offline", { time: "" }) } }];
+    if (stop.signal.aborted) {
+      pump();
+      return;
+    }
+    problems = [
+      { file: file.name, problem: error instanceof ApiError ? error.problem : { title: w("offline", { time: "" }) } },
+    ];
   }
   change(one.id, problems.length ? { state: "refused", problems } : { state: "queued", asked: true });
   measured.tell(filesDone(uploads.peek()).done);
@@ -225,7 +251,13 @@ function finished(batch: Upload[], request: XMLHttpRequest): void {
   }
   if (/#(busy|share)-error$/.test(answer.type ?? "")) {
     batch.forEach((one) => change(one.id, { state: "queued" }));
-    resting ||= window.setTimeout(() => { resting = 0; pump(); }, 1000 * Number(request.getResponseHeader("retry-after") ?? 5));
+    resting ||= window.setTimeout(
+      () => {
+        resting = 0;
+        pump();
+      },
+      1000 * Number(request.getResponseHeader("retry-after") ?? 5),
+    );
     return;
   }
   const isDone = request.status >= 200 && request.status < 300;
@@ -250,7 +282,10 @@ export function cancel(id: number): void {
   const one = all.find((each) => each.id === id);
   if (!one) return;
   // Of what was not sent whole nothing is stored: others of its request go again.
-  const others = one.state === "queued" ? [] : all.filter((each) => each.id !== id && each.stop === one.stop && /sending|reading/.test(each.state));
+  const others =
+    one.state === "queued"
+      ? []
+      : all.filter((each) => each.id !== id && each.stop === one.stop && /sending|reading/.test(each.state));
   const stop = one.state === "queued" ? undefined : one.stop;
   change(id, { state: "cancelled" });
   others.forEach((each) => change(each.id, { state: each.state === "sending" ? "queued" : "cancelled" }));
@@ -280,7 +315,10 @@ export async function undoImport(upload: Upload): Promise<void> {
 }
 
 /** Write the answer to a guess into documents. */
-export async function confirmFact(documents: string[], change: { unit?: string; up?: string; frame_time?: string }): Promise<boolean> {
+export async function confirmFact(
+  documents: string[],
+  change: { unit?: string; up?: string; frame_time?: string },
+): Promise<boolean> {
   try {
     for (const id of documents) {
       const detail = await ask("get", "/documents/{id}", { path: { id } });

@@ -19,7 +19,11 @@ export async function followProject(project: string | null): Promise<void> {
   if (project !== null) found = (await get("/vocabulary", { query: { project } }).catch(() => ({ items: [] }))).items;
   if (followed !== project) return;
   agreed.value = found;
-  agreedColours.value = new Map(found.flatMap((word) => (word.colour === null || word.colour === undefined ? [] : [[word.name, word.colour] as const])));
+  agreedColours.value = new Map(
+    found.flatMap((word) =>
+      word.colour === null || word.colour === undefined ? [] : [[word.name, word.colour] as const],
+    ),
+  );
 }
 
 export async function loadVocabulary(again = false): Promise<void> {
@@ -29,7 +33,9 @@ export async function loadVocabulary(again = false): Promise<void> {
     const answer = await get("/motion-names", {});
     inUse.value = answer.items;
     anatomical.value = answer.vocabulary.flatMap((part) =>
-      (part.sided ? ["left-", "right-"] : [""]).flatMap((side) => part.movements.map((movement) => `${side}${part.part}-${movement}`)),
+      (part.sided ? ["left-", "right-"] : [""]).flatMap((side) =>
+        part.movements.map((movement) => `${side}${part.part}-${movement}`),
+      ),
     );
   } catch {
     asked = false;
@@ -38,8 +44,13 @@ export async function loadVocabulary(again = false): Promise<void> {
 
 /** Names that hold every word of a text: those agreed on first, then those in use. */
 export function namesLike(text: string, most = 12): string[] {
-  const words = text.toLowerCase().split(/[\s-]+/).filter(Boolean);
+  const words = text
+    .toLowerCase()
+    .split(/[\s-]+/)
+    .filter(Boolean);
   const fits = (name: string) => words.every((word) => name.toLowerCase().includes(word));
   const used = inUse.value.map((one) => one.name).filter(fits);
-  return [...new Set([...agreed.value.map((one) => one.name).filter(fits), ...used, ...anatomical.value.filter(fits)])].slice(0, most);
+  return [
+    ...new Set([...agreed.value.map((one) => one.name).filter(fits), ...used, ...anatomical.value.filter(fits)]),
+  ].slice(0, most);
 }

@@ -6,4 +6,5 @@ export const welcomed = kept("welcomed", false);
 /** service/actions/importing/load_demo.py names them. */
 const DEMO = new Set(["demo", "demo-reach", "demo-dance", "demo-face"]);
 
-export const isDemoAlone = (projects: readonly string[]): boolean => projects.includes("demo") && projects.every((one) => DEMO.has(one));
+export const isDemoAlone = (projects: readonly string[]): boolean =>
+  projects.includes("demo") && projects.every((one) => DEMO.has(one));

@@ -15,5 +15,7 @@ export function random(seed: number): Random {
     mixed ^= mixed + Math.imul(mixed ^ (mixed >>> 7), mixed | 61);
     return ((mixed ^ (mixed >>> 14)) >>> 0) / 2 ** 32;
   };
-  return Object.assign(next, { whole: (least: number, most: number) => least + Math.floor(next() * (most - least + 1)) });
+  return Object.assign(next, {
+    whole: (least: number, most: number) => least + Math.floor(next() * (most - least + 1)),
+  });
 }

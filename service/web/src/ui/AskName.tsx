@@ -5,7 +5,13 @@ import { refuse } from "../state/notes";
 import { Dialog } from "./Dialog";
 import { w } from "../words";
 
-export function AskName({ title, initial = "", children, onName, onClose }: {
+export function AskName({
+  title,
+  initial = "",
+  children,
+  onName,
+  onClose,
+}: {
   title: string;
   initial?: string;
   /** What is kept, above the field. */
@@ -29,10 +35,26 @@ export function AskName({ title, initial = "", children, onName, onClose }: {
   };
   return (
     <Dialog title={title} onClose={onClose}>
-      <form onSubmit={(event) => { event.preventDefault(); if (name.trim() && !busy) void keep(); }}>
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          if (name.trim() && !busy) void keep();
+        }}
+      >
         {children}
-        <p class="row"><input class="field grow" autoFocus aria-label={w("name")} placeholder={w("name")} value={name} onInput={(event) => setName(event.currentTarget.value)} />
-          <button type="submit" class="button primary" disabled={!name.trim() || busy}>{w("save")}</button></p>
+        <p class="row">
+          <input
+            class="field grow"
+            autoFocus
+            aria-label={w("name")}
+            placeholder={w("name")}
+            value={name}
+            onInput={(event) => setName(event.currentTarget.value)}
+          />
+          <button type="submit" class="button primary" disabled={!name.trim() || busy}>
+            {w("save")}
+          </button>
+        </p>
       </form>
     </Dialog>
   );

@@ -4,7 +4,12 @@ import type { ComponentChildren } from "preact";
 import { w } from "../words";
 import { Icon } from "./icons";
 
-export function Dialog({ title, onClose, children, wide = false }: {
+export function Dialog({
+  title,
+  onClose,
+  children,
+  wide = false,
+}: {
   title: string;
   onClose: () => void;
   children: ComponentChildren;
@@ -17,11 +22,18 @@ export function Dialog({ title, onClose, children, wide = false }: {
     return () => before?.focus?.();
   }, []);
   return (
-    <dialog ref={box} class={wide ? "wide" : ""} aria-label={title} onClose={onClose}
-      onClick={(event) => event.target === box.current && box.current?.close()}>
+    <dialog
+      ref={box}
+      class={wide ? "wide" : ""}
+      aria-label={title}
+      onClose={onClose}
+      onClick={(event) => event.target === box.current && box.current?.close()}
+    >
       <header class="row">
         <h2 class="grow">{title}</h2>
-        <button type="button" class="button quiet icon" aria-label={w("close")} onClick={() => box.current?.close()}><Icon name="close" /></button>
+        <button type="button" class="button quiet icon" aria-label={w("close")} onClick={() => box.current?.close()}>
+          <Icon name="close" />
+        </button>
       </header>
       {children}
     </dialog>

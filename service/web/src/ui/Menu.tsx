@@ -16,7 +16,13 @@ export interface Item {
   disabled?: boolean;
 }
 
-export function Menu({ label, items, children, className = "button", side = "left" }: {
+export function Menu({
+  label,
+  items,
+  children,
+  className = "button",
+  side = "left",
+}: {
   label: string;
   items: Item[] | (() => Item[]);
   children: ComponentChildren;
@@ -60,24 +66,58 @@ export function Menu({ label, items, children, className = "button", side = "lef
   const list = open ? (typeof items === "function" ? items() : items) : [];
   return (
     <span class="menu" ref={box} onKeyDown={onKey}>
-      <button ref={button} type="button" class={className} aria-haspopup="menu" aria-expanded={open} title={label} onClick={() => setOpen(!open)}>
-        <span class="unseen">{label}: </span>{children}
+      <button
+        ref={button}
+        type="button"
+        class={className}
+        aria-haspopup="menu"
+        aria-expanded={open}
+        title={label}
+        onClick={() => setOpen(!open)}
+      >
+        <span class="unseen">{label}: </span>
+        {children}
       </button>
       {open && (
         <div class={`menu-list ${side}`} role="menu" aria-label={label}>
           {list.map((item) => {
             const body = (
               <>
-                <span class="menu-mark">{item.checked ? <Icon name="check" /> : item.icon ? <Icon name={item.icon} /> : null}</span>
+                <span class="menu-mark">
+                  {item.checked ? <Icon name="check" /> : item.icon ? <Icon name={item.icon} /> : null}
+                </span>
                 <span class="grow">{item.text}</span>
                 {item.detail && <span class="dim">{item.detail}</span>}
               </>
             );
             return item.href ? (
-              <a key={item.text} role="menuitem" tabIndex={-1} href={item.href} download={item.download === true ? "" : item.download || undefined} onClick={close}>{body}</a>
+              <a
+                key={item.text}
+                role="menuitem"
+                tabIndex={-1}
+                href={item.href}
+                download={item.download === true ? "" : item.download || undefined}
+                onClick={close}
+              >
+                {body}
+              </a>
             ) : (
-              <button key={item.text} type="button" role={item.checked === undefined ? "menuitem" : "menuitemcheckbox"} aria-checked={item.checked} aria-disabled={item.disabled} tabIndex={-1}
-                onClick={() => { if (!item.disabled) { close(); item.run?.(); } }}>{body}</button>
+              <button
+                key={item.text}
+                type="button"
+                role={item.checked === undefined ? "menuitem" : "menuitemcheckbox"}
+                aria-checked={item.checked}
+                aria-disabled={item.disabled}
+                tabIndex={-1}
+                onClick={() => {
+                  if (!item.disabled) {
+                    close();
+                    item.run?.();
+                  }
+                }}
+              >
+                {body}
+              </button>
             );
           })}
         </div>

@@ -16,7 +16,14 @@ export interface Actor {
   inPlace?: boolean;
 }
 
-export function MotionView({ actors, selected, onPick, onStage, label, names = false }: {
+export function MotionView({
+  actors,
+  selected,
+  onPick,
+  onStage,
+  label,
+  names = false,
+}: {
   actors: Actor[];
   /** Points of the first actor that are marked. */
   selected?: Signal<number[]>;
@@ -69,12 +76,17 @@ export function MotionView({ actors, selected, onPick, onStage, label, names = f
     };
   }, [actors]);
   return (
-    <div class="stage motion-view" ref={host} role="img" aria-label={label}
+    <div
+      class="stage motion-view"
+      ref={host}
+      role="img"
+      aria-label={label}
       onPointerUp={(event) => {
         const box = host.current!.getBoundingClientRect();
         const found = stage.current?.pick(event.clientX - box.left, event.clientY - box.top);
         if (found) onPick?.(found.actor, found.point);
-      }}>
+      }}
+    >
       {!actors.length && <div class="empty dim">{w("nothingFound")}</div>}
     </div>
   );
@@ -84,11 +96,19 @@ export function MotionView({ actors, selected, onPick, onStage, label, names = f
 function pelvisOf({ parents, points }: Skeleton): number {
   const children = new Int32Array(points);
   for (const parent of parents) if (parent >= 0) children[parent]++;
-  return Math.max(0, children.findIndex((count) => count > 1));
+  return Math.max(
+    0,
+    children.findIndex((count) => count > 1),
+  );
 }
 
 /** The pose over the origin, its feet on the ground as they stood when it was seen first. */
-function standing({ skeleton }: Actor, positions: Float32Array | null, floors: number[], index: number): Float32Array | null {
+function standing(
+  { skeleton }: Actor,
+  positions: Float32Array | null,
+  floors: number[],
+  index: number,
+): Float32Array | null {
   if (!positions) return null;
   const up = skeleton.zUp ? 2 : 1;
   if (floors[index] === undefined) {
@@ -106,7 +126,8 @@ function lowest(actors: Actor[]): number {
   let least = Infinity;
   for (const { skeleton, positions } of actors) {
     const values = positions();
-    for (let at = skeleton.zUp ? 2 : 1; values && at < values.length; at += 3) if (values[at] * skeleton.metres < least) least = values[at] * skeleton.metres;
+    for (let at = skeleton.zUp ? 2 : 1; values && at < values.length; at += 3)
+      if (values[at] * skeleton.metres < least) least = values[at] * skeleton.metres;
   }
   return Number.isFinite(least) ? least : 0;
 }

@@ -9,7 +9,14 @@ export function PlayBar({ player, bands, children }: { player: Player; bands?: B
   const playing = player.playing.value;
   return (
     <div class="transport row">
-      <button type="button" class="button quiet icon play" aria-label={w(playing ? "pause" : "play")} onClick={() => player.toggle()}><Icon name={playing ? "pause" : "play"} /></button>
+      <button
+        type="button"
+        class="button quiet icon play"
+        aria-label={w(playing ? "pause" : "play")}
+        onClick={() => player.toggle()}
+      >
+        <Icon name={playing ? "pause" : "play"} />
+      </button>
       <Scrubber player={player} bands={bands} />
       {children}
     </div>

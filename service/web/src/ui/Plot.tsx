@@ -15,10 +15,33 @@ export interface Curve {
   points?: "only" | "too";
   width?: number;
 }
-export interface Mark { at: number; ink: string; text?: string; dash?: number[] }
-export interface Zone { from: number; to: number; ink: string; alpha?: number; text?: string }
+export interface Mark {
+  at: number;
+  ink: string;
+  text?: string;
+  dash?: number[];
+}
+export interface Zone {
+  from: number;
+  to: number;
+  ink: string;
+  alpha?: number;
+  text?: string;
+}
 
-export function Plot({ x, curves, label, xLabel, yLabel, marks = [], zones = [], height = 180, xLog = false, onPick, onReady }: {
+export function Plot({
+  x,
+  curves,
+  label,
+  xLabel,
+  yLabel,
+  marks = [],
+  zones = [],
+  height = 180,
+  xLog = false,
+  onPick,
+  onReady,
+}: {
   x: ArrayLike<number>;
   curves: Curve[];
   label: string;
@@ -40,18 +63,45 @@ export function Plot({ x, curves, label, xLabel, yLabel, marks = [], zones = [],
   useEffect(() => {
     const element = host.current!;
     const grid = { stroke: colour("line"), width: 1 };
-    const axis = { stroke: colour("text3"), grid, ticks: grid, font: `11px ${getComputedStyle(element).fontFamily}`, size: 46, labelSize: 18, labelFont: `11px ${getComputedStyle(element).fontFamily}` };
-    const made = new uPlot({
-      width: Math.max(120, element.clientWidth), height, legend: { show: false },
-      scales: { x: { time: false, distr: xLog ? 3 : 1 } },
-      axes: [{ ...axis, size: 26, label: xLabel }, { ...axis, label: yLabel }],
-      cursor: { drag: { x: false, y: false }, points: { size: 6 } },
-      series: [{}, ...curves.map((one) => ({
-        label: one.name, stroke: colour(one.ink ?? "accent"), width: one.points === "only" ? 0 : (one.width ?? 1.6), dash: one.dash, spanGaps: false,
-        points: one.points ? { show: true, size: 5, fill: colour(one.ink ?? "accent") } : { show: false },
-      }))],
-      hooks: { drawClear: [(self) => drawUnder(self, drawn.current.zones)], draw: [(self) => drawOver(self, drawn.current.marks)] },
-    }, [x, ...curves.map((one) => one.values)] as never, element);
+    const axis = {
+      stroke: colour("text3"),
+      grid,
+      ticks: grid,
+      font: `11px ${getComputedStyle(element).fontFamily}`,
+      size: 46,
+      labelSize: 18,
+      labelFont: `11px ${getComputedStyle(element).fontFamily}`,
+    };
+    const made = new uPlot(
+      {
+        width: Math.max(120, element.clientWidth),
+        height,
+        legend: { show: false },
+        scales: { x: { time: false, distr: xLog ? 3 : 1 } },
+        axes: [
+          { ...axis, size: 26, label: xLabel },
+          { ...axis, label: yLabel },
+        ],
+        cursor: { drag: { x: false, y: false }, points: { size: 6 } },
+        series: [
+          {},
+          ...curves.map((one) => ({
+            label: one.name,
+            stroke: colour(one.ink ?? "accent"),
+            width: one.points === "only" ? 0 : (one.width ?? 1.6),
+            dash: one.dash,
+            spanGaps: false,
+            points: one.points ? { show: true, size: 5, fill: colour(one.ink ?? "accent") } : { show: false },
+          })),
+        ],
+        hooks: {
+          drawClear: [(self) => drawUnder(self, drawn.current.zones)],
+          draw: [(self) => drawOver(self, drawn.current.marks)],
+        },
+      },
+      [x, ...curves.map((one) => one.values)] as never,
+      element,
+    );
     plot.current = made;
     onReady?.(made);
     const observer = new ResizeObserver(() => made.setSize({ width: Math.max(120, element.clientWidth), height }));
@@ -67,8 +117,20 @@ export function Plot({ x, curves, label, xLabel, yLabel, marks = [], zones = [],
   return (
     <figure class="plot">
       <div ref={host} role="img" aria-label={label} />
-      {curves.length > 1 && <figcaption class="row wrap">{curves.map((one) => <span key={one.name} class="row key"><span class="swatch" style={{ background: `var(--${one.ink ?? "accent"})` }} />{one.name}</span>)}</figcaption>}
-      <details class="plot-table"><summary>{w("asTable")}</summary><Values x={x} curves={curves} xLabel={xLabel ?? ""} /></details>
+      {curves.length > 1 && (
+        <figcaption class="row wrap">
+          {curves.map((one) => (
+            <span key={one.name} class="row key">
+              <span class="swatch" style={{ background: `var(--${one.ink ?? "accent"})` }} />
+              {one.name}
+            </span>
+          ))}
+        </figcaption>
+      )}
+      <details class="plot-table">
+        <summary>{w("asTable")}</summary>
+        <Values x={x} curves={curves} xLabel={xLabel ?? ""} />
+      </details>
     </figure>
   );
 }
@@ -81,8 +143,28 @@ function Values({ x, curves, xLabel }: { x: ArrayLike<number>; curves: Curve[]; 
   const rows = Array.from({ length: Math.ceil(x.length / step) }, (_, at) => at * step);
   return (
     <table>
-      <thead><tr><th>{xLabel}</th>{curves.map((one) => <th key={one.name} class="n">{one.name}</th>)}</tr></thead>
-      <tbody>{rows.map((row) => <tr key={row}><td>{number(x[row], 3)}</td>{curves.map((one) => <td key={one.name} class="n">{one.values[row] === null || one.values[row] === undefined ? "–" : number(one.values[row] as number, 4)}</td>)}</tr>)}</tbody>
+      <thead>
+        <tr>
+          <th>{xLabel}</th>
+          {curves.map((one) => (
+            <th key={one.name} class="n">
+              {one.name}
+            </th>
+          ))}
+        </tr>
+      </thead>
+      <tbody>
+        {rows.map((row) => (
+          <tr key={row}>
+            <td>{number(x[row], 3)}</td>
+            {curves.map((one) => (
+              <td key={one.name} class="n">
+                {one.values[row] === null || one.values[row] === undefined ? "–" : number(one.values[row] as number, 4)}
+              </td>
+            ))}
+          </tr>
+        ))}
+      </tbody>
     </table>
   );
 }

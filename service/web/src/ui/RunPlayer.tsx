@@ -21,10 +21,29 @@ export function RunPlayer({ runs, at, onAt }: { runs: Run[]; at: number; onAt: (
   const frame = useMemo(() => signal(run.first - 1), []);
   useEffect(() => {
     let alive = true;
-    motionOf(run.document, run.revision).then((found) => alive && (setMotion(found), setError(null)), (problem) => alive && setError(problem));
-    return () => { alive = false; };
+    motionOf(run.document, run.revision).then(
+      (found) => alive && (setMotion(found), setError(null)),
+      (problem) => alive && setError(problem),
+    );
+    return () => {
+      alive = false;
+    };
   }, [run.document, run.revision]);
-  const actors = useMemo<Actor[]>(() => motion ? [{ skeleton: motion.skeleton, positions: () => { motion.blocks.arrived.value; return motion.blocks.frame(frame.value); } }] : [], [motion]);
+  const actors = useMemo<Actor[]>(
+    () =>
+      motion
+        ? [
+            {
+              skeleton: motion.skeleton,
+              positions: () => {
+                motion.blocks.arrived.value;
+                return motion.blocks.frame(frame.value);
+              },
+            },
+          ]
+        : [],
+    [motion],
+  );
   useEffect(() => {
     if (!motion || motion.id !== run.document) return;
     const player = new Player(motion.frames, motion.perSecond);
@@ -37,24 +56,65 @@ export function RunPlayer({ runs, at, onAt }: { runs: Run[]; at: number; onAt: (
       motion.blocks.want(now, 1, motion.perSecond);
       frame.value = now;
       // The run has begun again: the next one's turn, once this one was long enough in sight.
-      if (now < before && runs.length > 1 && performance.now() - began > LEAST_SHOWN) { before = now; setTimeout(() => onAt((at + 1) % runs.length)); }
+      if (now < before && runs.length > 1 && performance.now() - began > LEAST_SHOWN) {
+        before = now;
+        setTimeout(() => onAt((at + 1) % runs.length));
+      }
       before = now;
     });
     if (playing) player.play(1);
     // A run of one frame stands still for a moment.
-    const still = run.last === run.first && playing && runs.length > 1 ? window.setTimeout(() => onAt((at + 1) % runs.length), LEAST_SHOWN) : 0;
-    return () => { stop(); player.pause(); window.clearTimeout(still); };
+    const still =
+      run.last === run.first && playing && runs.length > 1
+        ? window.setTimeout(() => onAt((at + 1) % runs.length), LEAST_SHOWN)
+        : 0;
+    return () => {
+      stop();
+      player.pause();
+      window.clearTimeout(still);
+    };
   }, [motion, at, playing, runs]);
   return (
     <div class="run-player" aria-label={w("playResults")}>
       <Trouble error={error} />
       <MotionView actors={actors} label={run.name} />
       <div class="transport row">
-        <button type="button" class="button quiet icon dense" aria-label={w("backFrame")} disabled={at === 0} onClick={() => onAt(at - 1)}><Icon name="first" /></button>
-        <button type="button" class="button quiet icon play" aria-label={w(playing ? "pause" : "play")} onClick={() => setPlaying(!playing)}><Icon name={playing ? "pause" : "play"} /></button>
-        <button type="button" class="button quiet icon dense" aria-label={w("nextFrame")} disabled={at >= runs.length - 1} onClick={() => onAt(at + 1)}><Icon name="last" /></button>
-        <span class="cut grow"><strong>{run.name}</strong> <span class="dim">{number(run.first)}{run.last > run.first && `–${number(run.last)}`}</span></span>
-        <a class="button dense" href={`/clips/${run.document}?f=${run.first}&in=${run.first}&out=${run.last}`}>{w("open")}</a>
+        <button
+          type="button"
+          class="button quiet icon dense"
+          aria-label={w("backFrame")}
+          disabled={at === 0}
+          onClick={() => onAt(at - 1)}
+        >
+          <Icon name="first" />
+        </button>
+        <button
+          type="button"
+          class="button quiet icon play"
+          aria-label={w(playing ? "pause" : "play")}
+          onClick={() => setPlaying(!playing)}
+        >
+          <Icon name={playing ? "pause" : "play"} />
+        </button>
+        <button
+          type="button"
+          class="button quiet icon dense"
+          aria-label={w("nextFrame")}
+          disabled={at >= runs.length - 1}
+          onClick={() => onAt(at + 1)}
+        >
+          <Icon name="last" />
+        </button>
+        <span class="cut grow">
+          <strong>{run.name}</strong>{" "}
+          <span class="dim">
+            {number(run.first)}
+            {run.last > run.first && `–${number(run.last)}`}
+          </span>
+        </span>
+        <a class="button dense" href={`/clips/${run.document}?f=${run.first}&in=${run.first}&out=${run.last}`}>
+          {w("open")}
+        </a>
       </div>
     </div>
   );

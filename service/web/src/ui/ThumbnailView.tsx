@@ -25,7 +25,12 @@ export function inksNow(): Inks {
   return { sides: [colour("centre"), colour("left"), colour("right")], line: colour("line") };
 }
 
-export function ThumbnailView({ thumbnail, runs, scrub = null, label }: {
+export function ThumbnailView({
+  thumbnail,
+  runs,
+  scrub = null,
+  label,
+}: {
   thumbnail: Thumbnail | null;
   runs: boolean;
   /** 0 to 1 of the whole clip, where the pointer is; null: the loop, or its poster. */
@@ -57,5 +62,13 @@ export function ThumbnailView({ thumbnail, runs, scrub = null, label }: {
     const began = performance.now() / 1000;
     return start((now) => draw(Math.min(1, ((now - began) % length) / Math.max(0.4, thumbnail.seconds))));
   }, [thumbnail, runs, scrub, skin]);
-  return <canvas ref={canvas} class="thumbnail" role={label ? "img" : undefined} aria-label={label || undefined} aria-hidden={label ? undefined : true} />;
+  return (
+    <canvas
+      ref={canvas}
+      class="thumbnail"
+      role={label ? "img" : undefined}
+      aria-label={label || undefined}
+      aria-hidden={label ? undefined : true}
+    />
+  );
 }

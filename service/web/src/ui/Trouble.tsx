@@ -5,17 +5,32 @@ import { Icon } from "./icons";
 
 export function Trouble({ error, retry }: { error: unknown; retry?: () => void }) {
   if (!error) return null;
-  const problem = error instanceof ApiError ? (error.status === 412 ? { title: w("staleWrite"), detail: w("staleHelp") } as Problem : error.problem) : null;
+  const problem =
+    error instanceof ApiError
+      ? error.status === 412
+        ? ({ title: w("staleWrite"), detail: w("staleHelp") } as Problem)
+        : error.problem
+      : null;
   return (
     <div class="banner" role="alert">
       <Icon name="warn" />
       <div class="grow">
         <strong>{problem?.title ?? (error as Error).message}</strong>
         {problem?.detail && problem.detail !== problem.title && <p>{problem.detail}</p>}
-        {problem?.where && <p class="dim">{[problem.where.file, problem.where.line && w("line", { n: problem.where.line }), problem.where.element].filter(Boolean).join(", ")}</p>}
+        {problem?.where && (
+          <p class="dim">
+            {[problem.where.file, problem.where.line && w("line", { n: problem.where.line }), problem.where.element]
+              .filter(Boolean)
+              .join(", ")}
+          </p>
+        )}
         {problem?.remedy && <p>{problem.remedy}</p>}
       </div>
-      {retry && <button type="button" class="button" onClick={retry}>{w("again")}</button>}
+      {retry && (
+        <button type="button" class="button" onClick={retry}>
+          {w("again")}
+        </button>
+      )}
     </div>
   );
 }

@@ -5,7 +5,17 @@ import type { ComponentChildren, JSX } from "preact";
 const TALLEST = 8_000_000; // px; browsers stop at 16.7 to 33 million
 const SPARE = 4; // rows above and below those in sight
 
-export function VirtualList({ rows, height, render, label, role = "list", at, onSeen, className = "", onKeyDown }: {
+export function VirtualList({
+  rows,
+  height,
+  render,
+  label,
+  role = "list",
+  at,
+  onSeen,
+  className = "",
+  onKeyDown,
+}: {
   rows: number;
   height: number;
   render: (row: number) => ComponentChildren;
@@ -48,13 +58,32 @@ export function VirtualList({ rows, height, render, label, role = "list", at, on
   const shown: JSX.Element[] = [];
   for (let row = first; row <= last; row++) {
     shown.push(
-      <div key={row} class="virtual-row" role="presentation" style={{ height: `${height}px`, transform: `translateY(${row * height + shift}px)` }}>{render(row)}</div>,
+      <div
+        key={row}
+        class="virtual-row"
+        role="presentation"
+        style={{ height: `${height}px`, transform: `translateY(${row * height + shift}px)` }}
+      >
+        {render(row)}
+      </div>,
     );
   }
   return (
-    <div ref={box} class={`virtual ${className}`} role={role} aria-label={label} tabIndex={-1} onKeyDown={onKeyDown}
-      onScroll={(event) => { const element = event.currentTarget; setView({ top: element.scrollTop, size: element.clientHeight }); }}>
-      <div class="virtual-whole" role="presentation" style={{ height: `${drawn}px` }}>{shown}</div>
+    <div
+      ref={box}
+      class={`virtual ${className}`}
+      role={role}
+      aria-label={label}
+      tabIndex={-1}
+      onKeyDown={onKeyDown}
+      onScroll={(event) => {
+        const element = event.currentTarget;
+        setView({ top: element.scrollTop, size: element.clientHeight });
+      }}
+    >
+      <div class="virtual-whole" role="presentation" style={{ height: `${drawn}px` }}>
+        {shown}
+      </div>
     </div>
   );
 }

@@ -2,8 +2,18 @@
 import { describe, expect, it, vi } from "vitest";
 import { exportItems, lacking, unwritable, type Exported } from "./exports";
 
-const formats = { items: [{ name: "glb", writes: true }, { name: "usd", writes: true }, { name: "usda", writes: false }], unsupported: [] };
-vi.stubGlobal("fetch", async () => new Response(JSON.stringify(formats), { headers: { "content-type": "application/json" } }));
+const formats = {
+  items: [
+    { name: "glb", writes: true },
+    { name: "usd", writes: true },
+    { name: "usda", writes: false },
+  ],
+  unsupported: [],
+};
+vi.stubGlobal(
+  "fetch",
+  async () => new Response(JSON.stringify(formats), { headers: { "content-type": "application/json" } }),
+);
 const known: Exported = { id: "x", markers: false, original: false, format: "bvh", unit: "cm", up: "Y", hasRate: true };
 const texts = (markers: boolean) => exportItems({ ...known, markers, revision: 3 }).map((item) => item.text);
 
@@ -13,13 +23,15 @@ describe("what a document can be exported as", () => {
     await vi.waitFor(() => expect([...unwritable.value]).toEqual(["usda"]));
     expect(texts(false)).toContain("USD");
     expect(texts(true)).toEqual(["MCML", "C3D", "TRC", "glTF", "USD", "CSV", "NumPy"]);
-    expect(exportItems({ ...known, markers: true, format: "" }).find((item) => item.text === "glTF")!.href).toContain("/documents/x/export?format=glb");
+    expect(exportItems({ ...known, markers: true, format: "" }).find((item) => item.text === "glTF")!.href).toContain(
+      "/documents/x/export?format=glb",
+    );
   });
 
   it("says what a guessed unit does to a file, with what mends it first", () => {
     const guessed: Exported = { ...known, unit: null, likelyUnit: "cm", up: null, likelyUp: "Z" };
     const said: object[] = [];
-    const items = exportItems(guessed, { confirm: (fact) => said.push(fact), give: () => said.push({}) });
+    const items = exportItems(guessed, { accept: (fact) => said.push(fact), give: () => said.push({}) });
     expect(items.slice(0, 2).map((item) => item.text)).toEqual(["Confirm cm", "Confirm Z"]);
     items.slice(0, 2).forEach((item) => item.run!());
     expect(said).toEqual([{ unit: "cm" }, { up: "Z" }]);
@@ -36,7 +48,8 @@ describe("what a document can be exported as", () => {
     const bare: Exported = { ...known, format: "asf-amc", unit: null, likelyUnit: null, hasRate: false };
     const items = exportItems(bare, { give: () => undefined });
     expect(items.slice(0, 2).map((item) => item.text)).toEqual(["Give the unit", "Give the frame rate"]);
-    for (const text of ["BVH", "glTF", "OpenSim"]) expect(items.find((item) => item.text === text)).toMatchObject({ disabled: true, detail: "needs a frame rate" });
+    for (const text of ["BVH", "glTF", "OpenSim"])
+      expect(items.find((item) => item.text === text)).toMatchObject({ disabled: true, detail: "needs a frame rate" });
     expect(items.find((item) => item.text === "ASF/AMC")!.href).toBeTruthy();
     expect(lacking({ ...bare, format: "trc", original: true }, "trc")).toBe(null);
     expect(lacking({ ...bare, hasRate: true }, "trc")).toMatchObject({ refused: true, text: "needs a unit" });

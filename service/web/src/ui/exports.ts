@@ -4,9 +4,19 @@ import { address, get } from "../api/client";
 import type { Item } from "./Menu";
 import { number, w } from "../words";
 
-const BODY_FORMATS = [["bvh", "BVH"], ["asf-amc", "ASF/AMC"], ["htr", "HTR"]];
-const MARKER_FORMATS = [["c3d", "C3D"], ["trc", "TRC"]];
-const SCENES = [["glb", "glTF"], ["usd", "USD"]];
+const BODY_FORMATS = [
+  ["bvh", "BVH"],
+  ["asf-amc", "ASF/AMC"],
+  ["htr", "HTR"],
+];
+const MARKER_FORMATS = [
+  ["c3d", "C3D"],
+  ["trc", "TRC"],
+];
+const SCENES = [
+  ["glb", "glTF"],
+  ["usd", "USD"],
+];
 const ANGLES = [["mot", "OpenSim"]];
 
 /** Formats that this server cannot write: not every one has the library. USD, until it is known. */
@@ -18,8 +28,12 @@ export function askWritable(): void {
   if (asked) return;
   asked = true;
   get("/formats").then(
-    (list) => { unwritable.value = new Set(list.items.filter((one) => one.writes === false).map((one) => one.name)); },
-    () => { asked = false; },
+    (list) => {
+      unwritable.value = new Set(list.items.filter((one) => !one.writes).map((one) => one.name));
+    },
+    () => {
+      asked = false;
+    },
   );
 }
 
@@ -38,8 +52,11 @@ export interface Exported {
   hasRate: boolean;
 }
 
-/** What a menu mends. confirm: state a guess; give: where unit, up axis and rate are given. Absent: nothing can be written. */
-export interface Mending { confirm?: (fact: { unit?: string; up?: string }) => void; give?: () => void }
+/** What a menu mends. accept: state a guess; give: where unit, up axis and rate are given. Absent: nothing can be written. */
+export interface Mending {
+  accept?: (fact: { unit?: string; up?: string }) => void;
+  give?: () => void;
+}
 
 const METRES: Record<string, number> = { mm: 0.001, cm: 0.01, m: 1, inch: 0.0254, ft: 0.3048 };
 const NEEDS_RATE = new Set(["bvh", "c3d", "trc", "glb", "usd", "mot"]);
@@ -56,31 +73,61 @@ export function lacking(one: Exported, name: string): { text: string; refused: b
   if (!taken || one.unit) return taken && !one.up ? { text: w("upTaken"), refused: false } : null;
   const [as, metres] = taken;
   const times = one.likelyUnit ? metres / (METRES[one.likelyUnit] ?? NaN) : NaN;
-  const size = Number.isFinite(times) && Math.abs(times - 1) > 1e-9 ? w(times > 1 ? "tooLarge" : "tooSmall", { times: number(times > 1 ? times : 1 / times, 1) }) : "";
+  const size =
+    Number.isFinite(times) && Math.abs(times - 1) > 1e-9
+      ? w(times > 1 ? "tooLarge" : "tooSmall", { times: number(times > 1 ? times : 1 / times, 1) })
+      : "";
   return { text: [w("unitTaken", { as }), size].filter(Boolean).join(", "), refused: false };
 }
 
-export function exportItems(one: Exported, { confirm, give }: Mending = {}): Item[] {
+export function exportItems(one: Exported, { accept, give }: Mending = {}): Item[] {
   askWritable();
   const { id, markers, original, format, revision } = one;
-  const formats = [...(markers ? MARKER_FORMATS : BODY_FORMATS), ...SCENES, ...(markers ? [] : ANGLES)].filter(([name]) => !unwritable.value.has(name));
+  const formats = [...(markers ? MARKER_FORMATS : BODY_FORMATS), ...SCENES, ...(markers ? [] : ANGLES)].filter(
+    ([name]) => !unwritable.value.has(name),
+  );
   const query = revision === undefined ? {} : { revision };
   const guess = (fact: "unit" | "up", value: string | null | undefined): Item[] => {
     if (one[fact]) return [];
-    if (value && confirm && !value.includes("/")) return [{ text: w("confirmAs", { value }), icon: "warn", detail: w(fact === "unit" ? "unitGuessed" : "upGuessed"), run: () => confirm({ [fact]: value }) }];
+    if (value && accept && !value.includes("/"))
+      return [
+        {
+          text: w("confirmAs", { value }),
+          icon: "warn",
+          detail: w(fact === "unit" ? "unitGuessed" : "upGuessed"),
+          run: () => accept({ [fact]: value }),
+        },
+      ];
     return give && fact === "unit" ? [{ text: w("giveUnit"), icon: "warn", detail: w("unitUnknown"), run: give }] : [];
   };
   return [
     ...guess("unit", one.likelyUnit),
     ...guess("up", one.likelyUp),
-    ...(!one.hasRate && give ? [{ text: w("giveRate"), icon: "warn" as const, detail: w("rateUnknown"), run: give }] : []),
+    ...(!one.hasRate && give
+      ? [{ text: w("giveRate"), icon: "warn" as const, detail: w("rateUnknown"), run: give }]
+      : []),
     { text: "MCML", detail: ".mcml", href: address("/documents/{id}/mcml", { id }, query), download: true },
     ...formats.map(([name, text]): Item => {
       const lack = lacking(one, name);
       if (lack?.refused) return { text, detail: lack.text, disabled: true };
-      return { text, detail: lack?.text ?? (name === format && original ? w("kept") : undefined), href: address("/documents/{id}/export", { id }, { ...query, format: name }), download: true };
+      return {
+        text,
+        detail: lack?.text ?? (name === format && original ? w("kept") : undefined),
+        href: address("/documents/{id}/export", { id }, { ...query, format: name }),
+        download: true,
+      };
     }),
-    { text: "CSV", detail: ".csv", href: address("/documents/{id}/frames", { id }, { ...query, format: "csv" }), download: true },
-    { text: "NumPy", detail: ".npz", href: address("/documents/{id}/frames", { id }, { ...query, format: "npz" }), download: true },
+    {
+      text: "CSV",
+      detail: ".csv",
+      href: address("/documents/{id}/frames", { id }, { ...query, format: "csv" }),
+      download: true,
+    },
+    {
+      text: "NumPy",
+      detail: ".npz",
+      href: address("/documents/{id}/frames", { id }, { ...query, format: "npz" }),
+      download: true,
+    },
   ];
 }

@@ -4,7 +4,8 @@ const PATHS = {
   xpath: "M2.5 4l4 4-4 4M8.5 12.5h5",
   compose: "M2 3.5h7v3H2zM7 9.5h7v3H7z",
   retarget: "M4 3.5v9M1.5 6h5M12 3.5v9M9.5 6h5M6.5 12.5h3m-1.2-1.5l1.5 1.5-1.5 1.5",
-  blender: "M4.5 2.5v4M4.5 9.5v4M4.5 6.500a1.5 1.5 0 1 1 0 3 1.5 1.500 0 0 1 0-3M11.5 2.5v1.500M11.5 7v6.5M11.5 4a1.5 1.5 0 1 1 0 3 1.5 1.500 0 0 1 0-3",
+  blender:
+    "M4.5 2.5v4M4.5 9.5v4M4.5 6.500a1.5 1.5 0 1 1 0 3 1.5 1.500 0 0 1 0-3M11.5 2.5v1.500M11.5 7v6.5M11.5 4a1.5 1.5 0 1 1 0 3 1.5 1.500 0 0 1 0-3",
   beat: "M1.5 8.500h2.500L6 3.500l3 9.500 2-6 1 1.500h2.500",
   face: "M8 2a6 6 0 1 0 0 12A6 6 0 0 0 8 2zM5.5 6.500v.3M10.5 6.500v.3M5.200 9.500a3.4 3.4 0 0 0 5.600 0",
   chart: "M2.5 2.500v11h11M5 10.500l2.500-3.500 2.500 2 3-4.500",
@@ -43,7 +44,17 @@ export type IconName = keyof typeof PATHS;
 export function Icon({ name }: { name: IconName }) {
   const solid = /^(play|back|next)$/.test(name);
   return (
-    <svg width="16" height="16" viewBox="0 0 16 16" aria-hidden="true" fill={solid ? "currentColor" : "none"} stroke="currentColor" stroke-width={name === "more" ? 2.5 : 1.5} stroke-linecap="round" stroke-linejoin="round">
+    <svg
+      width="16"
+      height="16"
+      viewBox="0 0 16 16"
+      aria-hidden="true"
+      fill={solid ? "currentColor" : "none"}
+      stroke="currentColor"
+      stroke-width={name === "more" ? 2.5 : 1.5}
+      stroke-linecap="round"
+      stroke-linejoin="round"
+    >
       <path d={PATHS[name]} />
     </svg>
   );

@@ -7,7 +7,11 @@ const schema: Schema = {
   properties: {
     who: { type: "string", title: "Who" },
     on: { type: "boolean", default: true },
-    rate: { anyOf: [{ type: "number", minimum: 40, maximum: 240 }, { type: "null" }], default: null, description: "beats" },
+    rate: {
+      anyOf: [{ type: "number", minimum: 40, maximum: 240 }, { type: "null" }],
+      default: null,
+      description: "beats",
+    },
     bars: { type: "integer", default: 16, minimum: 1 },
     mode: { $ref: "#/$defs/Mode", default: "a" },
     step: { enum: [1, 4], default: 4, type: "integer" },
@@ -21,8 +25,26 @@ const schema: Schema = {
 describe("fields of a schema", () => {
   const fields = Object.fromEntries(fieldsOf(schema).map((one) => [one.name, one]));
   it("are of the kind that their types say", () => {
-    expect(Object.values(fields).map((one) => one.kind)).toEqual(["text", "truth", "number", "number", "choice", "choice", "json", "choices", "words", "json"]);
-    expect(fields.rate).toMatchObject({ least: 40, most: 240, optional: true, required: false, help: "beats", initial: null });
+    expect(Object.values(fields).map((one) => one.kind)).toEqual([
+      "text",
+      "truth",
+      "number",
+      "number",
+      "choice",
+      "choice",
+      "json",
+      "choices",
+      "words",
+      "json",
+    ]);
+    expect(fields.rate).toMatchObject({
+      least: 40,
+      most: 240,
+      optional: true,
+      required: false,
+      help: "beats",
+      initial: null,
+    });
     expect(fields.who).toMatchObject({ required: true, optional: false });
     expect(fields.step.options).toEqual([1, 4]);
   });
@@ -42,7 +64,13 @@ describe("fields of a schema", () => {
   });
 
   it("write what they read", () => {
-    for (const [name, value] of [["rate", 120.5], ["names", ["a", "b"]], ["clips", [{ a: 1 }]], ["near", "window"], ["mode", "b"]] as const) {
+    for (const [name, value] of [
+      ["rate", 120.5],
+      ["names", ["a", "b"]],
+      ["clips", [{ a: 1 }]],
+      ["near", "window"],
+      ["mode", "b"],
+    ] as const) {
       expect(valueOf(fields[name], textOf(fields[name], value))).toEqual(value);
     }
   });

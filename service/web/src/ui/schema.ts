@@ -94,11 +94,16 @@ export function valueOf(field: Field, text: string): unknown {
   if (field.kind === "number") {
     const value = Number(trimmed);
     if (!Number.isFinite(value) || (field.whole && !Number.isInteger(value))) throw new Error("number");
-    if ((field.least !== undefined && value < field.least) || (field.most !== undefined && value > field.most)) throw new Error("range");
+    if ((field.least !== undefined && value < field.least) || (field.most !== undefined && value > field.most))
+      throw new Error("range");
     return value;
   }
   if (field.kind === "choice") return field.options.find((one) => String(one) === trimmed);
-  if (field.kind === "words") return trimmed.split(",").map((one) => one.trim()).filter(Boolean);
+  if (field.kind === "words")
+    return trimmed
+      .split(",")
+      .map((one) => one.trim())
+      .filter(Boolean);
   if (field.kind !== "json") return trimmed;
   try {
     return JSON.parse(trimmed) as unknown;

@@ -9,16 +9,23 @@ import { useAsync, type Loaded } from "./useAsync";
 function asking() {
   const open = new Map<string, { answer: (value: string) => void; refuse: (error: unknown) => void }[]>();
   const shown: Loaded<string>[] = [];
-  const ask = (key: string) => new Promise<string>((answer, refuse) => open.set(key, [...(open.get(key) ?? []), { answer, refuse }]));
+  const ask = (key: string) =>
+    new Promise<string>((answer, refuse) => open.set(key, [...(open.get(key) ?? []), { answer, refuse }]));
   const One = ({ question, fresh = 0 }: { question: string; fresh?: number }) => {
     shown.push(useAsync(() => ask(question), [question], [fresh]));
     return null;
   };
   const host = document.createElement("div");
   const show = (question: string, fresh = 0) => act(() => render(<One question={question} fresh={fresh} />, host));
-  const settle = async (key: string, how: (last: { answer: (value: string) => void; refuse: (error: unknown) => void }) => void, which = -1) => {
+  const settle = async (
+    key: string,
+    how: (last: { answer: (value: string) => void; refuse: (error: unknown) => void }) => void,
+    which = -1,
+  ) => {
     how(open.get(key)!.at(which)!);
-    await act(async () => { await Promise.resolve(); });
+    await act(async () => {
+      await Promise.resolve();
+    });
   };
   return { show, settle, shown, now: () => shown.at(-1)! };
 }

@@ -9,7 +9,10 @@ const known = new Map<string, Promise<Thumbnail | null>>();
 function thumbnailOf(id: string): Promise<Thumbnail | null> {
   let found = known.get(id);
   if (!found) {
-    found = fetched(address("/documents/{id}/thumbnail", { id })).then(async (answer) => readThumbnail(new Uint8Array(await answer.arrayBuffer())), () => null);
+    found = fetched(address("/documents/{id}/thumbnail", { id })).then(
+      async (answer) => readThumbnail(new Uint8Array(await answer.arrayBuffer())),
+      () => null,
+    );
     known.set(id, found);
     if (known.size > MOST) known.delete(known.keys().next().value!);
   }
@@ -21,7 +24,9 @@ export function useThumbnail(id: string): Thumbnail | null {
   useEffect(() => {
     let alive = true;
     void thumbnailOf(id).then((one) => alive && setFound(one));
-    return () => { alive = false; };
+    return () => {
+      alive = false;
+    };
   }, [id]);
   return found;
 }

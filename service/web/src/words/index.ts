@@ -9,7 +9,8 @@ export type Word = keyof Words;
 const TABLES: Record<"en" | "ko", Words> = { en, ko };
 
 /** A sentence with its values. "one|many" chooses by `n`. */
-export const w = (word: Word, values: Record<string, string | number> = {}): string => filled(TABLES[language.value][word], values);
+export const w = (word: Word, values: Record<string, string | number> = {}): string =>
+  filled(TABLES[language.value][word], values);
 
 /** A sentence of any table with its values. */
 export function filled(sentence: string, values: Record<string, string | number>): string {

@@ -9,8 +9,15 @@ const holes = (text: string) => [...new Set(text.match(/\{\w+\}/g) ?? [])].sort(
 
 type Table = Record<string, string>;
 const panels = import.meta.glob<Record<string, { en: Table; ko: Table }>>("../panels/*/words.ts", { eager: true });
-const tables: [string, Table, Table][] = [["shared", en, ko], ...Object.entries(panels).flatMap(([file, found]) => Object.values(found).map(({ en, ko }): [string, Table, Table] => [file, en, ko]))];
-const all = tables.flatMap(([file, english, korean]) => Object.keys(english).map((word) => [file, word, english, korean] as const));
+const tables: [string, Table, Table][] = [
+  ["shared", en, ko],
+  ...Object.entries(panels).flatMap(([file, found]) =>
+    Object.values(found).map(({ en, ko }): [string, Table, Table] => [file, en, ko]),
+  ),
+];
+const all = tables.flatMap(([file, english, korean]) =>
+  Object.keys(english).map((word) => [file, word, english, korean] as const),
+);
 
 describe("the words of both languages", () => {
   it.each(all)("%s %s: the same values stand in both sentences, one or two forms", (_, word, en, ko) => {

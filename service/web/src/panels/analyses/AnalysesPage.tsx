@@ -1,7 +1,7 @@
 /** Every analysis of the catalogue, each by the form that its schema says: one that is added appears by itself. */
 import { useEffect, useState } from "preact/hooks";
 import { get, type Schemas } from "../../api/client";
-import { subject } from "../../shell/Bar";
+import { subject } from "../../state/shell";
 import { runAnalysis, jobs, cancelJob, type Job } from "../../state/jobs";
 import { go } from "../../state/route";
 import { ClipSelection, selectionNow, useMembers } from "../../ui/ClipSelection";
@@ -16,12 +16,17 @@ import "../../styles/analyses.css";
 type Info = Schemas["AnalysisInfo"];
 
 const WINDOWS: Record<string, { path: string; word: Word }> = {
-  reach: { path: "/reach", word: "blender" }, beats: { path: "/dance", word: "dance" }, "motion-graph": { path: "/dance", word: "dance" },
-  dance: { path: "/dance", word: "dance" }, expression: { path: "/faces", word: "faces" },
+  reach: { path: "/reach", word: "blender" },
+  beats: { path: "/dance", word: "dance" },
+  "motion-graph": { path: "/dance", word: "dance" },
+  dance: { path: "/dance", word: "dance" },
+  expression: { path: "/faces", word: "faces" },
 };
 
 export function AnalysesPage({ id }: { id: string }) {
-  useEffect(() => { subject.value = null; }, []);
+  useEffect(() => {
+    subject.value = null;
+  }, []);
   const catalogue = useAsync((signal) => get("/analyses", { signal }), []);
   const chosen = catalogue.value?.items.find((one) => one.name === id);
   return (
@@ -42,9 +47,15 @@ function Catalogue({ items }: { items: Info[] }) {
         <ul class="cards">
           {items.map((one) => (
             <li key={one.name} class="card-plain">
-              <h2><a href={`/analyses/${one.name}`}>{one.title}</a></h2>
+              <h2>
+                <a href={`/analyses/${one.name}`}>{one.title}</a>
+              </h2>
               <p>{one.description}</p>
-              {WINDOWS[one.name] && <p class="dim">{a("window", { name: w(WINDOWS[one.name].word) })} <a href={WINDOWS[one.name].path}>{w("open")}</a></p>}
+              {WINDOWS[one.name] && (
+                <p class="dim">
+                  {a("window", { name: w(WINDOWS[one.name].word) })} <a href={WINDOWS[one.name].path}>{w("open")}</a>
+                </p>
+              )}
             </li>
           ))}
         </ul>
@@ -56,13 +67,26 @@ function Catalogue({ items }: { items: Info[] }) {
 
 /** Results, of one analysis or all. */
 function Recent({ analysis }: { analysis?: string }) {
-  const found = useAsync((signal) => get("/results", { query: { analysis, limit: 30 }, signal }), [analysis], [jobs.value.filter((one) => one.state === "done").length]);
+  const found = useAsync(
+    (signal) => get("/results", { query: { analysis, limit: 30 }, signal }),
+    [analysis],
+    [jobs.value.filter((one) => one.state === "done").length],
+  );
   return (
     <aside class="recent" aria-label={w("results")}>
       <h2>{a("recent")}</h2>
       <Trouble error={found.error} retry={found.again} />
       {found.value && !found.value.items.length && <p class="dim">{a("noResults")}</p>}
-      <ul>{(found.value?.items ?? []).map((one) => <li key={one.id}><a class="cut block" href={`/results/${one.id}`}>{one.name}</a><span class="dim">{a("by", { analysis: one.analysis, when: when(one.created) })}</span></li>)}</ul>
+      <ul>
+        {(found.value?.items ?? []).map((one) => (
+          <li key={one.id}>
+            <a class="cut block" href={`/results/${one.id}`}>
+              {one.name}
+            </a>
+            <span class="dim">{a("by", { analysis: one.analysis, when: when(one.created) })}</span>
+          </li>
+        ))}
+      </ul>
     </aside>
   );
 }
@@ -79,9 +103,15 @@ function Form({ info }: { info: Info }) {
   const job = jobs.value.find((one) => one.id === running);
   const start = async () => {
     setError(null);
-    const inputs = left.size ? { documents: members.value!.filter((one) => !left.has(one.id)).map((one) => one.id) } : selection;
+    const inputs = left.size
+      ? { documents: members.value!.filter((one) => !left.has(one.id)).map((one) => one.id) }
+      : selection;
     try {
-      const result = await runAnalysis(info.name, { inputs, parameters: values, name: name || undefined }, (started: Job) => setRunning(started.id));
+      const result = await runAnalysis(
+        info.name,
+        { inputs, parameters: values, name: name || undefined },
+        (started: Job) => setRunning(started.id),
+      );
       go(`/results/${result}`);
     } catch (refused) {
       if ((refused as Error).name !== "AbortError") setError(refused);
@@ -90,24 +120,60 @@ function Form({ info }: { info: Info }) {
     }
   };
   return (
-    <form class="analysis-form" onSubmit={(event) => { event.preventDefault(); void start(); }}>
+    <form
+      class="analysis-form"
+      onSubmit={(event) => {
+        event.preventDefault();
+        void start();
+      }}
+    >
       <section class="analysis-clips" aria-label={a("clipsWord")}>
         <h2>{info.title}</h2>
-        <p class="dim">{info.description} {a("needs", { least: info.fewest, most: info.most })}</p>
+        <p class="dim">
+          {info.description} {a("needs", { least: info.fewest, most: info.most })}
+        </p>
         <h3>{a("clipsWord")}</h3>
-        <ClipSelection members={members} left={left} onLeft={(one, out) => { const next = new Set(left); if (out) next.add(one); else next.delete(one); setLeft(next); }} />
+        <ClipSelection
+          members={members}
+          left={left}
+          onLeft={(one, out) => {
+            const next = new Set(left);
+            if (out) next.add(one);
+            else next.delete(one);
+            setLeft(next);
+          }}
+        />
       </section>
       <section class="analysis-options" aria-label={a("parameters")}>
         <h3>{a("parameters")}</h3>
         <SchemaForm schema={info.parameters as Schema} values={values} onChange={setValues} />
-        <div class="schema-field"><label for="result-name">{a("nameOfResult")}</label><input id="result-name" class="field" value={name} placeholder={`${info.title}`} onInput={(event) => setName(event.currentTarget.value)} /></div>
+        <div class="schema-field">
+          <label for="result-name">{a("nameOfResult")}</label>
+          <input
+            id="result-name"
+            class="field"
+            value={name}
+            placeholder={info.title}
+            onInput={(event) => setName(event.currentTarget.value)}
+          />
+        </div>
         <Trouble error={error} />
         <div class="row analysis-run">
           {job ? (
-            <><progress class="grow" value={job.share} aria-label={job.stage ?? ""} /><span class="dim">{job.stage}</span><button type="button" class="button" onClick={() => void cancelJob(job)}>{w("cancel")}</button></>
+            <>
+              <progress class="grow" value={job.share} aria-label={job.stage ?? ""} />
+              <span class="dim">{job.stage}</span>
+              <button type="button" class="button" onClick={() => void cancelJob(job)}>
+                {w("cancel")}
+              </button>
+            </>
           ) : (
-            <><button type="submit" class="button primary" disabled={count < info.fewest || running !== null}>{a("start", { name: info.title })}</button>
-              {count < info.fewest && <span class="dim">{a("tooFew", { n: info.fewest })}</span>}</>
+            <>
+              <button type="submit" class="button primary" disabled={count < info.fewest || running !== null}>
+                {a("start", { name: info.title })}
+              </button>
+              {count < info.fewest && <span class="dim">{a("tooFew", { n: info.fewest })}</span>}
+            </>
           )}
         </div>
       </section>

@@ -1,7 +1,7 @@
 /** What can be done with a result: each operation by the form of its schema, its answer as values or as motion. */
 import { useMemo, useState } from "preact/hooks";
 import type { Schemas } from "../../api/client";
-import { makeMotion, useResult, type Done, type Made } from "../../api/results";
+import { makeMotion, applyResult, type Done, type Made } from "../../api/results";
 import { wholeOf } from "../../motion/preview";
 import { SchemaForm, type Values } from "../../ui/SchemaForm";
 import type { Schema } from "../../ui/schema";
@@ -16,7 +16,15 @@ export function Operations({ id, info, names }: { id: string; info: Schemas["Ana
   return (
     <aside class="result-operations" aria-label={a("operations")}>
       <h2>{a("operations")}</h2>
-      {names.map((name) => info.operations[name] && <details key={name}><summary>{info.operations[name].description}</summary><One id={id} name={name} schema={info.operations[name].parameters as Schema} /></details>)}
+      {names.map(
+        (name) =>
+          info.operations[name] && (
+            <details key={name}>
+              <summary>{info.operations[name].description}</summary>
+              <One id={id} name={name} schema={info.operations[name].parameters as Schema} />
+            </details>
+          ),
+      )}
     </aside>
   );
 }
@@ -33,11 +41,13 @@ function One({ id, name, schema }: { id: string; name: string; schema: Schema })
     setError(null);
     const saving = { save, name: clip || undefined };
     try {
-      setAnswer(await makeMotion(id, name, values, saving).catch((refused) => {
-        // Most operations make no motion: their answer is values alone.
-        if (refused instanceof ApiError && refused.status === 404) return useResult(id, name, values, saving);
-        throw refused;
-      }));
+      setAnswer(
+        await makeMotion(id, name, values, saving).catch((refused) => {
+          // Most operations make no motion: their answer is values alone.
+          if (refused instanceof ApiError && refused.status === 404) return applyResult(id, name, values, saving);
+          throw refused;
+        }),
+      );
     } catch (refused) {
       setError(refused);
     } finally {
@@ -45,18 +55,46 @@ function One({ id, name, schema }: { id: string; name: string; schema: Schema })
     }
   };
   return (
-    <form class="operation" onSubmit={(event) => { event.preventDefault(); void run(); }}>
+    <form
+      class="operation"
+      onSubmit={(event) => {
+        event.preventDefault();
+        void run();
+      }}
+    >
       <SchemaForm schema={schema} values={values} onChange={setValues} />
-      <label class="row"><input type="checkbox" checked={save} onChange={(event) => setSave(event.currentTarget.checked)} />{a("saveClip")}</label>
-      {save && <label>{a("clipName")}<input class="field" value={clip} onInput={(event) => setClip(event.currentTarget.value)} /></label>}
-      <button type="submit" class="button" disabled={busy}>{a("apply")}</button>
+      <label class="row">
+        <input type="checkbox" checked={save} onChange={(event) => setSave(event.currentTarget.checked)} />
+        {a("saveClip")}
+      </label>
+      {save && (
+        <label>
+          {a("clipName")}
+          <input class="field" value={clip} onInput={(event) => setClip(event.currentTarget.value)} />
+        </label>
+      )}
+      <button type="submit" class="button" disabled={busy}>
+        {a("apply")}
+      </button>
       <Trouble error={error} />
-      {answer && <div role="status">
-        {answer.document && <p><a href={`/clips/${answer.document}`}>{a("storedAs")}</a></p>}
-        {answer.result && <p><a href={`/results/${answer.result}`}>{a("keptAs")}</a></p>}
-        {answer.motion && <Moving made={answer as Made<unknown>} />}
-        <pre class="code answer" tabIndex={0}>{JSON.stringify(answer.value, null, 1).slice(0, 4000)}</pre>
-      </div>}
+      {answer && (
+        <div role="status">
+          {answer.document && (
+            <p>
+              <a href={`/clips/${answer.document}`}>{a("storedAs")}</a>
+            </p>
+          )}
+          {answer.result && (
+            <p>
+              <a href={`/results/${answer.result}`}>{a("keptAs")}</a>
+            </p>
+          )}
+          {answer.motion && <Moving made={answer as Made<unknown>} />}
+          <pre class="code answer" tabIndex={0}>
+            {JSON.stringify(answer.value, null, 1).slice(0, 4000)}
+          </pre>
+        </div>
+      )}
     </form>
   );
 }

@@ -13,19 +13,27 @@ import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";
 import { a } from "./words";
 
-interface AxisWords { name: string; unit?: string }
+interface AxisWords {
+  name: string;
+  unit?: string;
+}
 const MOST_ROWS = 500;
 const INKS = ["accent", "name0", "name1", "name2", "name3", "name4", "name5", "name6"];
 
 export function PartView({ id, name, part, help }: { id: string; name: string; part: Part; help: string }) {
   return (
     <div class="part">
-      <h2>{name}</h2>{help && <p class="dim">{help}</p>}
-      {part.kind === "clip" && part.document ? <Clip document={part.document} />
-        : part.kind === "curve" ? <CurvePart id={id} name={name} part={part} />
-        : part.kind === "points" ? <Points id={id} name={name} part={part} />
-        : part.kind === "graph" ? <Graph part={part} />
-        : null}
+      <h2>{name}</h2>
+      {help && <p class="dim">{help}</p>}
+      {part.kind === "clip" && part.document ? (
+        <Clip document={part.document} />
+      ) : part.kind === "curve" ? (
+        <CurvePart id={id} name={name} part={part} />
+      ) : part.kind === "points" ? (
+        <Points id={id} name={name} part={part} />
+      ) : part.kind === "graph" ? (
+        <Graph part={part} />
+      ) : null}
       <Table part={part} />
     </div>
   );
@@ -37,32 +45,70 @@ function Clip({ document }: { document: string }) {
   const player = useMemo(() => (found ? new Player(found.frames, found.perSecond) : null), [found]);
   useEffect(() => {
     if (!player || !found) return;
-    const stop = player.frame.subscribe((frame) => found.blocks.want(frame, player.playing.peek() ? 1 : 0, found.perSecond));
+    const stop = player.frame.subscribe((frame) =>
+      found.blocks.want(frame, player.playing.peek() ? 1 : 0, found.perSecond),
+    );
     player.play(1);
-    return () => { stop(); player.pause(); };
+    return () => {
+      stop();
+      player.pause();
+    };
   }, [player]);
-  const actors = useMemo<Actor[]>(() => (found && player ? [{ skeleton: found.skeleton, positions: () => { found.blocks.arrived.value; return found.blocks.frame(player.frame.value); } }] : []), [player]);
+  const actors = useMemo<Actor[]>(
+    () =>
+      found && player
+        ? [
+            {
+              skeleton: found.skeleton,
+              positions: () => {
+                found.blocks.arrived.value;
+                return found.blocks.frame(player.frame.value);
+              },
+            },
+          ]
+        : [],
+    [player],
+  );
   return (
     <>
       <Trouble error={motion.error} retry={motion.again} />
-      {found && player && <div class="part-motion"><MotionView actors={actors} label={found.name} /><PlayBar player={player}><a class="button dense" href={`/clips/${document}`}>{w("open")}</a></PlayBar></div>}
+      {found && player && (
+        <div class="part-motion">
+          <MotionView actors={actors} label={found.name} />
+          <PlayBar player={player}>
+            <a class="button dense" href={`/clips/${document}`}>
+              {w("open")}
+            </a>
+          </PlayBar>
+        </div>
+      )}
     </>
   );
 }
 
 /** A curve: the arrays that its axes name; else its `series`, each with `values`. */
 function CurvePart({ id, name, part }: { id: string; name: string; part: Part }) {
-  const data = part.data as { x?: AxisWords; y?: AxisWords; series?: { name?: string; fps?: number; step?: number; values: number[] }[] };
-  const arrays = useAsync(async (signal) => {
-    const get = async (axis?: AxisWords) => (axis && part.arrays?.[axis.name] ? (await arrayOf(id, name, axis.name, { signal })).values : null);
-    return { x: await get(data.x), y: await get(data.y) };
-  }, [id, name]);
+  const data = part.data as {
+    x?: AxisWords;
+    y?: AxisWords;
+    series?: { name?: string; fps?: number; step?: number; values: number[] }[];
+  };
+  const arrays = useAsync(
+    async (signal) => {
+      const get = async (axis?: AxisWords) =>
+        axis && part.arrays?.[axis.name] ? (await arrayOf(id, name, axis.name, { signal })).values : null;
+      return { x: await get(data.x), y: await get(data.y) };
+    },
+    [id, name],
+  );
   const drawn = useMemo(() => {
     if (data.series?.length) {
       const longest = Math.max(...data.series.map((one) => one.values.length));
       const { fps, step } = data.series[0];
       const along = Float64Array.from({ length: longest }, (_, at) => (fps ? (at * (step ?? 1)) / fps : at));
-      const curves: Curve[] = data.series.slice(0, INKS.length).map((one, at) => ({ name: one.name ?? String(at + 1), values: one.values, ink: INKS[at], width: 1.2 }));
+      const curves: Curve[] = data.series
+        .slice(0, INKS.length)
+        .map((one, at) => ({ name: one.name ?? String(at + 1), values: one.values, ink: INKS[at], width: 1.2 }));
       return { x: along as ArrayLike<number>, curves };
     }
     const values = arrays.value?.y;
@@ -72,14 +118,21 @@ function CurvePart({ id, name, part }: { id: string; name: string; part: Part })
   }, [part, arrays.value]);
   const words = (axis?: AxisWords) => (axis ? (axis.unit ? `${axis.name} [${axis.unit}]` : axis.name) : undefined);
   if (arrays.busy && !arrays.value) return <div class="busy" />;
-  return drawn ? <Plot x={drawn.x} curves={drawn.curves} label={name} xLabel={words(data.x)} yLabel={words(data.y)} height={280} /> : <p class="dim">{a("noArray")}</p>;
+  return drawn ? (
+    <Plot x={drawn.x} curves={drawn.curves} label={name} xLabel={words(data.x)} yLabel={words(data.y)} height={280} />
+  ) : (
+    <p class="dim">{a("noArray")}</p>
+  );
 }
 
 /** Points: the first array with two columns or more. */
 function Points({ id, name, part }: { id: string; name: string; part: Part }) {
   const array = Object.entries(part.arrays ?? {}).find(([, one]) => one.shape.length === 2 && one.shape[1] >= 2);
   const canvas = useRef<HTMLCanvasElement>(null);
-  const found = useAsync(async (signal) => (array ? arrayOf(id, name, array[0], { single: true, signal }) : null), [id, name]);
+  const found = useAsync(
+    async (signal) => (array ? arrayOf(id, name, array[0], { single: true, signal }) : null),
+    [id, name],
+  );
   useEffect(() => {
     const element = canvas.current;
     const points = found.value;
@@ -98,22 +151,55 @@ function Points({ id, name, part }: { id: string; name: string; part: Part }) {
     pen.fillStyle = colour("accent");
     pen.globalAlpha = points.shape[0] > 2000 ? 0.35 : 0.7;
     for (let row = 0; row < points.shape[0]; row++) {
-      pen.fillRect(width / 2 + (points.values[row * columns] - (left + right) / 2) * scale - 1.5, height / 2 - (points.values[row * columns + 1] - (low + high) / 2) * scale - 1.5, 3, 3);
+      pen.fillRect(
+        width / 2 + (points.values[row * columns] - (left + right) / 2) * scale - 1.5,
+        height / 2 - (points.values[row * columns + 1] - (low + high) / 2) * scale - 1.5,
+        3,
+        3,
+      );
     }
   }, [found.value, look.value]);
-  return array ? <><Trouble error={found.error} retry={found.again} /><canvas ref={canvas} class="part-points" role="img" aria-label={`${name}: ${number(array[1].shape[0])}`} /></> : <p class="dim">{a("noArray")}</p>;
+  return array ? (
+    <>
+      <Trouble error={found.error} retry={found.again} />
+      <canvas ref={canvas} class="part-points" role="img" aria-label={`${name}: ${number(array[1].shape[0])}`} />
+    </>
+  ) : (
+    <p class="dim">{a("noArray")}</p>
+  );
 }
 
 /** Nodes on a circle, edges between them. */
 function Graph({ part }: { part: Part }) {
-  const { nodes = [], edges = [] } = part.data as { nodes?: { id: string | number }[]; edges?: { from: string | number; to: string | number }[] };
+  const { nodes = [], edges = [] } = part.data as {
+    nodes?: { id: string | number }[];
+    edges?: { from: string | number; to: string | number }[];
+  };
   if (!nodes.length) return null;
-  const at = new Map(nodes.map((node, place) => { const angle = (2 * Math.PI * place) / nodes.length - Math.PI / 2; return [node.id, [Math.cos(angle), Math.sin(angle)]] as const; }));
-  const lines = edges.slice(0, 3000).flatMap((edge) => { const [one, other] = [at.get(edge.from), at.get(edge.to)]; return one && other ? [`M${one[0].toFixed(3)} ${one[1].toFixed(3)}L${other[0].toFixed(3)} ${other[1].toFixed(3)}`] : []; });
+  const at = new Map(
+    nodes.map((node, place) => {
+      const angle = (2 * Math.PI * place) / nodes.length - Math.PI / 2;
+      return [node.id, [Math.cos(angle), Math.sin(angle)]] as const;
+    }),
+  );
+  const lines = edges.slice(0, 3000).flatMap((edge) => {
+    const [one, other] = [at.get(edge.from), at.get(edge.to)];
+    return one && other
+      ? [`M${one[0].toFixed(3)} ${one[1].toFixed(3)}L${other[0].toFixed(3)} ${other[1].toFixed(3)}`]
+      : [];
+  });
   return (
     <svg class="part-graph" viewBox="-1.15 -1.15 2.3 2.3" role="img" aria-label={`${nodes.length} / ${edges.length}`}>
       <path d={lines.join("")} />
-      {nodes.map((node) => { const [x, y] = at.get(node.id)!; return <g key={node.id}><circle cx={x} cy={y} r={nodes.length > 40 ? 0.015 : 0.03} /><title>{node.id}</title></g>; })}
+      {nodes.map((node) => {
+        const [x, y] = at.get(node.id)!;
+        return (
+          <g key={node.id}>
+            <circle cx={x} cy={y} r={nodes.length > 40 ? 0.015 : 0.03} />
+            <title>{node.id}</title>
+          </g>
+        );
+      })}
     </svg>
   );
 }
@@ -129,8 +215,29 @@ function Table({ part }: { part: Part }) {
       <summary>{a("allValues")}</summary>
       <div class="scrolls" tabIndex={0} role="region" aria-label={a("allValues")}>
         <table>
-          {columns.length > 0 && <thead><tr>{columns.map((one) => <th key={one.name}>{one.name}{one.unit ? ` [${one.unit}]` : ""}</th>)}</tr></thead>}
-          <tbody>{rows.slice(0, MOST_ROWS).map((row, at) => <tr key={at}>{row.map((value, place) => <td key={place} class={typeof value === "number" ? "n" : ""}>{cell(value)}</td>)}</tr>)}</tbody>
+          {columns.length > 0 && (
+            <thead>
+              <tr>
+                {columns.map((one) => (
+                  <th key={one.name}>
+                    {one.name}
+                    {one.unit ? ` [${one.unit}]` : ""}
+                  </th>
+                ))}
+              </tr>
+            </thead>
+          )}
+          <tbody>
+            {rows.slice(0, MOST_ROWS).map((row, at) => (
+              <tr key={at}>
+                {row.map((value, place) => (
+                  <td key={place} class={typeof value === "number" ? "n" : ""}>
+                    {cell(value)}
+                  </td>
+                ))}
+              </tr>
+            ))}
+          </tbody>
         </table>
       </div>
       {rows.length > MOST_ROWS && <p class="dim">{a("moreRows", { n: rows.length - MOST_ROWS })}</p>}

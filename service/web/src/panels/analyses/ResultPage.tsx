@@ -2,7 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { address, ask, get, type Schemas } from "../../api/client";
 import { resultOf } from "../../api/results";
-import { subject } from "../../shell/Bar";
+import { subject } from "../../state/shell";
 import { placeOf } from "../../state/jobs";
 import { note, refuse } from "../../state/notes";
 import { go, param, setParams } from "../../state/route";
@@ -21,7 +21,9 @@ export function ResultPage({ id }: { id: string }) {
   const catalogue = useAsync((signal) => get("/analyses", { signal }), []);
   const found = result.value;
   const info = catalogue.value?.items.find((one) => one.name === found?.analysis);
-  useEffect(() => { subject.value = found ? { text: found.name } : null; }, [found]);
+  useEffect(() => {
+    subject.value = found ? { text: found.name } : null;
+  }, [found]);
   const parts = Object.entries(found?.parts ?? {}).sort(([, one], [, other]) => RANK[one.kind] - RANK[other.kind]);
   const shown = param("part") || (info && Object.keys(info.pictures ?? {}).length ? "picture" : parts[0]?.[0]) || "";
   const remove = async () => {
@@ -41,17 +43,47 @@ export function ResultPage({ id }: { id: string }) {
       {found && info && (
         <>
           <header class="row wrap result-head">
-            <div class="grow"><h2 class="cut">{found.name}</h2><p class="dim"><a href={`/analyses/${info.name}`}>{info.title}</a> · {a("madeFrom", { n: found.inputs.length })} · {when(found.created)}</p></div>
-            {placeOf(info.name, id) !== `/results/${id}` && <a class="button primary" href={placeOf(info.name, id)}>{w("open")}</a>}
-            <Menu label={w("more")} className="button quiet icon" side="right" items={[{ text: a("deleteResult"), icon: "trash", run: () => void remove() }]}><Icon name="more" /></Menu>
+            <div class="grow">
+              <h2 class="cut">{found.name}</h2>
+              <p class="dim">
+                <a href={`/analyses/${info.name}`}>{info.title}</a> · {a("madeFrom", { n: found.inputs.length })} ·{" "}
+                {when(found.created)}
+              </p>
+            </div>
+            {placeOf(info.name, id) !== `/results/${id}` && (
+              <a class="button primary" href={placeOf(info.name, id)}>
+                {w("open")}
+              </a>
+            )}
+            <Menu
+              label={w("more")}
+              className="button quiet icon"
+              side="right"
+              items={[{ text: a("deleteResult"), icon: "trash", run: () => void remove() }]}
+            >
+              <Icon name="more" />
+            </Menu>
           </header>
           <div class="result-body">
             <nav class="result-parts" aria-label={a("parts")}>
               <PartLink name="picture" text={w("pictureWord")} shown={shown} />
-              {parts.map(([name]) => <PartLink key={name} name={name} text={name} help={info.parts[name]?.description} shown={shown} />)}
+              {parts.map(([name]) => (
+                <PartLink key={name} name={name} text={name} help={info.parts[name]?.description} shown={shown} />
+              ))}
             </nav>
             <section class="result-part">
-              {shown === "picture" ? <Pictures id={id} info={info} /> : found.parts?.[shown] && <PartView id={id} name={shown} part={found.parts[shown]} help={info.parts[shown]?.description ?? ""} />}
+              {shown === "picture" ? (
+                <Pictures id={id} info={info} />
+              ) : (
+                found.parts?.[shown] && (
+                  <PartView
+                    id={id}
+                    name={shown}
+                    part={found.parts[shown]}
+                    help={info.parts[shown]?.description ?? ""}
+                  />
+                )
+              )}
             </section>
             {found.operations?.length ? <Operations id={id} info={info} names={found.operations} /> : null}
           </div>
@@ -64,7 +96,11 @@ export function ResultPage({ id }: { id: string }) {
 const RANK: Record<string, number> = { clip: 0, curve: 1, points: 2, graph: 3, table: 4, model: 5 };
 
 function PartLink({ name, text, help, shown }: { name: string; text: string; help?: string; shown: string }) {
-  return <button type="button" aria-pressed={shown === name} title={help} onClick={() => setParams({ part: name }, true)}>{text}</button>;
+  return (
+    <button type="button" aria-pressed={shown === name} title={help} onClick={() => setParams({ part: name }, true)}>
+      {text}
+    </button>
+  );
 }
 
 function Pictures({ id, info }: { id: string; info: Schemas["AnalysisInfo"] }) {
@@ -74,16 +110,53 @@ function Pictures({ id, info }: { id: string; info: Schemas["AnalysisInfo"] }) {
   const [drawn, setDrawn] = useState(false);
   const file = (format: string) => address("/results/{id}/picture", { id }, { name: chosen || undefined, format });
   // An image cannot say why it is none: asked as text, the server can.
-  const why = async () => { try { await get("/results/{id}/picture", { path: { id }, query: chosen ? { name: chosen } : {} }); } catch (error) { setFailed(error); } };
+  const why = async () => {
+    try {
+      await get("/results/{id}/picture", { path: { id }, query: chosen ? { name: chosen } : {} });
+    } catch (error) {
+      setFailed(error);
+    }
+  };
   return (
     <figure class="result-picture">
       <figcaption class="row wrap">
-        {names.length > 1 && <div class="segments" role="group" aria-label={w("pictureWord")}>{names.map((one) => <button key={one} type="button" aria-pressed={one === chosen} onClick={() => { setFailed(null); setDrawn(false); setChosen(one); }}>{one}</button>)}</div>}
+        {names.length > 1 && (
+          <div class="segments" role="group" aria-label={w("pictureWord")}>
+            {names.map((one) => (
+              <button
+                key={one}
+                type="button"
+                aria-pressed={one === chosen}
+                onClick={() => {
+                  setFailed(null);
+                  setDrawn(false);
+                  setChosen(one);
+                }}
+              >
+                {one}
+              </button>
+            ))}
+          </div>
+        )}
         <span class="grow dim">{info.pictures?.[chosen] ?? w("picturesFor")}</span>
-        {["svg", "png"].map((format) => <a key={format} class="button dense" href={file(format)} download>{a("download", { format: format.toUpperCase() })}</a>)}
+        {["svg", "png"].map((format) => (
+          <a key={format} class="button dense" href={file(format)} download>
+            {a("download", { format: format.toUpperCase() })}
+          </a>
+        ))}
       </figcaption>
       {!drawn && !failed && <div class="busy" />}
-      {failed ? <Trouble error={failed} /> : <img class={drawn ? "" : "waiting"} onLoad={() => setDrawn(true)} src={file("svg")} alt={info.pictures?.[chosen] ?? w("picturesFor")} onError={() => void why()} />}
+      {failed ? (
+        <Trouble error={failed} />
+      ) : (
+        <img
+          class={drawn ? "" : "waiting"}
+          onLoad={() => setDrawn(true)}
+          src={file("svg")}
+          alt={info.pictures?.[chosen] ?? w("picturesFor")}
+          onError={() => void why()}
+        />
+      )}
     </figure>
   );
 }

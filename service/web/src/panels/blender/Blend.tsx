@@ -43,12 +43,16 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
     const row = near && model.byId.get(near);
     if (row) blending.set(valuesOf(model, row));
   };
-  useEffect(() => offer("reach-blend", [
-    { id: "play", word: "play", keys: ["Space"], run: () => player.toggle() },
-    { id: "nextFrame", word: "nextFrame", keys: ["Right", "."], run: () => player.step(1) },
-    { id: "backFrame", word: "backFrame", keys: ["Left", ","], run: () => player.step(-1) },
-    { id: "nearestExample", word: "toNearest", keys: ["Home"], run: home },
-  ]), [blending]);
+  useEffect(
+    () =>
+      offer("reach-blend", [
+        { id: "play", word: "play", keys: ["Space"], run: () => player.toggle() },
+        { id: "nextFrame", word: "nextFrame", keys: ["Right", "."], run: () => player.step(1) },
+        { id: "backFrame", word: "backFrame", keys: ["Left", ","], run: () => player.step(-1) },
+        { id: "nearestExample", word: "toNearest", keys: ["Home"], run: home },
+      ]),
+    [blending],
+  );
   const there = blending.shown.value !== null && nearest.settled.value;
   const body = nearest.body.value;
   const beside = view === "alone" ? null : body;
@@ -57,20 +61,59 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
     if (!first || !there) return [];
     // Sitting, it is lower than the body that limbs are drawn for.
     const skeleton = { ...first.preview.skeleton, height: body?.height ?? first.preview.skeleton.height };
-    const made: Actor = { skeleton, inPlace: true, shift: view === "side" && beside ? -APART / 2 : 0, positions: () => { const { preview } = blending.shown.value!; player.frame.value; return preview.frame(Math.min(preview.frames - 1, player.at)); } };
+    const made: Actor = {
+      skeleton,
+      inPlace: true,
+      shift: view === "side" && beside ? -APART / 2 : 0,
+      positions: () => {
+        const { preview } = blending.shown.value!;
+        player.frame.value;
+        return preview.frame(Math.min(preview.frames - 1, player.at));
+      },
+    };
     if (!beside) return [made];
-    return [made, { skeleton: beside, inPlace: true, dim: true, shift: view === "side" ? APART / 2 : 0, positions: () => nearest.pose(player.frame.value) }];
+    return [
+      made,
+      {
+        skeleton: beside,
+        inPlace: true,
+        dim: true,
+        shift: view === "side" ? APART / 2 : 0,
+        positions: () => nearest.pose(player.frame.value),
+      },
+    ];
   }, [there, view, beside]);
   return (
     <div class="blend">
       <section class="blend-view" aria-label={b("made")}>
         <div class="row wrap blend-tools">
-          <div class="segments" role="group" aria-label={b("nearest")}>{VIEWS.map((one) => <button key={one} type="button" aria-pressed={view === one} onClick={() => setParams({ near: one })}>{b(one)}</button>)}</div>
+          <div class="segments" role="group" aria-label={b("nearest")}>
+            {VIEWS.map((one) => (
+              <button key={one} type="button" aria-pressed={view === one} onClick={() => setParams({ near: one })}>
+                {b(one)}
+              </button>
+            ))}
+          </div>
           <NearestName model={model} blending={blending} shown={view !== "alone"} />
           <span class="grow" />
           <Took blending={blending} />
         </div>
-        {actors.length ? <MotionView actors={actors} label={b("madeOf", { values: model.attributes.map((one) => `${one.name} ${number(blending.values.peek()[one.name], 4)}`).join(", ") })} onStage={(made) => { stage.current = made; made.onDrawn = () => blending.drawn(); }} /> : <div class="blend-wait">{!blending.error.value && <div class="busy" role="presentation" />}</div>}
+        {actors.length ? (
+          <MotionView
+            actors={actors}
+            label={b("madeOf", {
+              values: model.attributes
+                .map((one) => `${one.name} ${number(blending.values.peek()[one.name], 4)}`)
+                .join(", "),
+            })}
+            onStage={(made) => {
+              stage.current = made;
+              made.onDrawn = () => blending.drawn();
+            }}
+          />
+        ) : (
+          <div class="blend-wait">{!blending.error.value && <div class="busy" role="presentation" />}</div>
+        )}
         <PlayBar player={player} />
         <MadePhases blending={blending} speeds={speeds} model={model} />
       </section>
@@ -91,7 +134,11 @@ function Head({ model: { summary, result } }: { model: Model }) {
   return (
     <div>
       <h2 class="cut">{result.name}</h2>
-      <p class="dim">{b("examplesOf", { n: summary.used })} · {b("people", { n: summary.subjects })}{summary.variance !== null && ` · ${b("componentsKeep", { n: summary.components, share: number(summary.variance * 100, 0) })}`}</p>
+      <p class="dim">
+        {b("examplesOf", { n: summary.used })} · {b("people", { n: summary.subjects })}
+        {summary.variance !== null &&
+          ` · ${b("componentsKeep", { n: summary.components, share: number(summary.variance * 100, 0) })}`}
+      </p>
     </div>
   );
 }
@@ -99,7 +146,12 @@ function Head({ model: { summary, result } }: { model: Model }) {
 function Wrong({ blending }: { blending: Blending }) {
   const error = blending.error.value;
   if (!error) return null;
-  return <Trouble error={error} retry={error instanceof ApiError && error.status === 422 ? undefined : () => blending.set({})} />;
+  return (
+    <Trouble
+      error={error}
+      retry={error instanceof ApiError && error.status === 422 ? undefined : () => blending.set({})}
+    />
+  );
 }
 
 function Took({ blending }: { blending: Blending }) {
@@ -110,29 +162,49 @@ function Took({ blending }: { blending: Blending }) {
 function NearestName({ model, blending, shown }: { model: Model; blending: Blending; shown: boolean }) {
   const near = blending.shown.value?.answer.skeleton_source;
   if (!near || !shown) return null;
-  return <a class="cut" href={`/clips/${near.document}?rev=${near.revision}`}>{b("nearestIs", { name: model.byId.get(near.document)?.name ?? near.name })}</a>;
+  return (
+    <a class="cut" href={`/clips/${near.document}?rev=${near.revision}`}>
+      {b("nearestIs", { name: model.byId.get(near.document)?.name ?? near.name })}
+    </a>
+  );
 }
 
 function Sliders({ model, blending, onHome }: { model: Model; blending: Blending; onHome: () => void }) {
   const values = blending.values.value;
   return (
     <div class="reach-sliders">
-      {model.attributes.map((one) => <AttributeSlider key={one.name} attribute={one} value={values[one.name]} onChange={(value) => blending.set({ [one.name]: value })} onHome={onHome} />)}
+      {model.attributes.map((one) => (
+        <AttributeSlider
+          key={one.name}
+          attribute={one}
+          value={values[one.name]}
+          onChange={(value) => blending.set({ [one.name]: value })}
+          onHome={onHome}
+        />
+      ))}
     </div>
   );
 }
 
 function TwoAtOnce({ model, blending, onHome }: { model: Model; blending: Blending; onHome: () => void }) {
   if (model.attributes.length < 2) return null;
-  return <details class="pad-fold" open><summary>{b("twoAtOnce")}</summary><Pad model={model} values={blending.values.value} onChange={(changes) => blending.set(changes)} onHome={onHome} /></details>;
+  return (
+    <details class="pad-fold" open>
+      <summary>{b("twoAtOnce")}</summary>
+      <Pad model={model} values={blending.values.value} onChange={(changes) => blending.set(changes)} onHome={onHome} />
+    </details>
+  );
 }
 
 function MadePhases({ blending, speeds, model }: { blending: Blending; speeds: Speeds | undefined; model: Model }) {
   const behind = useMemo(() => (speeds ? spread(model, speeds) : []), [speeds]);
-  const [seconds, most] = useMemo(() => [
-    Math.max(...model.used.map((one) => one.end_seconds ?? 0)) * 1.02,
-    Math.max(...model.used.map((one) => one.peak_speed ?? 0)) * 1.02,
-  ], [model]);
+  const [seconds, most] = useMemo(
+    () => [
+      Math.max(...model.used.map((one) => one.end_seconds ?? 0)) * 1.02,
+      Math.max(...model.used.map((one) => one.peak_speed ?? 0)) * 1.02,
+    ],
+    [model],
+  );
   const shown = blending.shown.value;
   const curve = useMemo(() => ({ values: shown?.answer.speed ?? [], fps: shown?.answer.fps ?? 30 }), [shown]);
   if (!shown) return <div class="phase-chart" />;
@@ -140,8 +212,15 @@ function MadePhases({ blending, speeds, model }: { blending: Blending; speeds: S
   return (
     <div class="blend-phases">
       <p class="dim">{b("madePhases", { joint: model.summary.phase_joint })}</p>
-      <PhaseChart curve={curve} times={{ t1: t1.frames, t2: t2.frames, end: end.frames }} seconds={Math.max(seconds, end.seconds)} most={most} behind={behind} player={blending.player}
-        label={b("phasesWords", { t1: number(t1.seconds, 2), t2: number(t2.seconds, 2), end: number(end.seconds, 2) })} />
+      <PhaseChart
+        curve={curve}
+        times={{ t1: t1.frames, t2: t2.frames, end: end.frames }}
+        seconds={Math.max(seconds, end.seconds)}
+        most={most}
+        behind={behind}
+        player={blending.player}
+        label={b("phasesWords", { t1: number(t1.seconds, 2), t2: number(t2.seconds, 2), end: number(end.seconds, 2) })}
+      />
     </div>
   );
 }
@@ -160,13 +239,23 @@ function spread(model: Model, speeds: Speeds): Curve[] {
 
 function Errors({ model: { summary } }: { model: Model }) {
   const by = summary.left_out.at(-1)?.left_out;
-  const found = LEFT_OUT.map((name) => summary.left_out.find((one) => one.left_out === by && one.predictor === name)).filter((one) => one?.joint_degrees != null);
+  const found = LEFT_OUT.map((name) =>
+    summary.left_out.find((one) => one.left_out === by && one.predictor === name),
+  ).filter((one) => one?.joint_degrees != null);
   const most = Math.max(...found.map((one) => one!.joint_degrees!));
   if (!found.length) return null;
   return (
     <section class="blend-errors">
       <h3>{b(by === "subject" ? "peopleLeftOut" : "clipsLeftOut")}</h3>
-      {found.map((one) => <div key={one!.predictor} class="bar-row"><span>{b(`by_${one!.predictor}` as "by_model")}</span><span class="meter"><span class={one!.predictor} style={{ width: `${(one!.joint_degrees! / most) * 100}%` }} /></span><span class="n">{number(one!.joint_degrees!, 2)}°</span></div>)}
+      {found.map((one) => (
+        <div key={one!.predictor} class="bar-row">
+          <span>{b(`by_${one!.predictor}` as "by_model")}</span>
+          <span class="meter">
+            <span class={one!.predictor} style={{ width: `${(one!.joint_degrees! / most) * 100}%` }} />
+          </span>
+          <span class="n">{number(one!.joint_degrees!, 2)}°</span>
+        </div>
+      ))}
     </section>
   );
 }

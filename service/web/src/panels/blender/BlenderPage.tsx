@@ -1,8 +1,8 @@
 /** A model of reaches: its examples, how well it fits, and the motion that sliders make with it. */
 import { useEffect, useMemo } from "preact/hooks";
 import { resultOf } from "../../api/results";
-import { subject } from "../../shell/Bar";
-import { lazy } from "../../shell/lazy";
+import { subject } from "../../state/shell";
+import { lazy } from "../../ui/lazy";
 import { offer } from "../../state/keys";
 import { param, setParams } from "../../state/route";
 import { Tabs } from "../../ui/Tabs";
@@ -30,9 +30,29 @@ export function BlenderPage({ id }: { id: string }) {
 function Opened({ id }: { id: string }) {
   const result = useAsync((signal) => resultOf(id, signal), [id]);
   const found = result.value;
-  useEffect(() => { if (found) subject.value = { text: found.name, detail: found.name }; }, [found]);
-  if (result.error || !found) return <><h1 class="unseen">{w("blender")}</h1>{result.error ? <Trouble error={result.error} retry={result.again} /> : <div class="busy" role="presentation" />}</>;
-  if (found.analysis !== "reach" || !found.parts?.model) return <div class="empty"><h1>{w("blender")}</h1><p>{b("noModel")} <a href={`/results/${id}`}>{w("openResult")}</a></p></div>;
+  useEffect(() => {
+    if (found) subject.value = { text: found.name, detail: found.name };
+  }, [found]);
+  if (result.error || !found)
+    return (
+      <>
+        <h1 class="unseen">{w("blender")}</h1>
+        {result.error ? (
+          <Trouble error={result.error} retry={result.again} />
+        ) : (
+          <div class="busy" role="presentation" />
+        )}
+      </>
+    );
+  if (found.analysis !== "reach" || !found.parts?.model)
+    return (
+      <div class="empty">
+        <h1>{w("blender")}</h1>
+        <p>
+          {b("noModel")} <a href={`/results/${id}`}>{w("openResult")}</a>
+        </p>
+      </div>
+    );
   return <Ready key={id} model={modelOf(found)} />;
 }
 
@@ -43,22 +63,53 @@ function Ready({ model: made }: { model: Model }) {
   const said = param("tab");
   const tab = TABS.find((one) => one === said) ?? "blend";
   const open = (id: string) => setParams({ tab: id }, true);
-  useEffect(() => offer("reach", [
-    { id: "tabExamples", word: "reachExamples", keys: ["1"], run: () => open("examples") },
-    { id: "tabFit", word: "reachFit", keys: ["2"], run: () => open("fit") },
-    { id: "tabBlend", word: "reachBlend", keys: ["3"], run: () => open("blend") },
-    { id: "undo", word: "undo", keys: ["Ctrl+Z"], run: () => corrections.undo(), when: () => corrections.steps.peek().length > 0 },
-  ]), [corrections]);
+  useEffect(
+    () =>
+      offer("reach", [
+        { id: "tabExamples", word: "reachExamples", keys: ["1"], run: () => open("examples") },
+        { id: "tabFit", word: "reachFit", keys: ["2"], run: () => open("fit") },
+        { id: "tabBlend", word: "reachBlend", keys: ["3"], run: () => open("blend") },
+        {
+          id: "undo",
+          word: "undo",
+          keys: ["Ctrl+Z"],
+          run: () => corrections.undo(),
+          when: () => corrections.steps.peek().length > 0,
+        },
+      ]),
+    [corrections],
+  );
   const count = corrections.count.value;
   return (
     <div class="reach">
       <h1 class="unseen">{`${w("blender")}: ${model.result.name}`}</h1>
       <div class="row reach-head">
-        <Tabs label={w("blender")} open={tab} onOpen={open} tabs={TABS.map((one) => ({ id: one, text: one === "fit" ? b("fitTab") : one === "examples" && count ? `${b(one)} · ${b("corrections", { n: count })}` : b(one) }))} />
-        <a class="button quiet" href="/reach">{b("otherModels")}</a>
+        <Tabs
+          label={w("blender")}
+          open={tab}
+          onOpen={open}
+          tabs={TABS.map((one) => ({
+            id: one,
+            text:
+              one === "fit"
+                ? b("fitTab")
+                : one === "examples" && count
+                  ? `${b(one)} · ${b("corrections", { n: count })}`
+                  : b(one),
+          }))}
+        />
+        <a class="button quiet" href="/reach">
+          {b("otherModels")}
+        </a>
       </div>
       <div id={`panel-${tab}`} class="reach-tab" role="tabpanel" aria-labelledby={`tab-${tab}`}>
-        {tab === "examples" ? <Examples model={model} corrections={corrections} speeds={speeds.value} /> : tab === "fit" ? <Fit model={model} /> : <Blend model={model} speeds={speeds.value} />}
+        {tab === "examples" ? (
+          <Examples model={model} corrections={corrections} speeds={speeds.value} />
+        ) : tab === "fit" ? (
+          <Fit model={model} />
+        ) : (
+          <Blend model={model} speeds={speeds.value} />
+        )}
       </div>
     </div>
   );

@@ -16,8 +16,15 @@ const MOST_COMPONENTS = 40;
 export function Fit({ model }: { model: Model }) {
   return (
     <div class="fit">
-      <section class="fit-words"><Summary model={model} /><Picture id={model.id} /></section>
-      <section class="fit-charts"><Variance model={model} /><Errors model={model} /><Tried model={model} /></section>
+      <section class="fit-words">
+        <Summary model={model} />
+        <Picture id={model.id} />
+      </section>
+      <section class="fit-charts">
+        <Variance model={model} />
+        <Errors model={model} />
+        <Tried model={model} />
+      </section>
     </div>
   );
 }
@@ -30,12 +37,66 @@ function Summary({ model: { summary, attributes } }: { model: Model }) {
   return (
     <>
       <h2>{b("summary")}</h2>
-      <p>{b("fittedTo", { n: summary.used })} {b("peopleMove", { n: summary.subjects })} {summary.excluded > 0 && b("leftOutClips", { n: summary.excluded })}</p>
-      {summary.variance !== null && <p>{b("keepsShare", { n: summary.components, share: number(summary.variance * 100, 0), error: mm(summary.reconstruction.hand) })}</p>}
-      {own && <p>{b(own.left_out === "subject" ? "unseenPeople" : "unseenClips", { degrees: number(own.joint_degrees ?? 0, 1), size: mm(own.hand) })} {gain !== null && (gain > 1 ? b("betterThanNearest", { share: number(gain, 0) }) : b("notBetter"))} {line?.joint_degrees && own.joint_degrees && Math.abs(line.joint_degrees / own.joint_degrees - 1) < 0.02 ? b("likeLine") : ""}</p>}
-      {attributes.filter((one) => one.gaps.length).map((one) => <p key={one.name} class="row say"><Icon name="warn" />{b("gapsWords", { name: nameOf(one.name), ranges: one.gaps.map(([low, high]) => `${number(low, 2)}–${number(high, 2)}`).join(", "), unit: unitOf(one.unit) })}</p>)}
-      {summary.warnings.map((one, at) => <p key={at} class="row say"><Icon name="warn" /><span>{isWord(`warn_${one.code}`) ? <><strong>{b(`warn_${one.code}` as "warn_jump")}</strong> <span class="dim" lang="en">{one.what}</span></> : one.what}</span></p>)}
-      {!summary.warnings.length && attributes.every((one) => !one.gaps.length) && <p class="row say good"><Icon name="check" />{b("noWarnings")}</p>}
+      <p>
+        {b("fittedTo", { n: summary.used })} {b("peopleMove", { n: summary.subjects })}{" "}
+        {summary.excluded > 0 && b("leftOutClips", { n: summary.excluded })}
+      </p>
+      {summary.variance !== null && (
+        <p>
+          {b("keepsShare", {
+            n: summary.components,
+            share: number(summary.variance * 100, 0),
+            error: mm(summary.reconstruction.hand),
+          })}
+        </p>
+      )}
+      {own && (
+        <p>
+          {b(own.left_out === "subject" ? "unseenPeople" : "unseenClips", {
+            degrees: number(own.joint_degrees ?? 0, 1),
+            size: mm(own.hand),
+          })}{" "}
+          {gain !== null && (gain > 1 ? b("betterThanNearest", { share: number(gain, 0) }) : b("notBetter"))}{" "}
+          {line?.joint_degrees && own.joint_degrees && Math.abs(line.joint_degrees / own.joint_degrees - 1) < 0.02
+            ? b("likeLine")
+            : ""}
+        </p>
+      )}
+      {attributes
+        .filter((one) => one.gaps.length)
+        .map((one) => (
+          <p key={one.name} class="row say">
+            <Icon name="warn" />
+            {b("gapsWords", {
+              name: nameOf(one.name),
+              ranges: one.gaps.map(([low, high]) => `${number(low, 2)}–${number(high, 2)}`).join(", "),
+              unit: unitOf(one.unit),
+            })}
+          </p>
+        ))}
+      {summary.warnings.map((one, at) => (
+        <p key={at} class="row say">
+          <Icon name="warn" />
+          <span>
+            {isWord(`warn_${one.code}`) ? (
+              <>
+                <strong>{b(`warn_${one.code}` as "warn_jump")}</strong>{" "}
+                <span class="dim" lang="en">
+                  {one.what}
+                </span>
+              </>
+            ) : (
+              one.what
+            )}
+          </span>
+        </p>
+      ))}
+      {!summary.warnings.length && attributes.every((one) => !one.gaps.length) && (
+        <p class="row say good">
+          <Icon name="check" />
+          {b("noWarnings")}
+        </p>
+      )}
     </>
   );
 }
@@ -43,24 +104,42 @@ function Summary({ model: { summary, attributes } }: { model: Model }) {
 function Picture({ id }: { id: string }) {
   const file = (format: string) => address("/results/{id}/picture", { id }, { name: "fit", format });
   return (
-    <div class="row wrap"><span class="dim">{w("picturesFor")}</span>{["svg", "png"].map((format) => <a key={format} class="button dense" href={file(format)} download><Icon name="export" />{format.toUpperCase()}</a>)}
-      <a class="button dense" href={`/results/${id}`}>{b("allParts")}</a></div>
+    <div class="row wrap">
+      <span class="dim">{w("picturesFor")}</span>
+      {["svg", "png"].map((format) => (
+        <a key={format} class="button dense" href={file(format)} download>
+          <Icon name="export" />
+          {format.toUpperCase()}
+        </a>
+      ))}
+      <a class="button dense" href={`/results/${id}`}>
+        {b("allParts")}
+      </a>
+    </div>
   );
 }
 
 function Variance({ model }: { model: Model }) {
-  const found = useAsync(async (signal) => {
-    const read = async (part: string) => (model.result.parts![part] ? (await arrayOf(model.id, part, "cumulative", { signal })).values : null);
-    return Promise.all([read("variance"), read("pose_variance")]);
-  }, [model.id]);
+  const found = useAsync(
+    async (signal) => {
+      const read = async (part: string) =>
+        model.result.parts![part] ? (await arrayOf(model.id, part, "cumulative", { signal })).values : null;
+      return Promise.all([read("variance"), read("pose_variance")]);
+    },
+    [model.id],
+  );
   const drawn = useMemo(() => {
     const [motion, pose] = found.value ?? [null, null];
     if (!motion) return null;
     const length = Math.min(MOST_COMPONENTS, Math.max(motion.length, pose?.length ?? 0));
-    const shares = (values: ArrayLike<number>) => Array.from({ length }, (_, at) => (at < values.length ? values[at] * 100 : null));
+    const shares = (values: ArrayLike<number>) =>
+      Array.from({ length }, (_, at) => (at < values.length ? values[at] * 100 : null));
     return {
       x: Float64Array.from({ length }, (_, at) => at + 1),
-      curves: [{ name: b("eigenmotions"), values: shares(motion), points: "too" as const }, ...(pose ? [{ name: b("eigenposes"), values: shares(pose), ink: "name1", points: "too" as const }] : [])],
+      curves: [
+        { name: b("eigenmotions"), values: shares(motion), points: "too" as const },
+        ...(pose ? [{ name: b("eigenposes"), values: shares(pose), ink: "name1", points: "too" as const }] : []),
+      ],
     };
   }, [found.value]);
   const kept = model.summary.components;
@@ -69,7 +148,19 @@ function Variance({ model }: { model: Model }) {
     <div class="fit-chart">
       <h3>{b("variance")}</h3>
       <Trouble error={found.error} retry={found.again} />
-      {drawn ? <Plot x={drawn.x} curves={drawn.curves} marks={marks} label={b("variance")} xLabel={b("componentsAxis")} yLabel="%" height={220} /> : <div class="busy" />}
+      {drawn ? (
+        <Plot
+          x={drawn.x}
+          curves={drawn.curves}
+          marks={marks}
+          label={b("variance")}
+          xLabel={b("componentsAxis")}
+          yLabel="%"
+          height={220}
+        />
+      ) : (
+        <div class="busy" />
+      )}
     </div>
   );
 }
@@ -77,7 +168,13 @@ function Variance({ model }: { model: Model }) {
 const MEASURES = ["joint", "arm", "hand", "t1", "t2", "end"] as const;
 
 function measure(one: LeftOut, of: (typeof MEASURES)[number]): number | null {
-  return of === "joint" ? one.joint_degrees : of === "arm" ? one.phase_joint_degrees : of === "hand" ? one.hand : one.times[of];
+  return of === "joint"
+    ? one.joint_degrees
+    : of === "arm"
+      ? one.phase_joint_degrees
+      : of === "hand"
+        ? one.hand
+        : one.times[of];
 }
 
 function Errors({ model: { summary } }: { model: Model }) {
@@ -88,14 +185,30 @@ function Errors({ model: { summary } }: { model: Model }) {
   return (
     <div class="fit-chart">
       <h3>{b("leftOutErrors")}</h3>
-      <div class="segments" role="group" aria-label={b("errorOf")}>{MEASURES.map((one) => <button key={one} type="button" aria-pressed={one === of} onClick={() => setOf(one)}>{b(`of_${one}`)}</button>)}</div>
+      <div class="segments" role="group" aria-label={b("errorOf")}>
+        {MEASURES.map((one) => (
+          <button key={one} type="button" aria-pressed={one === of} onClick={() => setOf(one)}>
+            {b(`of_${one}`)}
+          </button>
+        ))}
+      </div>
       {groups.map((group) => (
         <div key={group} class="error-group">
           <p class="dim">{b(group === "subject" ? "peopleLeftOut" : "clipsLeftOut")}</p>
-          {summary.left_out.filter((one) => one.left_out === group).map((one) => {
-            const value = measure(one, of);
-            return <div key={one.predictor} class="bar-row"><span>{b(`by_${one.predictor}` as "by_model")}</span><span class="meter"><span class={one.predictor} style={{ width: `${((value ?? 0) / most) * 100}%` }} /></span><span class="n">{value === null ? "–" : `${number(value, 2)}${units[of]}`}</span></div>;
-          })}
+          {summary.left_out
+            .filter((one) => one.left_out === group)
+            .map((one) => {
+              const value = measure(one, of);
+              return (
+                <div key={one.predictor} class="bar-row">
+                  <span>{b(`by_${one.predictor}` as "by_model")}</span>
+                  <span class="meter">
+                    <span class={one.predictor} style={{ width: `${((value ?? 0) / most) * 100}%` }} />
+                  </span>
+                  <span class="n">{value === null ? "–" : `${number(value, 2)}${units[of]}`}</span>
+                </div>
+              );
+            })}
         </div>
       ))}
       <p class="dim">{b(of === "joint" || of === "arm" ? "degreesHelp" : of === "hand" ? "handHelp" : "framesHelp")}</p>
@@ -105,7 +218,13 @@ function Errors({ model: { summary } }: { model: Model }) {
 
 const WORSE = 0.1; // than the least error, from which on a pair is not tinted
 
-interface Try { of: string; s: number; lam: number; condition: number | null; error: number | null }
+interface Try {
+  of: string;
+  s: number;
+  lam: number;
+  condition: number | null;
+  error: number | null;
+}
 
 /** Widths across, ridges down: the error of each pair, the one that was taken outlined. */
 function Tried({ model }: { model: Model }) {
@@ -122,16 +241,48 @@ function Tried({ model }: { model: Model }) {
   return (
     <div class="fit-chart">
       <h3>{b("tried")}</h3>
-      <div class="segments" role="group" aria-label={b("tried")}>{(["motion", "times"] as const).map((one) => <button key={one} type="button" aria-pressed={one === of} onClick={() => setOf(one)}>{b(`tried_${one}`)}</button>)}</div>
+      <div class="segments" role="group" aria-label={b("tried")}>
+        {(["motion", "times"] as const).map((one) => (
+          <button key={one} type="button" aria-pressed={one === of} onClick={() => setOf(one)}>
+            {b(`tried_${one}`)}
+          </button>
+        ))}
+      </div>
       <div class="scrolls" tabIndex={0} role="group" aria-label={b("tried")}>
         <table class="tried">
-          <thead><tr><th scope="col">λ \ s</th>{widths.map((one) => <th key={one} scope="col" class="n">{number(one, 3)}</th>)}</tr></thead>
-          <tbody>{ridges.map((lam) => <tr key={lam}><th scope="row" class="n">{number(lam, 5)}</th>{widths.map((s) => {
-            const found = rows.find((one) => one.s === s && one.lam === lam);
-            const share = found?.error == null ? 0 : Math.max(0, 1 - (found.error / least - 1) / WORSE);
-            const chosen = s === taken[0] && lam === taken[1];
-            return <td key={s} class={`n ${chosen ? "taken" : ""}`} style={{ "--share": `${(share * 34).toFixed(0)}%` } as never}>{found?.error == null ? "–" : number(found.error, 3)}</td>;
-          })}</tr>)}</tbody>
+          <thead>
+            <tr>
+              <th scope="col">λ \ s</th>
+              {widths.map((one) => (
+                <th key={one} scope="col" class="n">
+                  {number(one, 3)}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {ridges.map((lam) => (
+              <tr key={lam}>
+                <th scope="row" class="n">
+                  {number(lam, 5)}
+                </th>
+                {widths.map((s) => {
+                  const found = rows.find((one) => one.s === s && one.lam === lam);
+                  const share = found?.error == null ? 0 : Math.max(0, 1 - (found.error / least - 1) / WORSE);
+                  const chosen = s === taken[0] && lam === taken[1];
+                  return (
+                    <td
+                      key={s}
+                      class={`n ${chosen ? "taken" : ""}`}
+                      style={{ "--share": `${(share * 34).toFixed(0)}%` } as never}
+                    >
+                      {found?.error == null ? "–" : number(found.error, 3)}
+                    </td>
+                  );
+                })}
+              </tr>
+            ))}
+          </tbody>
         </table>
       </div>
       <p class="dim">{b("triedHelp", { s: number(taken[0], 3), lam: number(taken[1], 4) })}</p>

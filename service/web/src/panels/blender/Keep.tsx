@@ -1,7 +1,7 @@
 /** What was made is kept: as a clip, as a file, as a picture. */
 import { useState } from "preact/hooks";
 import { address, fetched, get } from "../../api/client";
-import { useResult } from "../../api/results";
+import { applyResult } from "../../api/results";
 import { note, refuse } from "../../state/notes";
 import { go } from "../../state/route";
 import { Dialog } from "../../ui/Dialog";
@@ -15,15 +15,33 @@ import type { Blending } from "./blending";
 import type { Model } from "./model";
 import { b } from "./words";
 
-const FORMATS = [["mcml", "MCML"], ["bvh", "BVH"], ["htr", "HTR"], ["npy", "NumPy"]] as const;
+const FORMATS = [
+  ["mcml", "MCML"],
+  ["bvh", "BVH"],
+  ["htr", "HTR"],
+  ["npy", "NumPy"],
+] as const;
 
-export function Keep({ model, blending, picture }: { model: Model; blending: Blending; picture: () => Promise<Blob> | undefined }) {
+export function Keep({
+  model,
+  blending,
+  picture,
+}: {
+  model: Model;
+  blending: Blending;
+  picture: () => Promise<Blob> | undefined;
+}) {
   const [asking, setAsking] = useState(false);
   const wish = () => ({ attributes: blending.values.peek() });
-  const suggested = () => `reach, ${model.attributes.map((one) => `${one.name} ${blending.values.peek()[one.name]}`).join(", ")}`;
+  const suggested = () =>
+    `reach, ${model.attributes.map((one) => `${one.name} ${blending.values.peek()[one.name]}`).join(", ")}`;
   const file = async (format: string) => {
     try {
-      const answer = await fetched(address("/results/{id}/synthesize", { id: model.id }, { format }), { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ parameters: wish() }) });
+      const answer = await fetched(address("/results/{id}/synthesize", { id: model.id }, { format }), {
+        method: "POST",
+        headers: { "content-type": "application/json" },
+        body: JSON.stringify({ parameters: wish() }),
+      });
       saveBlob(await answer.blob(), `${suggested()}.${format}`);
     } catch (error) {
       refuse(error);
@@ -35,17 +53,37 @@ export function Keep({ model, blending, picture }: { model: Model; blending: Ble
   };
   return (
     <div class="row wrap keep">
-      <button type="button" class="button primary" onClick={() => setAsking(true)}>{b("saveAsClip")}</button>
-      <Menu label={b("exportMade")} className="button" side="right" items={[
-        ...FORMATS.map(([format, text]) => ({ text, detail: `.${format}`, run: () => void file(format) })),
-        { text: b("pictureOfIt"), detail: ".png", run: () => void save() },
-      ]}>{w("exportWord")}<Icon name="down" /></Menu>
+      <button type="button" class="button primary" onClick={() => setAsking(true)}>
+        {b("saveAsClip")}
+      </button>
+      <Menu
+        label={b("exportMade")}
+        className="button"
+        side="right"
+        items={[
+          ...FORMATS.map(([format, text]) => ({ text, detail: `.${format}`, run: () => void file(format) })),
+          { text: b("pictureOfIt"), detail: ".png", run: () => void save() },
+        ]}
+      >
+        {w("exportWord")}
+        <Icon name="down" />
+      </Menu>
       {asking && <Saving model={model} suggested={suggested()} wish={wish()} onClose={() => setAsking(false)} />}
     </div>
   );
 }
 
-function Saving({ model, suggested, wish, onClose }: { model: Model; suggested: string; wish: object; onClose: () => void }) {
+function Saving({
+  model,
+  suggested,
+  wish,
+  onClose,
+}: {
+  model: Model;
+  suggested: string;
+  wish: object;
+  onClose: () => void;
+}) {
   const [name, setName] = useState(suggested);
   const [project, setProject] = useState(model.result.project ?? "");
   const [busy, setBusy] = useState(false);
@@ -54,7 +92,7 @@ function Saving({ model, suggested, wish, onClose }: { model: Model; suggested: 
   const save = async () => {
     setBusy(true);
     try {
-      const done = await useResult(model.id, "synthesize", wish, { save: true, name, project: project || undefined });
+      const done = await applyResult(model.id, "synthesize", wish, { save: true, name, project: project || undefined });
       note(b("saved", { name }), { action: { text: w("open"), run: () => go(`/clips/${done.document}`) } });
       onClose();
     } catch (refused) {
@@ -64,13 +102,45 @@ function Saving({ model, suggested, wish, onClose }: { model: Model; suggested: 
   };
   return (
     <Dialog title={b("saveAsClip")} onClose={onClose}>
-      <form class="keep-form" onSubmit={(event) => { event.preventDefault(); void save(); }}>
-        <label>{w("name")}<input class="field" autoFocus required value={name} onInput={(event) => setName(event.currentTarget.value)} /></label>
-        <label>{w("project")}<input class="field" list="keep-projects" value={project} onInput={(event) => setProject(event.currentTarget.value)} /></label>
-        <datalist id="keep-projects">{(projects.value?.items ?? []).map((one) => <option key={one} value={one} />)}</datalist>
+      <form
+        class="keep-form"
+        onSubmit={(event) => {
+          event.preventDefault();
+          void save();
+        }}
+      >
+        <label>
+          {w("name")}
+          <input
+            class="field"
+            autoFocus
+            required
+            value={name}
+            onInput={(event) => setName(event.currentTarget.value)}
+          />
+        </label>
+        <label>
+          {w("project")}
+          <input
+            class="field"
+            list="keep-projects"
+            value={project}
+            onInput={(event) => setProject(event.currentTarget.value)}
+          />
+        </label>
+        <datalist id="keep-projects">
+          {(projects.value?.items ?? []).map((one) => (
+            <option key={one} value={one} />
+          ))}
+        </datalist>
         <p class="dim">{b("savedHelp")}</p>
         <Trouble error={error} />
-        <div class="row"><span class="grow" /><button type="submit" class="button primary" disabled={busy || !name}>{w("save")}</button></div>
+        <div class="row">
+          <span class="grow" />
+          <button type="submit" class="button primary" disabled={busy || !name}>
+            {w("save")}
+          </button>
+        </div>
       </form>
     </Dialog>
   );

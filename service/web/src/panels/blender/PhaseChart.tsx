@@ -8,13 +8,26 @@ import { number } from "../../words";
 import { LEAST_PHASE, type Times } from "./corrections";
 import { b } from "./words";
 
-export interface Curve { values: ArrayLike<number>; fps: number }
+export interface Curve {
+  values: ArrayLike<number>;
+  fps: number;
+}
 
 const PHASES = ["prepare", "reach", "settle"] as const;
 const EDGES = ["t1", "t2", "end"] as const;
 const [WIDE, HIGH] = [1000, 100];
 
-export function PhaseChart({ curve, times, seconds, most, behind, label, player, onMove, onEnd }: {
+export function PhaseChart({
+  curve,
+  times,
+  seconds,
+  most,
+  behind,
+  label,
+  player,
+  onMove,
+  onEnd,
+}: {
   curve: Curve;
   /** Frames from the first; null: none are known. */
   times: Times | null;
@@ -39,30 +52,78 @@ export function PhaseChart({ curve, times, seconds, most, behind, label, player,
   const ticks = Array.from({ length: Math.floor(seconds / 0.5 + 1e-6) + 1 }, (_, at) => at * 0.5);
   return (
     <div class="phase-chart">
-      <div class="phase-axis n" aria-hidden="true"><span>{number(most, 1)}</span><span>rad/s</span></div>
+      <div class="phase-axis n" aria-hidden="true">
+        <span>{number(most, 1)}</span>
+        <span>rad/s</span>
+      </div>
       <div class="phase-area" ref={box} role={onMove ? "group" : "img"} aria-label={label}>
-        {bounds && PHASES.map((one, at) => (
-          <span key={one} class={`phase-zone ${one}`} style={{ left: share(bounds[at]), width: share(bounds[at + 1] - bounds[at]) }}><span class="cut">{b(one)}</span></span>
-        ))}
+        {bounds &&
+          PHASES.map((one, at) => (
+            <span
+              key={one}
+              class={`phase-zone ${one}`}
+              style={{ left: share(bounds[at]), width: share(bounds[at + 1] - bounds[at]) }}
+            >
+              <span class="cut">{b(one)}</span>
+            </span>
+          ))}
         {behind && <Behind curves={behind} seconds={seconds} most={most} />}
-        <svg viewBox={`0 0 ${WIDE} ${HIGH}`} preserveAspectRatio="none" aria-hidden="true"><path d={path} /></svg>
+        <svg viewBox={`0 0 ${WIDE} ${HIGH}`} preserveAspectRatio="none" aria-hidden="true">
+          <path d={path} />
+        </svg>
         {player && <Cursor player={player} seconds={seconds} />}
-        {times && onMove && EDGES.map((one) => (
-          <span key={one} class="phase-edge" data-edge={one} role="slider" tabIndex={0} style={{ left: share(times[one]) }} aria-label={b(`${one}Edge`)} title={b(`${one}Edge`)}
-            aria-valuemin={0} aria-valuemax={Math.round(seconds * curve.fps)} aria-valuenow={Math.round(times[one] * 10) / 10} aria-valuetext={b("edgeAt", { frames: number(times[one], 1), seconds: number(times[one] / curve.fps, 2) })}
-            onPointerDown={(event) => { event.currentTarget.setPointerCapture(event.pointerId); event.preventDefault(); event.currentTarget.focus(); event.currentTarget.onpointermove = (move) => onMove(one, frameAt(move)); }}
-            onPointerUp={(event) => { event.currentTarget.onpointermove = null; onEnd?.(); }}
-            onKeyDown={(event) => {
-              const step = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -10, PageUp: 10 }[event.key];
-              if (!step) return;
-              onMove(one, times[one] + step * (event.shiftKey ? 0.1 : LEAST_PHASE));
-              onEnd?.();
-              event.preventDefault();
-              event.stopPropagation();
-            }}><span>{one === "end" ? b("endShort") : one}</span></span>
+        {times &&
+          onMove &&
+          EDGES.map((one) => (
+            <span
+              key={one}
+              class="phase-edge"
+              data-edge={one}
+              role="slider"
+              tabIndex={0}
+              style={{ left: share(times[one]) }}
+              aria-label={b(`${one}Edge`)}
+              title={b(`${one}Edge`)}
+              aria-valuemin={0}
+              aria-valuemax={Math.round(seconds * curve.fps)}
+              aria-valuenow={Math.round(times[one] * 10) / 10}
+              aria-valuetext={b("edgeAt", {
+                frames: number(times[one], 1),
+                seconds: number(times[one] / curve.fps, 2),
+              })}
+              onPointerDown={(event) => {
+                event.currentTarget.setPointerCapture(event.pointerId);
+                event.preventDefault();
+                event.currentTarget.focus();
+                event.currentTarget.onpointermove = (move) => onMove(one, frameAt(move));
+              }}
+              onPointerUp={(event) => {
+                event.currentTarget.onpointermove = null;
+                onEnd?.();
+              }}
+              onKeyDown={(event) => {
+                const step = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageDown: -10, PageUp: 10 }[
+                  event.key
+                ];
+                if (!step) return;
+                onMove(one, times[one] + step * (event.shiftKey ? 0.1 : LEAST_PHASE));
+                onEnd?.();
+                event.preventDefault();
+                event.stopPropagation();
+              }}
+            >
+              <span>{one === "end" ? b("endShort") : one}</span>
+            </span>
+          ))}
+      </div>
+      <div class="phase-ticks n" aria-hidden="true">
+        {ticks.map((one) => (
+          <span key={one} style={{ left: `${(one / seconds) * 100}%` }}>
+            {number(one, 1)}
+            {one ? "" : " s"}
+          </span>
         ))}
       </div>
-      <div class="phase-ticks n" aria-hidden="true">{ticks.map((one) => <span key={one} style={{ left: `${(one / seconds) * 100}%` }}>{number(one, 1)}{one ? "" : " s"}</span>)}</div>
     </div>
   );
 }
@@ -87,7 +148,11 @@ function Behind({ curves, seconds, most }: { curves: Curve[]; seconds: number; m
       pen.lineWidth = 1;
       for (const { values, fps } of curves) {
         pen.beginPath();
-        for (let frame = 0; frame < values.length; frame++) pen.lineTo((frame / fps / seconds) * width, height - Math.min(1.05, values[frame] / most) * height * 0.94 - height * 0.02);
+        for (let frame = 0; frame < values.length; frame++)
+          pen.lineTo(
+            (frame / fps / seconds) * width,
+            height - Math.min(1.05, values[frame] / most) * height * 0.94 - height * 0.02,
+          );
         pen.stroke();
       }
     };
@@ -100,10 +165,13 @@ function Behind({ curves, seconds, most }: { curves: Curve[]; seconds: number; m
 
 function Cursor({ player, seconds }: { player: Player; seconds: number }) {
   const line = useRef<HTMLSpanElement>(null);
-  useEffect(() => effect(() => {
-    const at = player.frame.value / player.perSecond / seconds;
-    if (line.current) line.current.style.left = `${Math.min(1, at) * 100}%`;
-  }), [player, seconds]);
+  useEffect(
+    () =>
+      effect(() => {
+        const at = player.frame.value / player.perSecond / seconds;
+        if (line.current) line.current.style.left = `${Math.min(1, at) * 100}%`;
+      }),
+    [player, seconds],
+  );
   return <span ref={line} class="phase-cursor" />;
 }
-

@@ -26,7 +26,9 @@ export function Start() {
   const count = (members.value?.length ?? 0) - left.size;
   const info = catalogue.value?.items.find((one) => one.name === "reach");
   const start = (out: ReadonlySet<string> = left) => {
-    const inputs = out.size ? { documents: members.value!.filter((one) => !out.has(one.id)).map((one) => one.id) } : selection;
+    const inputs = out.size
+      ? { documents: members.value!.filter((one) => !out.has(one.id)).map((one) => one.id) }
+      : selection;
     void fit.start({ inputs, parameters: values, name: name || undefined });
   };
   const exclude = (documents: string[]) => {
@@ -35,22 +37,64 @@ export function Start() {
     start(next);
   };
   return (
-    <form class="reach-start" onSubmit={(event) => { event.preventDefault(); start(); }}>
+    <form
+      class="reach-start"
+      onSubmit={(event) => {
+        event.preventDefault();
+        start();
+      }}
+    >
       <section class="start-words">
         <h1>{w("blender")}</h1>
         <p>{b("intro")}</p>
         <p class="dim">{b("needs")}</p>
-        {projects.value?.items.includes(DEMO) && <p><button type="button" class="button" disabled={fit.busy} onClick={() => void fit.start({ inputs: { project: DEMO }, name: b("demoName") })}>{b("demo")}</button></p>}
+        {projects.value?.items.includes(DEMO) && (
+          <p>
+            <button
+              type="button"
+              class="button"
+              disabled={fit.busy}
+              onClick={() => void fit.start({ inputs: { project: DEMO }, name: b("demoName") })}
+            >
+              {b("demo")}
+            </button>
+          </p>
+        )}
         {fit.job && <FitProgress job={fit.job} />}
         <FitTrouble error={fit.error} onExclude={exclude} />
       </section>
       <section class="analysis-clips" aria-label={b("clipsTitle")}>
         <h2>{b("clipsTitle")}</h2>
-        <ClipSelection members={members} left={left} onLeft={(one, out) => { const next = new Set(left); if (out) next.add(one); else next.delete(one); setLeft(next); }} />
-        {info && <details class="start-options"><summary>{b("options")}</summary><SchemaForm schema={info.parameters as Schema} values={values} onChange={setValues} leave={["times"]} /></details>}
-        <div class="schema-field"><label for="model-name">{b("nameOfModel")}</label><input id="model-name" class="field" value={name} placeholder={b("namePlaceholder")} onInput={(event) => setName(event.currentTarget.value)} /></div>
+        <ClipSelection
+          members={members}
+          left={left}
+          onLeft={(one, out) => {
+            const next = new Set(left);
+            if (out) next.add(one);
+            else next.delete(one);
+            setLeft(next);
+          }}
+        />
+        {info && (
+          <details class="start-options">
+            <summary>{b("options")}</summary>
+            <SchemaForm schema={info.parameters as Schema} values={values} onChange={setValues} leave={["times"]} />
+          </details>
+        )}
+        <div class="schema-field">
+          <label for="model-name">{b("nameOfModel")}</label>
+          <input
+            id="model-name"
+            class="field"
+            value={name}
+            placeholder={b("namePlaceholder")}
+            onInput={(event) => setName(event.currentTarget.value)}
+          />
+        </div>
         <div class="row">
-          <button type="submit" class="button primary" disabled={fit.busy || count < FEWEST}>{count >= FEWEST ? b("fitClips", { n: count }) : b("fit")}</button>
+          <button type="submit" class="button primary" disabled={fit.busy || count < FEWEST}>
+            {count >= FEWEST ? b("fitClips", { n: count }) : b("fit")}
+          </button>
           {selection && !members.busy && count < FEWEST && <span class="dim">{b("tooFew", { n: FEWEST })}</span>}
         </div>
       </section>
@@ -61,13 +105,26 @@ export function Start() {
 }
 
 function Recent() {
-  const found = useAsync((signal) => get("/results", { query: { analysis: "reach", limit: 12 }, signal }), [], [jobs.value.filter((one) => one.state === "done").length]);
+  const found = useAsync(
+    (signal) => get("/results", { query: { analysis: "reach", limit: 12 }, signal }),
+    [],
+    [jobs.value.filter((one) => one.state === "done").length],
+  );
   return (
     <aside class="recent" aria-label={b("recent")}>
       <h2>{b("recent")}</h2>
       <Trouble error={found.error} retry={found.again} />
       {found.value && !found.value.items.length && <p class="dim">{b("noModels")}</p>}
-      <ul>{(found.value?.items ?? []).map((one) => <li key={one.id}><a class="cut block" href={`/reach/${one.id}`}>{one.name}</a><span class="dim">{[one.project, when(one.created)].filter(Boolean).join(", ")}</span></li>)}</ul>
+      <ul>
+        {(found.value?.items ?? []).map((one) => (
+          <li key={one.id}>
+            <a class="cut block" href={`/reach/${one.id}`}>
+              {one.name}
+            </a>
+            <span class="dim">{[one.project, when(one.created)].filter(Boolean).join(", ")}</span>
+          </li>
+        ))}
+      </ul>
     </aside>
   );
 }

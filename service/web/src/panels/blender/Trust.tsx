@@ -17,20 +17,59 @@ export function Trust({ model, blending }: { model: Model; blending: Blending })
   const known = support === "inside" && nn_ratio <= 2;
   const row = model.byId.get(near.document);
   const gap = model.attributes.find((one) => in_gaps.includes(one.name));
-  const inGap = gap?.gaps.find(([low, high]) => { const value = shown.answer.used_attributes[gap.name]; return low < value && value < high; });
+  const inGap = gap?.gaps.find(([low, high]) => {
+    const value = shown.answer.used_attributes[gap.name];
+    return low < value && value < high;
+  });
   const biggest = Math.abs(weights[0]?.weight ?? 1) || 1;
   return (
     <section class={`trust ${support}`} aria-label={b("trust")}>
-      <p role="status"><strong class={`support ${support}`}><Icon name={support === "inside" ? "check" : "warn"} />{b(`${support}Data`)}</strong>{size && <> · {b(known ? "aboutAtHand" : "moreAtHand", { size })}</>}</p>
-      {gap && inGap && <p>{b("gapWords", { low: number(inGap[0], 2), high: number(inGap[1], 2), name: nameOf(gap.name), unit: unitOf(gap.unit) })}</p>}
+      <p role="status">
+        <strong class={`support ${support}`}>
+          <Icon name={support === "inside" ? "check" : "warn"} />
+          {b(`${support}Data`)}
+        </strong>
+        {size && <> · {b(known ? "aboutAtHand" : "moreAtHand", { size })}</>}
+      </p>
+      {gap && inGap && (
+        <p>
+          {b("gapWords", {
+            low: number(inGap[0], 2),
+            high: number(inGap[1], 2),
+            name: nameOf(gap.name),
+            unit: unitOf(gap.unit),
+          })}
+        </p>
+      )}
       {support === "outside" && <p>{b("outsideWords")}</p>}
       {support === "inside" && nn_ratio > 2 && <p>{b("sparseWords", { times: number(nn_ratio, 1) })}</p>}
-      {row && <p class="dim">{b("nearestValues")} {model.attributes.map((one) => `${number(row[one.name] as number, 2)} ${unitOf(one.unit)}`).join(", ")} <button type="button" class="as-link" onClick={() => blending.set(valuesOf(model, row))}>{b("goThere")}</button></p>}
-      <details><summary>{b("madeOfExamples")}</summary>
-        <ul class="weights">{weights.slice(0, MOST).map(({ clip, weight }) => (
-          <li key={clip.document} class="bar-row"><a class="cut" href={`/clips/${clip.document}?rev=${clip.revision}`}>{model.byId.get(clip.document)?.name ?? clip.name}</a>
-            <span class="meter"><span class={weight < 0 ? "minus" : "model"} style={{ width: `${(Math.abs(weight) / biggest) * 100}%` }} /></span><span class="n">{number(weight, 2)}</span></li>
-        ))}</ul>
+      {row && (
+        <p class="dim">
+          {b("nearestValues")}{" "}
+          {model.attributes.map((one) => `${number(row[one.name] as number, 2)} ${unitOf(one.unit)}`).join(", ")}{" "}
+          <button type="button" class="as-link" onClick={() => blending.set(valuesOf(model, row))}>
+            {b("goThere")}
+          </button>
+        </p>
+      )}
+      <details>
+        <summary>{b("madeOfExamples")}</summary>
+        <ul class="weights">
+          {weights.slice(0, MOST).map(({ clip, weight }) => (
+            <li key={clip.document} class="bar-row">
+              <a class="cut" href={`/clips/${clip.document}?rev=${clip.revision}`}>
+                {model.byId.get(clip.document)?.name ?? clip.name}
+              </a>
+              <span class="meter">
+                <span
+                  class={weight < 0 ? "minus" : "model"}
+                  style={{ width: `${(Math.abs(weight) / biggest) * 100}%` }}
+                />
+              </span>
+              <span class="n">{number(weight, 2)}</span>
+            </li>
+          ))}
+        </ul>
       </details>
     </section>
   );

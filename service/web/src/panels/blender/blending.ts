@@ -9,7 +9,11 @@ import { noteParams, param } from "../../state/route";
 import { middleOf, paramOf, type Model, type Values } from "./model";
 
 export type Answer = Schemas["ReachMotion"];
-export interface Shown { answer: Answer; preview: Preview; moments: Moments }
+export interface Shown {
+  answer: Answer;
+  preview: Preview;
+  moments: Moments;
+}
 
 export class Blending {
   readonly values;
@@ -61,7 +65,13 @@ export class Blending {
       this.wanted = null;
       const asked = performance.now();
       try {
-        const made = await makeMotion<Answer>(this.model.id, "synthesize", { attributes: values }, {}, this.stop.signal);
+        const made = await makeMotion<Answer>(
+          this.model.id,
+          "synthesize",
+          { attributes: values },
+          {},
+          this.stop.signal,
+        );
         this.show(made.value, wholeOf(made.motion, made.positions), moved);
         this.took.value = performance.now() - asked;
         this.error.value = null;

@@ -3,8 +3,16 @@ import { computed, signal } from "@preact/signals";
 import { refuse } from "../../state/notes";
 import type { Model, Row } from "./model";
 
-export interface Times { t1: number; t2: number; end: number }
-interface Draft { times: Record<string, Times>; left: string[]; edited: Record<string, Record<string, string>> }
+export interface Times {
+  t1: number;
+  t2: number;
+  end: number;
+}
+interface Draft {
+  times: Record<string, Times>;
+  left: string[];
+  edited: Record<string, Record<string, string>>;
+}
 
 export class Corrections {
   readonly draft;
@@ -50,7 +58,8 @@ export class Corrections {
 
   leave(documents: string[], out: boolean): void {
     const left = new Set(this.draft.peek().left);
-    for (const one of documents) if (out) left.add(one);
+    for (const one of documents)
+      if (out) left.add(one);
       else left.delete(one);
     this.change({ ...this.draft.peek(), left: [...left] });
   }
@@ -80,7 +89,8 @@ export class Corrections {
   }
 
   private change(next: Draft, revert?: () => Promise<void>, gesture = ""): void {
-    if (!gesture || gesture !== this.gesture) this.steps.value = [...this.steps.peek(), { before: this.draft.peek(), revert }].slice(-200);
+    if (!gesture || gesture !== this.gesture)
+      this.steps.value = [...this.steps.peek(), { before: this.draft.peek(), revert }].slice(-200);
     this.gesture = gesture;
     this.keep(next);
   }

@@ -8,7 +8,12 @@ import { number, w } from "../../words";
 import { isWord } from "./names";
 import { b } from "./words";
 
-export interface Fitting { job: Job | undefined; busy: boolean; error: unknown; start: (body: object, keep?: boolean) => Promise<void> }
+export interface Fitting {
+  job: Job | undefined;
+  busy: boolean;
+  error: unknown;
+  start: (body: object, keep?: boolean) => Promise<void>;
+}
 
 /** Fits a model and opens it. keep: with the address's sliders and tab. */
 export function useFit(): Fitting {
@@ -37,8 +42,12 @@ export function FitProgress({ job }: { job: Job }) {
   return (
     <div class="row fit-progress" role="status">
       <progress class="grow" value={job.share} aria-label={b("fitting")} />
-      <span class="dim">{isWord(stage) ? b(stage) : job.stage} {number((job.share ?? 0) * 100, 0)} %</span>
-      <button type="button" class="button" onClick={() => void cancelJob(job)}>{w("cancel")}</button>
+      <span class="dim">
+        {isWord(stage) ? b(stage) : job.stage} {number((job.share ?? 0) * 100, 0)} %
+      </span>
+      <button type="button" class="button" onClick={() => void cancelJob(job)}>
+        {w("cancel")}
+      </button>
     </div>
   );
 }
@@ -49,7 +58,13 @@ export function FitTrouble({ error, onExclude }: { error: unknown; onExclude: (d
   return (
     <>
       <Trouble error={error} />
-      {found && found.length > 0 && <p><button type="button" class="button" onClick={() => onExclude(found)}>{b("excludeThese", { n: found.length })}</button></p>}
+      {found && found.length > 0 && (
+        <p>
+          <button type="button" class="button" onClick={() => onExclude(found)}>
+            {b("excludeThese", { n: found.length })}
+          </button>
+        </p>
+      )}
     </>
   );
 }

@@ -19,7 +19,14 @@ export interface Nearest {
 }
 
 export function useNearest(blending: Blending): Nearest {
-  const state = useMemo(() => ({ body: signal<Skeleton | null>(null), settled: signal(false), now: signal<{ motion: Motion; moments: Moments } | null>(null) }), [blending]);
+  const state = useMemo(
+    () => ({
+      body: signal<Skeleton | null>(null),
+      settled: signal(false),
+      now: signal<{ motion: Motion; moments: Moments } | null>(null),
+    }),
+    [blending],
+  );
   useEffect(() => {
     let timer = 0;
     let last = "";
@@ -28,16 +35,26 @@ export function useNearest(blending: Blending): Nearest {
       if (!near || near.document === last) return;
       last = near.document;
       window.clearTimeout(timer);
-      const fetch = () => void motionOf(near.document, near.revision).then((motion) => {
-        const row = blending.model.byId.get(near.document);
-        if (!row || last !== near.document) return;
-        motion.blocks.want(0, 1, motion.perSecond);
-        state.now.value = { motion, moments: momentsOf(row)! };
-        batch(() => { state.body.value ??= motion.skeleton; state.settled.value = true; });
-      }, () => (state.settled.value = true));
+      const fetch = () =>
+        void motionOf(near.document, near.revision).then(
+          (motion) => {
+            const row = blending.model.byId.get(near.document);
+            if (!row || last !== near.document) return;
+            motion.blocks.want(0, 1, motion.perSecond);
+            state.now.value = { motion, moments: momentsOf(row)! };
+            batch(() => {
+              state.body.value ??= motion.skeleton;
+              state.settled.value = true;
+            });
+          },
+          () => (state.settled.value = true),
+        );
       timer = window.setTimeout(fetch, state.now.peek() ? REST : 0);
     });
-    return () => { stop(); window.clearTimeout(timer); };
+    return () => {
+      stop();
+      window.clearTimeout(timer);
+    };
   }, [blending]);
   const pose = (frame: number): Float32Array | null => {
     const now = state.now.value;

@@ -3,7 +3,11 @@ import { arrayOf, type Result } from "../../api/results";
 
 export class Speeds {
   private readonly place: Map<string, number>;
-  constructor(documents: string[], private readonly speed: ArrayLike<number> & { subarray(from: number, to: number): ArrayLike<number> }, private readonly first: ArrayLike<number>) {
+  constructor(
+    documents: string[],
+    private readonly speed: ArrayLike<number> & { subarray(from: number, to: number): ArrayLike<number> },
+    private readonly first: ArrayLike<number>,
+  ) {
     this.place = new Map(documents.map((one, at) => [one, at]));
   }
 

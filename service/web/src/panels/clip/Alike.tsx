@@ -14,38 +14,94 @@ const ROW = 28;
 const DIGITS = 3;
 
 /** first, last: frames from 1; without the last one it is a pose. */
-export function Alike({ clip, first, last, onClose }: { clip: Clip; first: number; last?: number; onClose: () => void }) {
-  const found = useAsync((signal) => ask("post", "/search", { body: { document: clip.id, revision: clip.detail.revision, first, last, limit: HITS }, signal }), []);
+export function Alike({
+  clip,
+  first,
+  last,
+  onClose,
+}: {
+  clip: Clip;
+  first: number;
+  last?: number;
+  onClose: () => void;
+}) {
+  const found = useAsync(
+    (signal) =>
+      ask("post", "/search", {
+        body: { document: clip.id, revision: clip.detail.revision, first, last, limit: HITS },
+        signal,
+      }),
+    [],
+  );
   const [picked, setPicked] = useState(0);
   const hits: Schemas["SearchHit"][] = found.value?.hits ?? [];
-  const title = last ? w("motionsLikeTitle", { first: number(first), last: number(last), name: clip.detail.name }) : w("posesLikeTitle", { first: number(first), name: clip.detail.name });
+  const title = last
+    ? w("motionsLikeTitle", { first: number(first), last: number(last), name: clip.detail.name })
+    : w("posesLikeTitle", { first: number(first), name: clip.detail.name });
   return (
     <Dialog title={title} onClose={onClose} wide>
       <Trouble error={found.error} retry={found.again} />
-      {found.busy && <><div class="busy" /><p class="dim" role="status">{w("looking")}</p></>}
+      {found.busy && (
+        <>
+          <div class="busy" />
+          <p class="dim" role="status">
+            {w("looking")}
+          </p>
+        </>
+      )}
       {found.value && !hits.length && <div class="empty">{w("nothingAlike")}</div>}
       {hits.length > 0 && (
         <div class="alike">
           <div class="alike-list">
-            <div class="run-row run-head"><span>{w("name")}</span><span class="n">{w("framesWord")}</span><span class="n" title={w("distanceHelp")}>{w("distance")}</span></div>
-            <VirtualList rows={hits.length} height={ROW} label={title} role="listbox" at={picked}
+            <div class="run-row run-head">
+              <span>{w("name")}</span>
+              <span class="n">{w("framesWord")}</span>
+              <span class="n" title={w("distanceHelp")}>
+                {w("distance")}
+              </span>
+            </div>
+            <VirtualList
+              rows={hits.length}
+              height={ROW}
+              label={title}
+              role="listbox"
+              at={picked}
               onKeyDown={(event) => {
                 const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-                if (step) { setPicked(Math.max(0, Math.min(hits.length - 1, picked + step))); event.preventDefault(); }
+                if (step) {
+                  setPicked(Math.max(0, Math.min(hits.length - 1, picked + step)));
+                  event.preventDefault();
+                }
               }}
               render={(row) => {
                 const hit = hits[row];
                 return (
-                  <div class="run-row" role="option" aria-selected={row === picked} tabIndex={row === picked ? 0 : -1} onClick={() => setPicked(row)}>
-                    <span class="cut">{hit.name}</span><span class="n">{number(hit.first)}{hit.last > hit.first && `–${number(hit.last)}`}</span><span class="n">{hit.distance.toFixed(DIGITS)}</span>
+                  <div
+                    class="run-row"
+                    role="option"
+                    aria-selected={row === picked}
+                    tabIndex={row === picked ? 0 : -1}
+                    onClick={() => setPicked(row)}
+                  >
+                    <span class="cut">{hit.name}</span>
+                    <span class="n">
+                      {number(hit.first)}
+                      {hit.last > hit.first && `–${number(hit.last)}`}
+                    </span>
+                    <span class="n">{hit.distance.toFixed(DIGITS)}</span>
                   </div>
                 );
-              }} />
+              }}
+            />
           </div>
           <RunPlayer runs={hits} at={picked} onAt={setPicked} />
         </div>
       )}
-      {(found.value?.warnings ?? []).map((text) => <p key={text} class="dim">{text}</p>)}
+      {(found.value?.warnings ?? []).map((text) => (
+        <p key={text} class="dim">
+          {text}
+        </p>
+      ))}
     </Dialog>
   );
 }

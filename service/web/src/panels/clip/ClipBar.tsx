@@ -1,7 +1,6 @@
 /** The clip's own bar: the draft and its saving, comparison, export. */
 import { useState } from "preact/hooks";
 import { ApiError, ask } from "../../api/client";
-import { copyText } from "../../shell/App";
 import type { Clip } from "../../state/clip";
 import { mayEdit } from "../../state/me";
 import { confirmFact } from "../../state/uploads";
@@ -17,17 +16,24 @@ import { CompareButton } from "./Compare";
 import { OthersEdit, People } from "./People";
 import { ConflictBanner } from "./ConflictBanner";
 import { saveClip } from "./keys";
-import { note, refuse } from "../../state/notes";
+import { copyText, note, refuse } from "../../state/notes";
 
 export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
-  const { detail, skeleton: { view } } = clip;
+  const {
+    detail,
+    skeleton: { view },
+  } = clip;
   const [sharing, setSharing] = useState(false);
   const changed = clip.changed.value;
   const conflict = clip.trouble.value instanceof ApiError && [409, 412].includes(clip.trouble.value.status);
   const restore = async () => {
     try {
       const newest = await ask("get", "/documents/{id}", { path: { id: clip.id } });
-      const made = await ask("post", "/documents/{id}/restore", { path: { id: clip.id }, query: { revision: detail.revision }, match: newest.revision });
+      const made = await ask("post", "/documents/{id}/restore", {
+        path: { id: clip.id },
+        query: { revision: detail.revision },
+        match: newest.revision,
+      });
       note(w("restoredAs", { n: (made as { revision: number }).revision }));
       setParams({ rev: null });
     } catch (error) {
@@ -39,38 +45,110 @@ export function ClipBar({ clip, reload }: { clip: Clip; reload: () => void }) {
       <div class="clip-bar row">
         <strong class="cut">{detail.name}</strong>
         {clip.pinned !== null ? (
-          <><span class="chip">{w("oldRevision")}</span><button type="button" class="button primary" onClick={() => void restore()}>{w("restore")}</button><button type="button" class="button" onClick={() => setParams({ rev: null })}>{w("openNewest")}</button></>
+          <>
+            <span class="chip">{w("oldRevision")}</span>
+            <button type="button" class="button primary" onClick={() => void restore()}>
+              {w("restore")}
+            </button>
+            <button type="button" class="button" onClick={() => setParams({ rev: null })}>
+              {w("openNewest")}
+            </button>
+          </>
         ) : changed ? (
           <>
-            <span class="draft-words" role="status">{w("draft", { n: clip.draft.value.steps })}</span>
-            <button type="button" class="button primary" disabled={clip.saving.value} onClick={() => void saveClip(clip, reload)}>{w("save")}</button>
-            <button type="button" class="button quiet" onClick={() => clip.discard()}>{w("discard")}</button>
+            <span class="draft-words" role="status">
+              {w("draft", { n: clip.draft.value.steps })}
+            </span>
+            <button
+              type="button"
+              class="button primary"
+              disabled={clip.saving.value}
+              onClick={() => void saveClip(clip, reload)}
+            >
+              {w("save")}
+            </button>
+            <button type="button" class="button quiet" onClick={() => clip.discard()}>
+              {w("discard")}
+            </button>
           </>
         ) : null}
         <span class="grow" />
         <People />
-        <button type="button" class="button quiet icon" aria-label={w("undo")} title={`${w("undo")} (Ctrl+Z)`} disabled={!clip.canUndo && (detail.revision <= 1 || clip.pinned !== null)} onClick={() => { if (!clip.undo()) void clipActions.undoStored(clip, reload); }}><Icon name="undo" /></button>
-        <button type="button" class="button quiet icon" aria-label={w("redo")} title={`${w("redo")} (Ctrl+Shift+Z)`} disabled={!clip.canRedo} onClick={() => clip.redo()}><Icon name="redo" /></button>
+        <button
+          type="button"
+          class="button quiet icon"
+          aria-label={w("undo")}
+          title={`${w("undo")} (Ctrl+Z)`}
+          disabled={!clip.canUndo && (detail.revision <= 1 || clip.pinned !== null)}
+          onClick={() => {
+            if (!clip.undo()) void clipActions.undoStored(clip, reload);
+          }}
+        >
+          <Icon name="undo" />
+        </button>
+        <button
+          type="button"
+          class="button quiet icon"
+          aria-label={w("redo")}
+          title={`${w("redo")} (Ctrl+Shift+Z)`}
+          disabled={!clip.canRedo}
+          onClick={() => clip.redo()}
+        >
+          <Icon name="redo" />
+        </button>
         <CompareButton clip={clip} />
-        <Menu label={w("share")} side="right" items={[
-          { text: w("copyAddress"), run: () => void copyText(location.href, w("addressCopied")) },
-          { text: w("shareLink"), run: () => setSharing(true) },
-        ]}>{w("share")}<Icon name="down" /></Menu>
-        <Menu label={w("exportWord")} side="right" items={() => [
-          ...exportItems({
-            id: clip.id, markers: view.markers, original: detail.original, format: detail.format, revision: detail.revision,
-            unit: detail.unit ?? null, likelyUnit: view.likely_unit, up: detail.up ?? null, likelyUp: view.likely_up, hasRate: Boolean(detail.seconds_per_frame),
-          }, clip.pinned === null && mayEdit() ? { confirm: (fact) => void confirmFact([clip.id], fact).then((done) => done && reload()), give: () => setParams({ tab: "info" }) } : {}),
-          { text: w("composeThese"), icon: "compose", run: () => go(`/compose?s=${clip.id}`) },
-          { text: w("retarget"), icon: "retarget", run: () => go(`/retarget?from=${clip.id}`) },
-        ]}>{w("exportWord")}<Icon name="down" /></Menu>
+        <Menu
+          label={w("share")}
+          side="right"
+          items={[
+            { text: w("copyAddress"), run: () => void copyText(location.href, w("addressCopied")) },
+            { text: w("shareLink"), run: () => setSharing(true) },
+          ]}
+        >
+          {w("share")}
+          <Icon name="down" />
+        </Menu>
+        <Menu
+          label={w("exportWord")}
+          side="right"
+          items={() => [
+            ...exportItems(
+              {
+                id: clip.id,
+                markers: view.markers,
+                original: detail.original,
+                format: detail.format,
+                revision: detail.revision,
+                unit: detail.unit ?? null,
+                likelyUnit: view.likely_unit,
+                up: detail.up ?? null,
+                likelyUp: view.likely_up,
+                hasRate: Boolean(detail.seconds_per_frame),
+              },
+              clip.pinned === null && mayEdit()
+                ? {
+                    accept: (fact) => void confirmFact([clip.id], fact).then((done) => done && reload()),
+                    give: () => setParams({ tab: "info" }),
+                  }
+                : {},
+            ),
+            { text: w("composeThese"), icon: "compose", run: () => go(`/compose?s=${clip.id}`) },
+            { text: w("retarget"), icon: "retarget", run: () => go(`/retarget?from=${clip.id}`) },
+          ]}
+        >
+          {w("exportWord")}
+          <Icon name="down" />
+        </Menu>
       </div>
       {clip.pinned === null && <OthersEdit />}
       {sharing && <ShareDialog ids={[clip.id]} onClose={() => setSharing(false)} />}
       {conflict ? (
         <ConflictBanner clip={clip} reload={reload} />
       ) : (
-        <Trouble error={clip.trouble.value} retry={clip.trouble.value ? () => void saveClip(clip, reload) : undefined} />
+        <Trouble
+          error={clip.trouble.value}
+          retry={clip.trouble.value ? () => void saveClip(clip, reload) : undefined}
+        />
       )}
     </>
   );

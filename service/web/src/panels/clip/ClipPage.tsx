@@ -1,7 +1,7 @@
 /** One clip: viewer, timeline, and the dock with its views of the document. */
 import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { subject } from "../../shell/Bar";
+import { subject } from "../../state/shell";
 import { openClip, type Clip } from "../../state/clip";
 import { news } from "../../state/events";
 import { note } from "../../state/notes";
@@ -38,7 +38,10 @@ export function ClipPage({ id, revision }: { id: string; revision: string | null
     openClip(id, revision ? Number(revision) : null, stop.signal).then(
       (found) => {
         opened = found;
-        if (stop.signal.aborted) return found.close();
+        if (stop.signal.aborted) {
+          found.close();
+          return;
+        }
         subject.value = { text: found.detail.name, detail: w("revision", { n: found.detail.revision }) };
         coming.current = false;
         setClip((before) => {
@@ -60,7 +63,13 @@ export function ClipPage({ id, revision }: { id: string; revision: string | null
     void followProject(project);
     return () => void followProject(null);
   }, [project]);
-  if (error || !clip) return <><h1 class="unseen">{w("clipWord")}</h1>{error ? <Trouble error={error} retry={reload} /> : <div class="busy" role="presentation" />}</>;
+  if (error || !clip)
+    return (
+      <>
+        <h1 class="unseen">{w("clipWord")}</h1>
+        {error ? <Trouble error={error} retry={reload} /> : <div class="busy" role="presentation" />}
+      </>
+    );
   return <OpenClip key={clip.detail.revision} clip={clip} coming={coming} reload={reload} />;
 }
 
@@ -69,15 +78,26 @@ function OpenClip({ clip, coming, reload }: { clip: Clip; coming: { readonly cur
   useClipKeys(clip, reload);
   useEffect(() => effect(() => void (editing.value = clip.changed.value && clip.pinned === null)), [clip]);
   // Somebody else saved: said, not imposed.
-  useEffect(() => effect(() => {
-    const one = news.value;
-    if (!one || one.document !== clip.id || one.revision <= clip.detail.revision || clip.pinned !== null || clip.saving.peek()) return;
-    setTimeout(() => {
-      // This window's own save opens the new revision itself.
-      if (coming.current || subject.peek()?.detail === w("revision", { n: one.revision })) return;
-      note(w("newer", { who: one.author, n: one.revision }), { action: { text: w("openNewest"), run: reload } });
-    }, 1500);
-  }), [clip]);
+  useEffect(
+    () =>
+      effect(() => {
+        const one = news.value;
+        if (
+          !one ||
+          one.document !== clip.id ||
+          one.revision <= clip.detail.revision ||
+          clip.pinned !== null ||
+          clip.saving.peek()
+        )
+          return;
+        setTimeout(() => {
+          // This window's own save opens the new revision itself.
+          if (coming.current || subject.peek()?.detail === w("revision", { n: one.revision })) return;
+          note(w("newer", { who: one.author, n: one.revision }), { action: { text: w("openNewest"), run: reload } });
+        }, 1500);
+      }),
+    [clip],
+  );
   const below = param("dock") === "below";
   const [narrow, setNarrow] = useState(innerWidth < 900);
   useEffect(() => {
@@ -101,7 +121,9 @@ function OpenClip({ clip, coming, reload }: { clip: Clip; coming: { readonly cur
       {!rightFolded.value && (
         <>
           {!under && <Splitter size={dockWide} least={300} most={900} initial={420} label={w("dock")} />}
-          <aside class="dock" aria-label={w("dock")} style={under ? {} : { width: `${dockWide.value}px` }}>{dock}</aside>
+          <aside class="dock" aria-label={w("dock")} style={under ? {} : { width: `${dockWide.value}px` }}>
+            {dock}
+          </aside>
         </>
       )}
     </div>

@@ -13,11 +13,18 @@ type Comment = Schemas["CommentView"];
 export function Comments({ clip }: { clip: Clip }) {
   const id = clip.id;
   const me = useAsync((signal) => get("/account", { signal }), []);
-  const found = useAsync((signal) => get("/documents/{id}/comments", { path: { id }, query: { limit: 1000 }, signal }), [id]);
+  const found = useAsync(
+    (signal) => get("/documents/{id}/comments", { path: { id }, query: { limit: 1000 }, signal }),
+    [id],
+  );
   const [settled, setSettled] = useState(false);
-  useEffect(() => commented.subscribe((one) => {
-    if (one?.document === id) found.again();
-  }), [id]);
+  useEffect(
+    () =>
+      commented.subscribe((one) => {
+        if (one?.document === id) found.again();
+      }),
+    [id],
+  );
   const doing = async (work: () => Promise<unknown>) => {
     try {
       await work();
@@ -33,20 +40,57 @@ export function Comments({ clip }: { clip: Clip }) {
       <Trouble error={found.error} retry={found.again} />
       <Say clip={clip} say={(body) => doing(() => ask("post", "/documents/{id}/comments", { path: { id }, body }))} />
       {found.value && !all.length && <p class="dim">{w("noComments")}</p>}
-      {done > 0 && <label class="row"><input type="checkbox" checked={settled} onChange={() => setSettled(!settled)} />{w("resolvedToo", { n: done })}</label>}
+      {done > 0 && (
+        <label class="row">
+          <input type="checkbox" checked={settled} onChange={() => setSettled(!settled)} />
+          {w("resolvedToo", { n: done })}
+        </label>
+      )}
       <ol>
-        {all.filter((one) => settled || !one.resolved).map((one) => (
-          <li key={one.id} class={one.resolved ? "dim" : ""}>
-            <div class="row dim"><span class="grow cut">{one.author}</span><span>{when(one.created)}{one.edited && ` · ${w("edited")}`}</span></div>
-            <p>{one.text}</p>
-            <div class="row wrap">
-              <Place clip={clip} comment={one} />
-              <span class="grow" />
-              <button type="button" class="button quiet dense" onClick={() => void doing(() => ask(one.resolved ? "delete" : "put", "/documents/{id}/comments/{comment}/resolved", { path: { id, comment: one.id } }))}>{w(one.resolved ? "reopenComment" : "resolveComment")}</button>
-              {one.author === me.value?.name && <button type="button" class="button quiet dense" onClick={() => void doing(() => ask("delete", "/documents/{id}/comments/{comment}", { path: { id, comment: one.id } }))}>{w("deleteComment")}</button>}
-            </div>
-          </li>
-        ))}
+        {all
+          .filter((one) => settled || !one.resolved)
+          .map((one) => (
+            <li key={one.id} class={one.resolved ? "dim" : ""}>
+              <div class="row dim">
+                <span class="grow cut">{one.author}</span>
+                <span>
+                  {when(one.created)}
+                  {one.edited && ` · ${w("edited")}`}
+                </span>
+              </div>
+              <p>{one.text}</p>
+              <div class="row wrap">
+                <Place clip={clip} comment={one} />
+                <span class="grow" />
+                <button
+                  type="button"
+                  class="button quiet dense"
+                  onClick={() =>
+                    void doing(() =>
+                      ask(one.resolved ? "delete" : "put", "/documents/{id}/comments/{comment}/resolved", {
+                        path: { id, comment: one.id },
+                      }),
+                    )
+                  }
+                >
+                  {w(one.resolved ? "reopenComment" : "resolveComment")}
+                </button>
+                {one.author === me.value?.name && (
+                  <button
+                    type="button"
+                    class="button quiet dense"
+                    onClick={() =>
+                      void doing(() =>
+                        ask("delete", "/documents/{id}/comments/{comment}", { path: { id, comment: one.id } }),
+                      )
+                    }
+                  >
+                    {w("deleteComment")}
+                  </button>
+                )}
+              </div>
+            </li>
+          ))}
       </ol>
     </div>
   );
@@ -55,7 +99,9 @@ export function Comments({ clip }: { clip: Clip }) {
 /** What a comment is about, as a button that goes there. */
 function Place({ clip, comment }: { clip: Clip; comment: Comment }) {
   const { first, last, bone } = comment;
-  const old = comment.revision !== clip.detail.revision && <span class="dim">{w("revision", { n: comment.revision })}</span>;
+  const old = comment.revision !== clip.detail.revision && (
+    <span class="dim">{w("revision", { n: comment.revision })}</span>
+  );
   if (!first && !bone) return <>{old}</>;
   const go = () => {
     if (first) {
@@ -64,8 +110,16 @@ function Place({ clip, comment }: { clip: Clip; comment: Comment }) {
     }
     if (bone) clip.select([bone]);
   };
-  const frames = first && last && last > first ? w("commentFrames", { first, last }) : first ? w("commentFrame", { n: first }) : "";
-  return <><button type="button" class="button dense" onClick={go}>{[frames, bone].filter(Boolean).join(", ")}</button>{old}</>;
+  const frames =
+    first && last && last > first ? w("commentFrames", { first, last }) : first ? w("commentFrame", { n: first }) : "";
+  return (
+    <>
+      <button type="button" class="button dense" onClick={go}>
+        {[frames, bone].filter(Boolean).join(", ")}
+      </button>
+      {old}
+    </>
+  );
 }
 
 /** A new comment: about the clip, or the frame at the playhead (the stretch that repeats), or the joint that is selected. */
@@ -82,13 +136,40 @@ function Say({ clip, say }: { clip: Clip; say: (body: Schemas["CommentRequest"])
     setText("");
   };
   return (
-    <form onSubmit={(event) => { event.preventDefault(); if (text.trim()) void send(); }}>
-      <textarea class="field" rows={3} maxLength={4000} aria-label={w("newComment")} placeholder={w("newComment")} value={text} onInput={(event) => setText(event.currentTarget.value)} />
+    <form
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (text.trim()) void send();
+      }}
+    >
+      <textarea
+        class="field"
+        rows={3}
+        maxLength={4000}
+        aria-label={w("newComment")}
+        placeholder={w("newComment")}
+        value={text}
+        onInput={(event) => setText(event.currentTarget.value)}
+      />
       <div class="row wrap">
-        {clip.detail.frames > 0 && <label class="row"><input type="checkbox" checked={here} onChange={() => setHere(!here)} />{last > first ? w("commentFrames", { first: first + 1, last: last + 1 }) : w("commentFrame", { n: first + 1 })}</label>}
-        {bone && <label class="row"><input type="checkbox" checked={joint} onChange={() => setJoint(!joint)} />{bone}</label>}
+        {clip.detail.frames > 0 && (
+          <label class="row">
+            <input type="checkbox" checked={here} onChange={() => setHere(!here)} />
+            {last > first
+              ? w("commentFrames", { first: first + 1, last: last + 1 })
+              : w("commentFrame", { n: first + 1 })}
+          </label>
+        )}
+        {bone && (
+          <label class="row">
+            <input type="checkbox" checked={joint} onChange={() => setJoint(!joint)} />
+            {bone}
+          </label>
+        )}
         <span class="grow" />
-        <button type="submit" class="button" disabled={!text.trim()}>{w("addComment")}</button>
+        <button type="submit" class="button" disabled={!text.trim()}>
+          {w("addComment")}
+        </button>
       </div>
     </form>
   );

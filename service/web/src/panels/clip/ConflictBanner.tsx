@@ -12,7 +12,10 @@ const SHOWN = 6;
 export function ConflictBanner({ clip, reload }: { clip: Clip; reload: () => void }) {
   const { problem } = clip.trouble.value as ApiError;
   const conflicts = ((problem.details as { conflicts?: Conflict[] } | null | undefined)?.conflicts ?? []) as Conflict[];
-  const one = (value: unknown) => (Array.isArray(value) ? value.map(String).slice(0, 3).join(", ") + (value.length > 3 ? " …" : "") : String(value ?? "–"));
+  const one = (value: unknown) =>
+    Array.isArray(value)
+      ? value.map(String).slice(0, 3).join(", ") + (value.length > 3 ? " …" : "")
+      : String(value ?? "–");
   return (
     <div class="banner warn" role="alert">
       <Icon name="warn" />
@@ -21,17 +24,62 @@ export function ConflictBanner({ clip, reload }: { clip: Clip; reload: () => voi
         {conflicts.length > 0 && <p>{w("conflictBoth", { n: conflicts.length })}</p>}
         {conflicts.length ? (
           <table>
-            <thead><tr><th>{w("bothChanged")}</th><th>{w("theirs")}</th><th>{w("mine")}</th></tr></thead>
-            <tbody>{conflicts.slice(0, SHOWN).map((item, index) => (
-              <tr key={index}><td>{item.address}{item.first ? ` ${w("framesOf", { first: item.first, last: item.last ?? item.first })}` : ""}</td><td>{one(item.theirs)}</td><td>{one(item.mine)}</td></tr>
-            ))}</tbody>
+            <thead>
+              <tr>
+                <th>{w("bothChanged")}</th>
+                <th>{w("theirs")}</th>
+                <th>{w("mine")}</th>
+              </tr>
+            </thead>
+            <tbody>
+              {conflicts.slice(0, SHOWN).map((item, index) => (
+                <tr key={index}>
+                  <td>
+                    {item.address}
+                    {item.first ? ` ${w("framesOf", { first: item.first, last: item.last ?? item.first })}` : ""}
+                  </td>
+                  <td>{one(item.theirs)}</td>
+                  <td>{one(item.mine)}</td>
+                </tr>
+              ))}
+            </tbody>
           </table>
-        ) : <p>{w("conflictHelp")}</p>}
+        ) : (
+          <p>{w("conflictHelp")}</p>
+        )}
       </div>
-      {conflicts.length > 0 && <button type="button" class="button" onClick={() => void clip.insist().then((done) => done && reload())}>{w("keepMine")}</button>}
-      {conflicts.length > 0 && <button type="button" class="button" onClick={() => { clip.change(without(clip.draft.peek(), conflicts)); void saveClip(clip, reload, true); }}>{w("takeTheirs")}</button>}
-      {!conflicts.length && <button type="button" class="button" onClick={() => void saveClip(clip, reload, true)}>{w("merge")}</button>}
-      <button type="button" class="button quiet" onClick={() => { clip.discard(); reload(); }}>{w("discard")}</button>
+      {conflicts.length > 0 && (
+        <button type="button" class="button" onClick={() => void clip.insist().then((done) => done && reload())}>
+          {w("keepMine")}
+        </button>
+      )}
+      {conflicts.length > 0 && (
+        <button
+          type="button"
+          class="button"
+          onClick={() => {
+            clip.change(without(clip.draft.peek(), conflicts));
+            void saveClip(clip, reload, true);
+          }}
+        >
+          {w("takeTheirs")}
+        </button>
+      )}
+      {!conflicts.length && (
+        <button type="button" class="button" onClick={() => void saveClip(clip, reload, true)}>
+          {w("merge")}
+        </button>
+      )}
+      <button
+        type="button"
+        class="button quiet"
+        onClick={() => {
+          clip.discard();
+          reload();
+        }}
+      >
+        {w("discard")}
+      </button>
     </div>
   );
 }

@@ -17,23 +17,40 @@ export function DifferenceStrip({ clip }: { clip: Clip }) {
   const [found, setFound] = useState<{ joints: Apart[]; step: number } | null>(null);
   const [under, setUnder] = useState("");
   const other = clip.compared.value;
-  useEffect(() => effect(() => {
-    const compared = clip.compared.value;
-    const newer = compared?.against?.blocks ?? clip.blocks;
-    look.value;
-    newer.arrived.value;
-    const now = newer.overview();
-    const element = canvas.current;
-    if (!element || !now || !compared) return;
-    const { skeleton } = clip;
-    const joints = apart(now.values, compared.rows, skeleton.points, skeleton.view.bones.length, skeleton.metres).slice(0, MOST);
-    draw(element, clip, joints);
-    setFound({ joints, step: now.step });
-  }), [clip]);
-  const told = (one: Apart, row: number) => w("apartAt", { name: clip.skeleton.view.bones[one.joint].name, size: `${number(one.away[row] * 100, 1)} cm`, n: row * (found?.step ?? 1) + 1 });
+  useEffect(
+    () =>
+      effect(() => {
+        const compared = clip.compared.value;
+        const newer = compared?.against?.blocks ?? clip.blocks;
+        look.value;
+        newer.arrived.value;
+        const now = newer.overview();
+        const element = canvas.current;
+        if (!element || !now || !compared) return;
+        const { skeleton } = clip;
+        const joints = apart(
+          now.values,
+          compared.rows,
+          skeleton.points,
+          skeleton.view.bones.length,
+          skeleton.metres,
+        ).slice(0, MOST);
+        draw(element, clip, joints);
+        setFound({ joints, step: now.step });
+      }),
+    [clip],
+  );
+  const told = (one: Apart, row: number) =>
+    w("apartAt", {
+      name: clip.skeleton.view.bones[one.joint].name,
+      size: `${number(one.away[row] * 100, 1)} cm`,
+      n: row * (found?.step ?? 1) + 1,
+    });
   const at = (event: PointerEvent): [Apart, number] | null => {
     const one = found?.joints[Math.floor(event.offsetY / ROW)];
-    const row = one ? Math.floor(((event.offsetX - NAME) / (canvas.current!.clientWidth - NAME)) * one.away.length) : -1;
+    const row = one
+      ? Math.floor(((event.offsetX - NAME) / (canvas.current!.clientWidth - NAME)) * one.away.length)
+      : -1;
     return one && row >= 0 && row < one.away.length ? [one, row] : null;
   };
   const seek = (row: number) => {
@@ -44,11 +61,43 @@ export function DifferenceStrip({ clip }: { clip: Clip }) {
   return (
     <>
       {other && <p class="dim">{toldOf(other.facts)}</p>}
-      <canvas ref={canvas} class="difference" role="img" aria-label={w("difference")}
-        onPointerMove={(event) => { const here = at(event); setUnder(here ? told(...here) : ""); }} onPointerLeave={() => setUnder("")}
-        onClick={(event) => { const here = at(event as never); if (here) { seek(here[1]); clip.select([clip.skeleton.view.bones[here[0].joint].name]); } }} />
+      <canvas
+        ref={canvas}
+        class="difference"
+        role="img"
+        aria-label={w("difference")}
+        onPointerMove={(event) => {
+          const here = at(event);
+          setUnder(here ? told(...here) : "");
+        }}
+        onPointerLeave={() => setUnder("")}
+        onClick={(event) => {
+          const here = at(event as never);
+          if (here) {
+            seek(here[1]);
+            clip.select([clip.skeleton.view.bones[here[0].joint].name]);
+          }
+        }}
+      />
       <ul class="apart">
-        {under ? <li>{under}</li> : found?.joints.slice(0, TOLD).map((one) => <li key={one.joint}><button type="button" class="button quiet dense" onClick={() => { seek(one.at); clip.select([clip.skeleton.view.bones[one.joint].name]); }}>{told(one, one.at)}</button></li>)}
+        {under ? (
+          <li>{under}</li>
+        ) : (
+          found?.joints.slice(0, TOLD).map((one) => (
+            <li key={one.joint}>
+              <button
+                type="button"
+                class="button quiet dense"
+                onClick={() => {
+                  seek(one.at);
+                  clip.select([clip.skeleton.view.bones[one.joint].name]);
+                }}
+              >
+                {told(one, one.at)}
+              </button>
+            </li>
+          ))
+        )}
         {found && !found.joints.length && <li class="dim">{w("noDifference")}</li>}
       </ul>
     </>

@@ -11,20 +11,31 @@ import { History } from "./History";
 import { Info } from "./Info";
 import { Structure } from "./Structure";
 import { Tree } from "./Tree";
-import { lazy } from "../../shell/lazy";
+import { lazy } from "../../ui/lazy";
 
 const Text = lazy(async () => (await import("./Text")).TextView);
 
 const VIEWS: { id: string; word: Word }[] = [
-  { id: "tree", word: "tree" }, { id: "graph", word: "graph" }, { id: "body", word: "bodyTab" }, { id: "structure", word: "structure" },
-  { id: "text", word: "text" }, { id: "history", word: "history" }, { id: "comments", word: "comments" }, { id: "info", word: "info" },
+  { id: "tree", word: "tree" },
+  { id: "graph", word: "graph" },
+  { id: "body", word: "bodyTab" },
+  { id: "structure", word: "structure" },
+  { id: "text", word: "text" },
+  { id: "history", word: "history" },
+  { id: "comments", word: "comments" },
+  { id: "info", word: "info" },
 ];
 
 export function Dock({ clip, reload }: { clip: Clip; reload: () => void }) {
   const open = VIEWS.some((one) => one.id === param("tab")) ? param("tab") : "tree";
   return (
     <>
-      <Tabs label={w("dock")} tabs={VIEWS.map((one) => ({ id: one.id, text: w(one.word) }))} open={open} onOpen={(id) => setParams({ tab: id === "tree" ? null : id })} />
+      <Tabs
+        label={w("dock")}
+        tabs={VIEWS.map((one) => ({ id: one.id, text: w(one.word) }))}
+        open={open}
+        onOpen={(id) => setParams({ tab: id === "tree" ? null : id })}
+      />
       <div class="dock-view" role="tabpanel" id={`panel-${open}`} aria-labelledby={`tab-${open}`}>
         {open === "tree" && <Tree clip={clip} />}
         {open === "graph" && <Graph clip={clip} reload={reload} />}

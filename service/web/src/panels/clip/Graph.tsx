@@ -34,7 +34,11 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
   const host = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
   const playhead = useRef<HTMLDivElement>(null);
-  const stored = useAsync((signal) => curvesOf(clip.id, clip.detail.revision, joint.name, signal), [clip.id, clip.detail.revision, joint.name], [clip]);
+  const stored = useAsync(
+    (signal) => curvesOf(clip.id, clip.detail.revision, joint.name, signal),
+    [clip.id, clip.detail.revision, joint.name],
+    [clip],
+  );
   const channels = joint.channels;
   const draft = clip.draft.value;
 
@@ -56,16 +60,26 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
     if (kind === "Q") {
       const parts = ["x", "y", "z", "w"].map((axis) => ({ name: axis, axis, values: new Float64Array(clip.frames) }));
       for (let frame = 0; frame < clip.frames; frame++) {
-        const turn = localRotation(joint, (channel) => curves.get(channel)?.[frame] ?? null, clip.skeleton.view.radians);
+        const turn = localRotation(
+          joint,
+          (channel) => curves.get(channel)?.[frame] ?? null,
+          clip.skeleton.view.radians,
+        );
         parts.forEach((part, place) => (part.values[frame] = turn[place]));
       }
       return parts;
     }
-    return channels.filter((channel) => channel[0] === kind || (kind === "T" && channel === "SF")).map((channel) => {
-      const curve = curves.get(channel)!;
-      const turn = Math.round((Math.PI * 2) / clip.skeleton.view.radians);
-      return { name: channel, axis: channel[1]?.toLowerCase(), values: kind === "R" ? unwrapped(curve, turn) : curve };
-    });
+    return channels
+      .filter((channel) => channel[0] === kind || (kind === "T" && channel === "SF"))
+      .map((channel) => {
+        const curve = curves.get(channel)!;
+        const turn = Math.round((Math.PI * 2) / clip.skeleton.view.radians);
+        return {
+          name: channel,
+          axis: channel[1]?.toLowerCase(),
+          values: kind === "R" ? unwrapped(curve, turn) : curve,
+        };
+      });
   }, [curves, kind]);
   const visible = series.filter((one) => !hidden.has(one.name));
 
@@ -74,20 +88,62 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
     if (!element || !series.length) return;
     const frames = Float64Array.from({ length: clip.frames }, (_, at) => at + 1);
     const follow = (self: uPlot) => {
-      if (playhead.current) playhead.current.style.transform = `translateX(${self.valToPos(clip.player.frame.peek() + 1, "x") + self.over.offsetLeft}px)`;
+      if (playhead.current)
+        playhead.current.style.transform = `translateX(${self.valToPos(clip.player.frame.peek() + 1, "x") + self.over.offsetLeft}px)`;
     };
     const grid = { stroke: colour("line"), width: 1 };
-    const axis = { stroke: colour("text3"), grid, ticks: grid, font: `11px ${getComputedStyle(element).fontFamily}`, size: 44 };
-    const made = new uPlot({
-      width: element.clientWidth, height: Math.max(160, element.clientHeight), legend: { show: false },
-      scales: { x: { time: false, range: () => [inSight.peek().first + 1, Math.max(inSight.peek().first + 2, inSight.peek().last)] }, y: {} },
-      axes: [{ ...axis, size: 26 }, axis],
-      cursor: { drag: { x: true, y: false, setScale: false }, points: { size: 7 } },
-      series: [{}, ...series.map((one) => ({ label: one.name, stroke: colour(AXIS_OF[one.axis] ?? "text2"), width: 1.6, show: !hidden.has(one.name), dash: one.name === "w" ? [4, 3] : undefined }))],
-      hooks: { draw: [(self) => follow(self)], setSelect: [(self) => { if (self.select.width > 2) setRange([Math.max(1, Math.round(self.posToVal(self.select.left, "x"))), Math.min(clip.frames, Math.round(self.posToVal(self.select.left + self.select.width, "x")))]); else setRange(null); }] },
-    }, [frames, ...series.map((one) => one.values)] as never, element);
+    const axis = {
+      stroke: colour("text3"),
+      grid,
+      ticks: grid,
+      font: `11px ${getComputedStyle(element).fontFamily}`,
+      size: 44,
+    };
+    const made = new uPlot(
+      {
+        width: element.clientWidth,
+        height: Math.max(160, element.clientHeight),
+        legend: { show: false },
+        scales: {
+          x: {
+            time: false,
+            range: () => [inSight.peek().first + 1, Math.max(inSight.peek().first + 2, inSight.peek().last)],
+          },
+          y: {},
+        },
+        axes: [{ ...axis, size: 26 }, axis],
+        cursor: { drag: { x: true, y: false, setScale: false }, points: { size: 7 } },
+        series: [
+          {},
+          ...series.map((one) => ({
+            label: one.name,
+            stroke: colour(AXIS_OF[one.axis] ?? "text2"),
+            width: 1.6,
+            show: !hidden.has(one.name),
+            dash: one.name === "w" ? [4, 3] : undefined,
+          })),
+        ],
+        hooks: {
+          draw: [(self) => follow(self)],
+          setSelect: [
+            (self) => {
+              if (self.select.width > 2)
+                setRange([
+                  Math.max(1, Math.round(self.posToVal(self.select.left, "x"))),
+                  Math.min(clip.frames, Math.round(self.posToVal(self.select.left + self.select.width, "x"))),
+                ]);
+              else setRange(null);
+            },
+          ],
+        },
+      },
+      [frames, ...series.map((one) => one.values)] as never,
+      element,
+    );
     plot.current = made;
-    const observer = new ResizeObserver(() => made.setSize({ width: element.clientWidth, height: Math.max(160, element.clientHeight) }));
+    const observer = new ResizeObserver(() =>
+      made.setSize({ width: element.clientWidth, height: Math.max(160, element.clientHeight) }),
+    );
     observer.observe(element);
     const stops = [
       effect(() => {
@@ -99,7 +155,16 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
         follow(made);
       }),
     ];
-    const down = (event: PointerEvent) => grab(event, clip, joint.name, made, series.map((one, place) => ({ ...one, place })), hidden, kind);
+    const down = (event: PointerEvent) =>
+      grab(
+        event,
+        clip,
+        joint.name,
+        made,
+        series.map((one, place) => ({ ...one, place })),
+        hidden,
+        kind,
+      );
     made.over.addEventListener("pointerdown", down, true);
     return () => {
       for (const stop of stops) stop();
@@ -119,7 +184,13 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
       let next: Draft = clip.draft.peek();
       for (const one of visible) {
         const changed = tool(one.values.slice(first - 1, last));
-        next = withSamples(next, `${joint.name}.${one.name}`, [...changed].map((value, at): [number, number] => [first + at, rounded(value)]).filter(([, value]) => value === value));
+        next = withSamples(
+          next,
+          `${joint.name}.${one.name}`,
+          [...changed]
+            .map((value, at): [number, number] => [first + at, rounded(value)])
+            .filter(([, value]) => value === value),
+        );
       }
       return { ...next, steps: clip.draft.peek().steps + 1 };
     });
@@ -129,21 +200,63 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
       <div class="row graph-tools">
         <strong class="cut">{joint.name}</strong>
         <div class="segments" role="group" aria-label={w("channel")}>
-          {channels.some((one) => one[0] === "R") && <button type="button" aria-pressed={kind === "R"} onClick={() => setKind("R")}>{w("euler")}</button>}
-          {channels.some((one) => one[0] === "R") && <button type="button" aria-pressed={kind === "Q"} onClick={() => setKind("Q")}>{w("quaternion")}</button>}
-          {channels.some((one) => one[0] === "T") && <button type="button" aria-pressed={kind === "T"} onClick={() => setKind("T")}>{w("offset")}</button>}
+          {channels.some((one) => one[0] === "R") && (
+            <button type="button" aria-pressed={kind === "R"} onClick={() => setKind("R")}>
+              {w("euler")}
+            </button>
+          )}
+          {channels.some((one) => one[0] === "R") && (
+            <button type="button" aria-pressed={kind === "Q"} onClick={() => setKind("Q")}>
+              {w("quaternion")}
+            </button>
+          )}
+          {channels.some((one) => one[0] === "T") && (
+            <button type="button" aria-pressed={kind === "T"} onClick={() => setKind("T")}>
+              {w("offset")}
+            </button>
+          )}
         </div>
         {series.map((one) => (
-          <button key={one.name} type="button" class="chip" aria-pressed={!hidden.has(one.name)} onClick={() => { const next = new Set(hidden); if (!next.delete(one.name)) next.add(one.name); setHidden(next); }}>
-            <span class="swatch" style={{ background: hidden.has(one.name) ? "transparent" : `var(--${AXIS_OF[one.axis] ?? "text2"})`, outline: "1px solid var(--edge)" }} />{one.name}
+          <button
+            key={one.name}
+            type="button"
+            class="chip"
+            aria-pressed={!hidden.has(one.name)}
+            onClick={() => {
+              const next = new Set(hidden);
+              if (!next.delete(one.name)) next.add(one.name);
+              setHidden(next);
+            }}
+          >
+            <span
+              class="swatch"
+              style={{
+                background: hidden.has(one.name) ? "transparent" : `var(--${AXIS_OF[one.axis] ?? "text2"})`,
+                outline: "1px solid var(--edge)",
+              }}
+            />
+            {one.name}
           </button>
         ))}
       </div>
       <Trouble error={stored.error} retry={stored.again} />
       {stored.busy && !stored.value && <div class="busy" />}
-      <div class="graph-plot" ref={host} role="img" aria-label={`${joint.name}: ${series.map((one) => one.name).join(", ")}`}><div ref={playhead} class="graph-playhead" /></div>
-      {kind !== "Q" && clip.pinned === null && <Tools apply={apply} range={range}><FramesMenu clip={clip} range={range} reload={reload} /></Tools>}
-      {kind !== "Q" && clip.pinned === null && <Keys clip={clip} bone={joint.name} channels={series.map((one) => one.name)} />}
+      <div
+        class="graph-plot"
+        ref={host}
+        role="img"
+        aria-label={`${joint.name}: ${series.map((one) => one.name).join(", ")}`}
+      >
+        <div ref={playhead} class="graph-playhead" />
+      </div>
+      {kind !== "Q" && clip.pinned === null && (
+        <Tools apply={apply} range={range}>
+          <FramesMenu clip={clip} range={range} reload={reload} />
+        </Tools>
+      )}
+      {kind !== "Q" && clip.pinned === null && (
+        <Keys clip={clip} bone={joint.name} channels={series.map((one) => one.name)} />
+      )}
     </div>
   );
 }
@@ -151,12 +264,23 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
 const rounded = (value: number): number => Number(value.toFixed(6));
 
 /** Take hold of a curve near the pointer and drag its sample up and down. */
-function grab(event: PointerEvent, clip: Clip, bone: string, made: uPlot, series: { name: string; values: Float64Array; place: number }[], hidden: ReadonlySet<string>, kind: string): void {
+function grab(
+  event: PointerEvent,
+  clip: Clip,
+  bone: string,
+  made: uPlot,
+  series: { name: string; values: Float64Array; place: number }[],
+  hidden: ReadonlySet<string>,
+  kind: string,
+): void {
   if (kind === "Q" || clip.pinned !== null || event.button) return;
   const box = made.over.getBoundingClientRect();
   const frame = Math.max(1, Math.min(clip.frames, Math.round(made.posToVal(event.clientX - box.left, "x"))));
   const y = event.clientY - box.top;
-  const near = series.filter((one) => !hidden.has(one.name)).map((one) => ({ one, away: Math.abs(made.valToPos(one.values[frame - 1], "y") - y) })).sort((a, b) => a.away - b.away)[0];
+  const near = series
+    .filter((one) => !hidden.has(one.name))
+    .map((one) => ({ one, away: Math.abs(made.valToPos(one.values[frame - 1], "y") - y) }))
+    .sort((a, b) => a.away - b.away)[0];
   if (!near || near.away > NEAR) return;
   event.stopPropagation();
   event.preventDefault();
@@ -182,16 +306,39 @@ function grab(event: PointerEvent, clip: Clip, bone: string, made: uPlot, series
   addEventListener("pointerup", up);
 }
 
-function Tools({ apply, range, children }: { apply: (tool: (values: Float64Array) => Float64Array) => void; range: [number, number] | null; children: ComponentChildren }) {
+function Tools({
+  apply,
+  range,
+  children,
+}: {
+  apply: (tool: (values: Float64Array) => Float64Array) => void;
+  range: [number, number] | null;
+  children: ComponentChildren;
+}) {
   const [width, setWidth] = useState(4);
   const [factor, setFactor] = useState(1.1);
   const [by, setBy] = useState(5);
   const tool = (label: string, value: number, set: (value: number) => void, step: number, run: () => void) => (
-    <span class="row"><input class="field number" type="number" aria-label={label} value={value} step={step} onInput={(event) => set(Number(event.currentTarget.value))} /><button type="button" class="button dense" onClick={run}>{label}</button></span>
+    <span class="row">
+      <input
+        class="field number"
+        type="number"
+        aria-label={label}
+        value={value}
+        step={step}
+        onInput={(event) => set(Number(event.currentTarget.value))}
+      />
+      <button type="button" class="button dense" onClick={run}>
+        {label}
+      </button>
+    </span>
   );
   return (
     <div class="curve-tools" role="group" aria-label={w("curveTools")}>
-      <span class="row"><span class="dim">{range ? w("overRange", { first: range[0], last: range[1] }) : w("selectFrames")}</span>{range && children}</span>
+      <span class="row">
+        <span class="dim">{range ? w("overRange", { first: range[0], last: range[1] }) : w("selectFrames")}</span>
+        {range && children}
+      </span>
       <span class="row wrap">
         {tool(w("smooth"), width, setWidth, 1, () => apply((values) => smoothed(values, Math.max(0.5, width))))}
         {tool(w("scale"), factor, setFactor, 0.05, () => apply((values) => scaled(values, factor)))}
@@ -206,15 +353,29 @@ function Keys({ clip, bone, channels }: { clip: Clip; bone: string; channels: st
   const frame = clip.player.playing.value ? clip.player.frame.peek() : clip.player.frame.value;
   void clip.channels.arrived.value;
   void clip.draft.value;
-  useEffect(() => { if (!clip.player.playing.peek()) clip.channels.want(frame); }, [frame]);
+  useEffect(() => {
+    if (!clip.player.playing.peek()) clip.channels.want(frame);
+  }, [frame]);
   return (
     <div class="keys-now row wrap" role="group" aria-label={w("setKey", { frame: frame + 1 })}>
       <span class="dim">{w("setKey", { frame: number(frame + 1) })}</span>
       {channels.map((channel) => {
         const value = clip.sample(`${bone}.${channel}`, frame);
         return (
-          <label key={channel} class="row"><span class="dim">{channel}</span>
-            <input class="field number" type="number" step="any" value={value === null || Number.isNaN(value) ? "" : value} onChange={(event) => { const next = Number(event.currentTarget.value); if (event.currentTarget.value !== "" && Number.isFinite(next)) clip.setSamples(`${bone}.${channel}`, [[frame + 1, next]]); }} /></label>
+          <label key={channel} class="row">
+            <span class="dim">{channel}</span>
+            <input
+              class="field number"
+              type="number"
+              step="any"
+              value={value === null || Number.isNaN(value) ? "" : value}
+              onChange={(event) => {
+                const next = Number(event.currentTarget.value);
+                if (event.currentTarget.value !== "" && Number.isFinite(next))
+                  clip.setSamples(`${bone}.${channel}`, [[frame + 1, next]]);
+              }}
+            />
+          </label>
         );
       })}
     </div>

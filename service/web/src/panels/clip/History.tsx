@@ -10,7 +10,10 @@ import { w, when } from "../../words";
 import { DifferenceStrip } from "./DifferenceStrip";
 
 export function History({ clip, reload }: { clip: Clip; reload: () => void }) {
-  const revisions = useAsync((signal) => get("/documents/{id}/revisions", { path: { id: clip.id }, query: { limit: 200 }, signal }), [clip]);
+  const revisions = useAsync(
+    (signal) => get("/documents/{id}/revisions", { path: { id: clip.id }, query: { limit: 200 }, signal }),
+    [clip],
+  );
   const [shown, setShown] = useState<number | null>(null);
   const [picked, setPicked] = useState<number[]>([]);
   useEffect(() => () => void clip.compare(null), [clip]);
@@ -29,7 +32,11 @@ export function History({ clip, reload }: { clip: Clip; reload: () => void }) {
   };
   const restore = async (revision: number) => {
     try {
-      const answer = await ask("post", "/documents/{id}/restore", { path: { id: clip.id }, query: { revision }, match: clip.detail.revision });
+      const answer = await ask("post", "/documents/{id}/restore", {
+        path: { id: clip.id },
+        query: { revision },
+        match: clip.detail.revision,
+      });
       note(w("restoredAs", { n: (answer as { revision: number }).revision }));
       reload();
     } catch (error) {
@@ -47,22 +54,55 @@ export function History({ clip, reload }: { clip: Clip; reload: () => void }) {
         </section>
       )}
       <ol>
-        {[...(revisions.value?.items ?? [])].sort((a, b) => b.number - a.number).map((one: Schemas["Revision"]) => (
-          <li key={one.number} class={one.number === clip.detail.revision ? "now" : ""}>
-            <div class="row"><label class="row"><input type="checkbox" aria-label={w("pickRevision", { n: one.number })} checked={picked.includes(one.number)} onChange={() => pick(one.number)} /><strong>{one.number}</strong></label><span class="grow cut">{one.message || one.operation}</span><span class="dim">{when(one.time)}</span></div>
-            <div class="row dim">
-              <span class="grow cut">{w("author", { who: one.author ?? "local" })}</span>
-              {one.number === clip.detail.revision ? <span>{w("thisRevision")}</span> : (
-                <>
-                  <button type="button" class="button quiet dense" aria-pressed={shown === one.number} onClick={() => show(one.number)}>{w(shown === one.number ? "hideGhost" : "showGhost")}</button>
-                  <button type="button" class="button quiet dense" onClick={() => setParams({ rev: String(one.number) }, true)}>{w("open")}</button>
-                  {clip.pinned === null && <button type="button" class="button quiet dense" onClick={() => void restore(one.number)}>{w("restore")}</button>}
-                </>
-              )}
-            </div>
-            {shown === one.number && <DifferenceStrip clip={clip} />}
-          </li>
-        ))}
+        {[...(revisions.value?.items ?? [])]
+          .sort((a, b) => b.number - a.number)
+          .map((one: Schemas["Revision"]) => (
+            <li key={one.number} class={one.number === clip.detail.revision ? "now" : ""}>
+              <div class="row">
+                <label class="row">
+                  <input
+                    type="checkbox"
+                    aria-label={w("pickRevision", { n: one.number })}
+                    checked={picked.includes(one.number)}
+                    onChange={() => pick(one.number)}
+                  />
+                  <strong>{one.number}</strong>
+                </label>
+                <span class="grow cut">{one.message || one.operation}</span>
+                <span class="dim">{when(one.time)}</span>
+              </div>
+              <div class="row dim">
+                <span class="grow cut">{w("author", { who: one.author ?? "local" })}</span>
+                {one.number === clip.detail.revision ? (
+                  <span>{w("thisRevision")}</span>
+                ) : (
+                  <>
+                    <button
+                      type="button"
+                      class="button quiet dense"
+                      aria-pressed={shown === one.number}
+                      onClick={() => show(one.number)}
+                    >
+                      {w(shown === one.number ? "hideGhost" : "showGhost")}
+                    </button>
+                    <button
+                      type="button"
+                      class="button quiet dense"
+                      onClick={() => setParams({ rev: String(one.number) }, true)}
+                    >
+                      {w("open")}
+                    </button>
+                    {clip.pinned === null && (
+                      <button type="button" class="button quiet dense" onClick={() => void restore(one.number)}>
+                        {w("restore")}
+                      </button>
+                    )}
+                  </>
+                )}
+              </div>
+              {shown === one.number && <DifferenceStrip clip={clip} />}
+            </li>
+          ))}
       </ol>
     </div>
   );

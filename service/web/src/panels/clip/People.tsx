@@ -8,7 +8,8 @@ const SHOWN = 4;
 /** One or two letters by which people know each other. */
 function initials(name: string): string {
   const words = name.split(/[\s._-]+/).filter(Boolean);
-  const letters = words.length > 1 ? words.slice(0, 2).map((word) => [...word][0]) : [...(words[0] ?? name)].slice(0, 2);
+  const letters =
+    words.length > 1 ? words.slice(0, 2).map((word) => [...word][0]) : [...(words[0] ?? name)].slice(0, 2);
   return letters.join("").toLocaleUpperCase();
 }
 
@@ -20,13 +21,31 @@ function told(one: Present): string {
 export function People() {
   const all = others.value;
   if (!all.length) return null;
-  const more = all.slice(SHOWN).map((one) => one.name).join(", ");
+  const more = all
+    .slice(SHOWN)
+    .map((one) => one.name)
+    .join(", ");
   return (
     <ul class="people row" aria-label={w("peopleHere")}>
       {all.slice(0, SHOWN).map((one) => (
-        <li key={one.name}><span class={`avatar ${one.doing}`} role="img" aria-label={told(one)} title={told(one)}>{initials(one.name)}</span></li>
+        <li key={one.name}>
+          <span class={`avatar ${one.doing}`} role="img" aria-label={told(one)} title={told(one)}>
+            {initials(one.name)}
+          </span>
+        </li>
       ))}
-      {more && <li><span class="avatar" role="img" aria-label={w("moreHere", { who: more })} title={w("moreHere", { who: more })}>+{all.length - SHOWN}</span></li>}
+      {more && (
+        <li>
+          <span
+            class="avatar"
+            role="img"
+            aria-label={w("moreHere", { who: more })}
+            title={w("moreHere", { who: more })}
+          >
+            +{all.length - SHOWN}
+          </span>
+        </li>
+      )}
     </ul>
   );
 }
@@ -34,5 +53,10 @@ export function People() {
 export function OthersEdit() {
   const who = others.value.filter((one) => one.doing === "editing").map((one) => one.name);
   if (!who.length) return null;
-  return <p class="others-edit row" role="status"><span class="dot" />{w("othersEdit", { who: who.join(", "), n: who.length })}</p>;
+  return (
+    <p class="others-edit row" role="status">
+      <span class="dot" />
+      {w("othersEdit", { who: who.join(", "), n: who.length })}
+    </p>
+  );
 }

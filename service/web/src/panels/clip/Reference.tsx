@@ -18,7 +18,8 @@ export function Reference({ clip, media }: { clip: Clip; media: Media }) {
     const one = element.current;
     if (!one || !open) return;
     const wanted = () => media.offset + player.frame.peek() / player.perSecond;
-    player.lead = () => (one.paused || one.readyState < 3 || one.ended ? null : (one.currentTime - media.offset) * player.perSecond);
+    player.lead = () =>
+      one.paused || one.readyState < 3 || one.ended ? null : (one.currentTime - media.offset) * player.perSecond;
     const stops = [
       effect(() => {
         const speed = player.speed.value;
@@ -47,8 +48,21 @@ export function Reference({ clip, media }: { clip: Clip; media: Media }) {
   const isVideo = media.media_type.startsWith("video/");
   return (
     <div class={`reference ${open ? "" : "folded"}`}>
-      <button type="button" class="button quiet icon dense" aria-label={label} aria-expanded={open} onClick={() => setOpen(!open)}><Icon name={open ? "down" : "play"} /></button>
-      {open && (isVideo ? <video ref={element} src={source} preload="auto" playsInline aria-label={label} /> : <audio ref={element} src={source} preload="auto" aria-label={label} />)}
+      <button
+        type="button"
+        class="button quiet icon dense"
+        aria-label={label}
+        aria-expanded={open}
+        onClick={() => setOpen(!open)}
+      >
+        <Icon name={open ? "down" : "play"} />
+      </button>
+      {open &&
+        (isVideo ? (
+          <video ref={element} src={source} preload="auto" playsInline aria-label={label} />
+        ) : (
+          <audio ref={element} src={source} preload="auto" aria-label={label} />
+        ))}
       {!isVideo && <span class="cut dim">{media.name}</span>}
     </div>
   );
@@ -91,12 +105,37 @@ export function ReferenceForm({ clip, reload }: { clip: Clip; reload: () => void
       refuse(error);
     }
   };
-  if (!media) return <div><p class="dim">{w("referenceHelp")}</p><button type="button" class="button dense" onClick={choose}>{w("chooseMedia")}</button></div>;
+  if (!media)
+    return (
+      <div>
+        <p class="dim">{w("referenceHelp")}</p>
+        <button type="button" class="button dense" onClick={choose}>
+          {w("chooseMedia")}
+        </button>
+      </div>
+    );
   return (
     <div class="row wrap">
       <span class="cut">{media.name}</span>
-      <label class="row"><span class="dim">{w("beginsAt")}</span><input class="field number" type="number" step="0.01" value={media.offset} onChange={(event) => void change(Number(event.currentTarget.value))} /> s</label>
-      <button type="button" class="button quiet icon dense" aria-label={`${w("remove")} ${media.name}`} onClick={() => void remove()}><Icon name="close" /></button>
+      <label class="row">
+        <span class="dim">{w("beginsAt")}</span>
+        <input
+          class="field number"
+          type="number"
+          step="0.01"
+          value={media.offset}
+          onChange={(event) => void change(Number(event.currentTarget.value))}
+        />{" "}
+        s
+      </label>
+      <button
+        type="button"
+        class="button quiet icon dense"
+        aria-label={`${w("remove")} ${media.name}`}
+        onClick={() => void remove()}
+      >
+        <Icon name="close" />
+      </button>
     </div>
   );
 }

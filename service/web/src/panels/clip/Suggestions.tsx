@@ -12,7 +12,9 @@ export const suggested = signal<Suggested[]>([]);
 
 export function Suggestions({ clip }: { clip: Clip }) {
   const [busy, setBusy] = useState(false);
-  useEffect(() => { suggested.value = []; }, [clip]);
+  useEffect(() => {
+    suggested.value = [];
+  }, [clip]);
   const offer = async () => {
     setBusy(true);
     try {
@@ -35,10 +37,18 @@ export function Suggestions({ clip }: { clip: Clip }) {
     <div class="suggest row">
       {all.length ? (
         <>
-          <button type="button" class="button dense" onClick={accept}>{w("acceptAll", { n: all.length })}</button>
-          <button type="button" class="button quiet dense" onClick={() => (suggested.value = [])}>{w("hideSuggestions")}</button>
+          <button type="button" class="button dense" onClick={accept}>
+            {w("acceptAll", { n: all.length })}
+          </button>
+          <button type="button" class="button quiet dense" onClick={() => (suggested.value = [])}>
+            {w("hideSuggestions")}
+          </button>
         </>
-      ) : <button type="button" class="button quiet dense" disabled={busy} onClick={() => void offer()}>{busy ? w("loading") : w("suggestions")}</button>}
+      ) : (
+        <button type="button" class="button quiet dense" disabled={busy} onClick={() => void offer()}>
+          {busy ? w("loading") : w("suggestions")}
+        </button>
+      )}
     </div>
   );
 }
@@ -46,8 +56,17 @@ export function Suggestions({ clip }: { clip: Clip }) {
 function Chip({ span, style, clip }: { span: Suggested; style: Record<string, string>; clip: Clip }) {
   return (
     <div role="listitem" class="span-item" style={style}>
-      <button type="button" class="span offer" title={`${span.name} ${span.first}–${span.last}, ${w("confidence", { value: number(span.confidence, 2) })}: ${w("accept")}`}
-        onClick={() => { clip.setLabels([...clip.labels.peek(), newSpan(span.name, span.first, span.last)]); suggested.value = suggested.peek().filter((one) => one !== span && !(one.name === span.name && one.first === span.first)); }}>
+      <button
+        type="button"
+        class="span offer"
+        title={`${span.name} ${span.first}–${span.last}, ${w("confidence", { value: number(span.confidence, 2) })}: ${w("accept")}`}
+        onClick={() => {
+          clip.setLabels([...clip.labels.peek(), newSpan(span.name, span.first, span.last)]);
+          suggested.value = suggested
+            .peek()
+            .filter((one) => one !== span && !(one.name === span.name && one.first === span.first));
+        }}
+      >
         {span.name}? {number(span.confidence, 2)}
       </button>
     </div>

@@ -11,7 +11,15 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { ask, get } from "../../api/client";
 import type { Clip } from "../../state/clip";
 import { asChanges, withFragment, withSamples, orReplaced } from "../../state/draft";
-import { changedFrames, changedParts, changedSamples, FRAMES_AT_ONCE, readWindow, type Replacement, type Window } from "../../state/lines";
+import {
+  changedFrames,
+  changedParts,
+  changedSamples,
+  FRAMES_AT_ONCE,
+  readWindow,
+  type Replacement,
+  type Window,
+} from "../../state/lines";
 import { note, refuse } from "../../state/notes";
 import { Icon } from "../../ui/icons";
 import { Trouble } from "../../ui/Trouble";
@@ -32,18 +40,33 @@ const colours = HighlightStyle.define([
 export function TextView({ clip }: { clip: Clip; reload: () => void }) {
   const [frames, setFrames] = useState<[number, number] | null>(() => windowAt(clip, clip.player.frame.peek() + 1));
   const [search, setSearch] = useState("");
-  const found = useAsync((signal) => readWindow(clip.id, clip.detail.revision, frames, signal), [clip, frames?.[0], frames?.[1]]);
+  const found = useAsync(
+    (signal) => readWindow(clip.id, clip.detail.revision, frames, signal),
+    [clip, frames?.[0], frames?.[1]],
+  );
   const dtd = useAsync(async () => completions(await theDtd()), []);
   const move = (by: number) => {
-    if (by < 0 && (!frames || frames[0] === 1)) return setFrames(null);
+    if (by < 0 && (!frames || frames[0] === 1)) {
+      setFrames(null);
+      return;
+    }
     setFrames(windowAt(clip, frames ? frames[0] + by * FRAMES_AT_ONCE : 1));
   };
   const find = async () => {
     if (!search) return;
     try {
       const here = found.value ? found.value.firstLine + found.value.text.split("\n").length : 1;
-      const answer = (await get("/documents/{id}/find", { path: { id: clip.id }, query: { text: search, from: here, revision: clip.detail.revision } })).place ?? null;
-      if (!answer) return note(w("nothingFound"));
+      const answer =
+        (
+          await get("/documents/{id}/find", {
+            path: { id: clip.id },
+            query: { text: search, from: here, revision: clip.detail.revision },
+          })
+        ).place ?? null;
+      if (!answer) {
+        note(w("nothingFound"));
+        return;
+      }
       const frame = /frame\[(\d+)\]/.exec(answer.address);
       setFrames(frame ? windowAt(clip, Number(frame[1])) : null);
     } catch (error) {
@@ -53,16 +76,57 @@ export function TextView({ clip }: { clip: Clip; reload: () => void }) {
   return (
     <div class="text-view">
       <div class="row wrap text-tools">
-        <button type="button" class="button quiet dense" aria-pressed={!frames} onClick={() => setFrames(null)}>{w("head")}</button>
-        <button type="button" class="button quiet icon dense" aria-label={w("backFrame")} disabled={!frames} onClick={() => move(-1)}><Icon name="back" /></button>
-        <button type="button" class="button quiet dense" onClick={() => setFrames(windowAt(clip, clip.player.frame.peek() + 1))}>{frames ? w("framesOf", { first: frames[0], last: frames[1] }) : w("frame")}</button>
-        <button type="button" class="button quiet icon dense" aria-label={w("nextFrame")} disabled={Boolean(frames && frames[1] >= clip.frames)} onClick={() => move(1)}><Icon name="next" /></button>
+        <button type="button" class="button quiet dense" aria-pressed={!frames} onClick={() => setFrames(null)}>
+          {w("head")}
+        </button>
+        <button
+          type="button"
+          class="button quiet icon dense"
+          aria-label={w("backFrame")}
+          disabled={!frames}
+          onClick={() => move(-1)}
+        >
+          <Icon name="back" />
+        </button>
+        <button
+          type="button"
+          class="button quiet dense"
+          onClick={() => setFrames(windowAt(clip, clip.player.frame.peek() + 1))}
+        >
+          {frames ? w("framesOf", { first: frames[0], last: frames[1] }) : w("frame")}
+        </button>
+        <button
+          type="button"
+          class="button quiet icon dense"
+          aria-label={w("nextFrame")}
+          disabled={Boolean(frames && frames[1] >= clip.frames)}
+          onClick={() => move(1)}
+        >
+          <Icon name="next" />
+        </button>
         <span class="grow" />
-        <input class="field dense-field" type="search" aria-label={w("search")} placeholder={w("search")} value={search} onInput={(event) => setSearch(event.currentTarget.value)} onKeyDown={(event) => { if (event.key === "Enter") void find(); }} />
+        <input
+          class="field dense-field"
+          type="search"
+          aria-label={w("search")}
+          placeholder={w("search")}
+          value={search}
+          onInput={(event) => setSearch(event.currentTarget.value)}
+          onKeyDown={(event) => {
+            if (event.key === "Enter") void find();
+          }}
+        />
       </div>
       <Trouble error={found.error} retry={found.again} />
       {found.busy && <div class="busy" />}
-      {found.value && dtd.value && <Editor key={`${found.value.firstLine} ${clip.detail.revision}`} clip={clip} window={found.value} elements={dtd.value} />}
+      {found.value && dtd.value && (
+        <Editor
+          key={`${found.value.firstLine} ${clip.detail.revision}`}
+          clip={clip}
+          window={found.value}
+          elements={dtd.value}
+        />
+      )}
     </div>
   );
 }
@@ -89,11 +153,24 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
       state: EditorState.create({
         doc: shown.text,
         extensions: [
-          lineNumbers({ formatNumber: (line) => String(line + shown.firstLine - 1) }), foldGutter(), lintGutter(), history(), closeBrackets(), autocompletion(),
-          xml({ elements }), syntaxHighlighting(colours), editorTheme, EditorState.readOnly.of(clip.pinned !== null),
+          lineNumbers({ formatNumber: (line) => String(line + shown.firstLine - 1) }),
+          foldGutter(),
+          lintGutter(),
+          history(),
+          closeBrackets(),
+          autocompletion(),
+          xml({ elements }),
+          syntaxHighlighting(colours),
+          editorTheme,
+          EditorState.readOnly.of(clip.pinned !== null),
           keymap.of([...closeBracketsKeymap, ...completionKeymap, ...historyKeymap, ...defaultKeymap]),
           EditorView.contentAttributes.of({ "aria-label": "MCML" }),
-          EditorView.updateListener.of((update) => { if (update.docChanged) { setChanged(update.state.doc.toString() !== shown.text); setSaid(""); } }),
+          EditorView.updateListener.of((update) => {
+            if (update.docChanged) {
+              setChanged(update.state.doc.toString() !== shown.text);
+              setSaid("");
+            }
+          }),
         ],
       }),
     });
@@ -117,12 +194,22 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
     if (!found) return null;
     const elements = found.map((one) => ({ do: "replace" as const, xpath: one.address, fragment: one.fragment }));
     try {
-      const answer = await ask("post", "/documents/{id}/changes", { path: { id: clip.id }, query: { dry_run: true }, match: clip.detail.revision, body: { ...asChanges({ samples: new Map(), labels: null, elements: new Map(), steps: 0 }), elements } });
+      const answer = await ask("post", "/documents/{id}/changes", {
+        path: { id: clip.id },
+        query: { dry_run: true },
+        match: clip.detail.revision,
+        body: { ...asChanges({ samples: new Map(), labels: null, elements: new Map(), steps: 0 }), elements },
+      });
       const marks = (answer.faults ?? []).map((fault): Diagnostic => {
         const base = fault.number === null || fault.number === undefined ? 1 : found[fault.number].line;
         const state = view.current!.state;
         const line = state.doc.line(Math.max(1, Math.min(state.doc.lines, base + (fault.line ?? 1) - 1)));
-        return { from: line.from, to: line.to, severity: "error", message: [fault.what, fault.remedy].filter(Boolean).join(" ") };
+        return {
+          from: line.from,
+          to: line.to,
+          severity: "error",
+          message: [fault.what, fault.remedy].filter(Boolean).join(" "),
+        };
       });
       view.current!.dispatch(setDiagnostics(view.current!.state, marks));
       setSaid(marks.length ? `${w("faults", { n: marks.length })}: ${marks[0].message}` : w("noFaults"));
@@ -140,7 +227,12 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
       const frame = shown.frames ? Number(/frame\[(\d+)\]/.exec(one.address)![1]) : null;
       const samples = frame === null ? null : changedSamples(one.before, one.fragment);
       const from = draft;
-      const sampled = samples && frame !== null && orReplaced(() => [...samples].reduce((made, [track, value]) => withSamples(made, track, [[frame, value]]), from));
+      const sampled =
+        samples &&
+        frame !== null &&
+        orReplaced(() =>
+          [...samples].reduce((made, [track, value]) => withSamples(made, track, [[frame, value]]), from),
+        );
       draft = sampled || withFragment(draft, one.address, one.fragment, frame);
     }
     clip.change({ ...draft, steps: clip.draft.peek().steps + 1 });
@@ -150,10 +242,26 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
     <>
       <div ref={host} class="text-host" />
       <div class="row wrap text-foot">
-        <span class="dim">{w("textWindow", { first: number(shown.firstLine), last: number(shown.firstLine + shown.text.split("\n").length - 1) })} / {number(shown.totalLines)}</span>
-        <span class="grow" role="status">{said}</span>
-        {changed && <button type="button" class="button dense" onClick={() => void check()}>{w("check")}</button>}
-        {changed && <button type="button" class="button dense primary" onClick={() => void keep()}>{w("apply")}</button>}
+        <span class="dim">
+          {w("textWindow", {
+            first: number(shown.firstLine),
+            last: number(shown.firstLine + shown.text.split("\n").length - 1),
+          })}{" "}
+          / {number(shown.totalLines)}
+        </span>
+        <span class="grow" role="status">
+          {said}
+        </span>
+        {changed && (
+          <button type="button" class="button dense" onClick={() => void check()}>
+            {w("check")}
+          </button>
+        )}
+        {changed && (
+          <button type="button" class="button dense primary" onClick={() => void keep()}>
+            {w("apply")}
+          </button>
+        )}
       </div>
     </>
   );

@@ -50,7 +50,9 @@ export function Timeline({ clip }: { clip: Clip }) {
 
   const spans = clip.labels.value;
   const shownSpans = drag.value ? [...spans.filter((one) => one.id !== drag.value!.span.id), drag.value.span] : spans;
-  const offered = suggested.value.filter((one) => !spans.some((span) => span.name === one.name && span.first === one.first && span.last === one.last));
+  const offered = suggested.value.filter(
+    (one) => !spans.some((span) => span.name === one.name && span.first === one.first && span.last === one.last),
+  );
   const all = [...shownSpans, ...offered.map((one, index) => ({ ...one, id: -1e9 - index }))];
   const places = lanes(all);
   // One lane is free: a label is drawn there over any other.
@@ -58,13 +60,17 @@ export function Timeline({ clip }: { clip: Clip }) {
   const range = inSight.value;
 
   // Ruler, loop, playhead and speed are drawn; they change with each frame.
-  useEffect(() => effect(() => {
-    const element = canvas.current;
-    if (!element) return;
-    look.value;
-    clip.blocks.arrived.value;
-    drawRuler(element, clip, inSight.value, wide, tall, Math.min(laneCount, 6));
-  }), [clip, wide, tall, laneCount]);
+  useEffect(
+    () =>
+      effect(() => {
+        const element = canvas.current;
+        if (!element) return;
+        look.value;
+        clip.blocks.arrived.value;
+        drawRuler(element, clip, inSight.value, wide, tall, Math.min(laneCount, 6));
+      }),
+    [clip, wide, tall, laneCount],
+  );
 
   const frameAt = (event: PointerEvent | WheelEvent): number => {
     const left = box.current!.getBoundingClientRect().left + HEAD;
@@ -77,12 +83,21 @@ export function Timeline({ clip }: { clip: Clip }) {
     player.pause();
     player.seek(frameAt(event));
     element.onpointermove = (move) => player.seek(frameAt(move));
-    element.onpointerup = () => { element.onpointermove = element.onpointerup = null; if (playing) player.play(); };
+    element.onpointerup = () => {
+      element.onpointermove = element.onpointerup = null;
+      if (playing) player.play();
+    };
   };
   const onWheel = (event: WheelEvent) => {
     event.preventDefault();
-    if (event.ctrlKey || event.metaKey || !event.shiftKey && Math.abs(event.deltaY) > Math.abs(event.deltaX)) inSight.value = zoomed(inSight.peek(), frameAt(event), Math.exp(event.deltaY / 400), frames);
-    else inSight.value = moved(inSight.peek(), ((event.deltaX || event.deltaY) / wide) * (range.last - range.first), frames);
+    if (event.ctrlKey || event.metaKey || (!event.shiftKey && Math.abs(event.deltaY) > Math.abs(event.deltaX)))
+      inSight.value = zoomed(inSight.peek(), frameAt(event), Math.exp(event.deltaY / 400), frames);
+    else
+      inSight.value = moved(
+        inSight.peek(),
+        ((event.deltaX || event.deltaY) / wide) * (range.last - range.first),
+        frames,
+      );
   };
   useEffect(() => {
     const element = box.current!;
@@ -92,7 +107,9 @@ export function Timeline({ clip }: { clip: Clip }) {
 
   /** An edge where it snaps, within a few pixels of a mark; Alt lets it be anywhere. */
   const snap = (edge: number, side: "first" | "last", own: number | null, event: PointerEvent): number => {
-    const found = event.altKey ? null : nearestMark(edge, marksOf(clip, side, own), (SNAP * (range.last - range.first)) / wide);
+    const found = event.altKey
+      ? null
+      : nearestMark(edge, marksOf(clip, side, own), (SNAP * (range.last - range.first)) / wide);
     snapLine.value = found;
     return found ?? edge;
   };
@@ -115,7 +132,11 @@ export function Timeline({ clip }: { clip: Clip }) {
     element.onpointerup = () => {
       element.onpointermove = element.onpointerup = null;
       if (drag.value) naming.value = { ...drag.value };
-      else { player.pause(); player.seek(from); clip.select([]); }
+      else {
+        player.pause();
+        player.seek(from);
+        clip.select([]);
+      }
       drag.value = snapLine.value = null;
     };
   };
@@ -153,7 +174,8 @@ export function Timeline({ clip }: { clip: Clip }) {
     element.onpointerup = () => {
       element.onpointermove = element.onpointerup = null;
       drag.value = snapLine.value = null;
-      if (changed && (changed.first !== span.first || changed.last !== span.last)) clip.setLabels(spans.map((one) => (one.id === span.id ? changed! : one)));
+      if (changed && (changed.first !== span.first || changed.last !== span.last))
+        clip.setLabels(spans.map((one) => (one.id === span.id ? changed! : one)));
     };
   };
 
@@ -173,28 +195,68 @@ export function Timeline({ clip }: { clip: Clip }) {
 
   return (
     <section class="timeline" ref={box} aria-label={w("timeline")} style={{ height: `${timelineTall.value}px` }}>
-      <canvas ref={canvas} class="timeline-canvas" style={{ left: `${HEAD}px`, width: `${wide}px` }} onPointerDown={scrub} aria-hidden="true" />
-      <span class="lane-name" style={{ top: `${RULER + 6}px` }}>{w("namesLane")}</span>
-      <span class="lane-name" style={{ top: `${RULER + Math.min(laneCount, 6) * LANE + 14}px` }}>{w("speedLane")}</span>
-      <div class="spans" role="list" aria-label={w("names")} title={w("spanHelp")} style={{ left: `${HEAD}px`, top: `${RULER + 2}px`, height: `${Math.min(laneCount, 6) * LANE}px` }} onPointerDown={draw}>
+      <canvas
+        ref={canvas}
+        class="timeline-canvas"
+        style={{ left: `${HEAD}px`, width: `${wide}px` }}
+        onPointerDown={scrub}
+        aria-hidden="true"
+      />
+      <span class="lane-name" style={{ top: `${RULER + 6}px` }}>
+        {w("namesLane")}
+      </span>
+      <span class="lane-name" style={{ top: `${RULER + Math.min(laneCount, 6) * LANE + 14}px` }}>
+        {w("speedLane")}
+      </span>
+      <div
+        class="spans"
+        role="list"
+        aria-label={w("names")}
+        title={w("spanHelp")}
+        style={{ left: `${HEAD}px`, top: `${RULER + 2}px`, height: `${Math.min(laneCount, 6) * LANE}px` }}
+        onPointerDown={draw}
+      >
         {all.map((span, index) => {
           const left = toX(span.first - 1, range, wide);
           const right = toX(span.last, range, wide);
           if (right < 0 || left > wide) return null;
           const isOffer = "confidence" in span;
-          const style = { left: `${left}px`, width: `${Math.max(3, right - left - 1)}px`, top: `${places[index] * LANE}px`, "--ink": nameColour(span.name) } as Record<string, string>;
+          const style = {
+            left: `${left}px`,
+            width: `${Math.max(3, right - left - 1)}px`,
+            top: `${places[index] * LANE}px`,
+            "--ink": nameColour(span.name),
+          } as Record<string, string>;
           return isOffer ? (
             <Suggestions.Chip key={`?${span.name}${span.first}`} span={span as never} style={style} clip={clip} />
           ) : (
             <div key={span.id} role="listitem" class="span-item" style={style}>
-              <button type="button" class="span" data-side={span.name.startsWith("left-") ? "left" : span.name.startsWith("right-") ? "right" : ""} aria-label={`${span.name || "…"}, ${span.first}–${span.last}`} title={`${span.name} ${span.first}–${span.last}`}
-                onPointerDown={(event) => take(event, span)} onDblClick={() => (naming.value = { span, fresh: false })} onKeyDown={(event) => key(event, span)}>{span.name || "…"}</button>
+              <button
+                type="button"
+                class="span"
+                data-side={span.name.startsWith("left-") ? "left" : span.name.startsWith("right-") ? "right" : ""}
+                aria-label={`${span.name || "…"}, ${span.first}–${span.last}`}
+                title={`${span.name} ${span.first}–${span.last}`}
+                onPointerDown={(event) => take(event, span)}
+                onDblClick={() => (naming.value = { span, fresh: false })}
+                onKeyDown={(event) => key(event, span)}
+              >
+                {span.name || "…"}
+              </button>
             </div>
           );
         })}
       </div>
-      {snapLine.value !== null && <span class="snap-line" style={{ left: `${HEAD + toX(snapLine.value, range, wide)}px` }} />}
-      {naming.value && <NameSpan key={naming.value.span.id} clip={clip} left={HEAD + Math.max(0, Math.min(wide - 350, toX(naming.value.span.first - 1, range, wide)))} />}
+      {snapLine.value !== null && (
+        <span class="snap-line" style={{ left: `${HEAD + toX(snapLine.value, range, wide)}px` }} />
+      )}
+      {naming.value && (
+        <NameSpan
+          key={naming.value.span.id}
+          clip={clip}
+          left={HEAD + Math.max(0, Math.min(wide - 350, toX(naming.value.span.first - 1, range, wide)))}
+        />
+      )}
     </section>
   );
 }
@@ -208,12 +270,24 @@ function marksOf(clip: Clip, side: "first" | "last", own: number | null): number
   return [
     player.frame.peek() + Number(side === "last"),
     ...(loop ? [loop[0], loop[1] + 1] : []),
-    ...clip.labels.peek().filter((span) => span.id !== own).flatMap((span) => [span.first - 1, span.last]),
-    ...(overview ? stills(speedOf(clip.blocks, overview.values, clip.skeleton.points), overview.step, player.perSecond) : []),
+    ...clip.labels
+      .peek()
+      .filter((span) => span.id !== own)
+      .flatMap((span) => [span.first - 1, span.last]),
+    ...(overview
+      ? stills(speedOf(clip.blocks, overview.values, clip.skeleton.points), overview.step, player.perSecond)
+      : []),
   ];
 }
 
-function drawRuler(element: HTMLCanvasElement, clip: Clip, range: Range, width: number, height: number, laneCount: number): void {
+function drawRuler(
+  element: HTMLCanvasElement,
+  clip: Clip,
+  range: Range,
+  width: number,
+  height: number,
+  laneCount: number,
+): void {
   const ratio = Math.min(devicePixelRatio, 2);
   if (element.width !== Math.round(width * ratio) || element.height !== Math.round(height * ratio)) {
     element.width = Math.round(width * ratio);
@@ -242,7 +316,8 @@ function drawRuler(element: HTMLCanvasElement, clip: Clip, range: Range, width: 
     pen.moveTo(x, major ? 10 : 16);
     pen.lineTo(x, RULER);
     if (major) {
-      const text = timeAs.value === "frame" ? String(frame + 1) : clock(frame, player.perSecond, timeAs.value === "timecode");
+      const text =
+        timeAs.value === "frame" ? String(frame + 1) : clock(frame, player.perSecond, timeAs.value === "timecode");
       if (x + 4 + pen.measureText(text).width < width) pen.fillText(text, x + 4, 14);
     }
   }
@@ -266,7 +341,14 @@ function drawRuler(element: HTMLCanvasElement, clip: Clip, range: Range, width: 
 }
 
 /** How fast the body moves, from the coarse pass. */
-function drawSpeed(pen: CanvasRenderingContext2D, clip: Clip, range: Range, width: number, top: number, bottom: number): void {
+function drawSpeed(
+  pen: CanvasRenderingContext2D,
+  clip: Clip,
+  range: Range,
+  width: number,
+  top: number,
+  bottom: number,
+): void {
   const overview = clip.blocks.overview();
   if (!overview || bottom - top < 12) return;
   const { values, step } = overview;
@@ -278,11 +360,15 @@ function drawSpeed(pen: CanvasRenderingContext2D, clip: Clip, range: Range, widt
   pen.beginPath();
   let begun = false;
   const each = Math.max(1, Math.floor(((range.last - range.first) / step / width) * 0.5));
-  for (let place = Math.max(0, Math.floor(range.first / step) - 1); place < speeds.length && place * step <= range.last + step; place += each) {
+  for (
+    let place = Math.max(0, Math.floor(range.first / step) - 1);
+    place < speeds.length && place * step <= range.last + step;
+    place += each
+  ) {
     let value = 0;
     for (let at = place; at < Math.min(speeds.length, place + each); at++) value = Math.max(value, speeds[at]);
     const x = toX((place + 0.5) * step, range, width);
-    const y = bottom - (Math.sqrt(value / most)) * (bottom - top);
+    const y = bottom - Math.sqrt(value / most) * (bottom - top);
     if (begun) pen.lineTo(x, y);
     else pen.moveTo(x, y);
     begun = true;

@@ -55,7 +55,11 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         const show = shown.value;
         made.shown = show;
         made.selected = new Set(clip.selection.value.bones.map((name) => skeleton.byName.get(name)!));
-        made.pose(actor, { positions, before: show.ghosts ? ghostsOf(clip, frame) : [null, null, null, null], trail: show.trails ? trailsOf(clip, frame, [...made.selected]) : [] });
+        made.pose(actor, {
+          positions,
+          before: show.ghosts ? ghostsOf(clip, frame) : [null, null, null, null],
+          trail: show.trails ? trailsOf(clip, frame, [...made.selected]) : [],
+        });
         const overview = clip.blocks.overview();
         const version = clip.blocks.arrived.peek();
         if (overview && floorFrom !== version && (floorFrom < 0 || overview.values.length)) {
@@ -94,7 +98,12 @@ export function ViewerPane({ clip }: { clip: Clip }) {
         if (frameAsked.value && framed) made.frame(cameraView.peek(), [...made.selected]);
       }),
       effect(() => {
-        if (!player.playing.value && words.current) words.current.textContent = w("viewerWords", { name: detail.name, frame: player.frame.value + 1, n: clip.frames });
+        if (!player.playing.value && words.current)
+          words.current.textContent = w("viewerWords", {
+            name: detail.name,
+            frame: player.frame.value + 1,
+            n: clip.frames,
+          });
       }),
     ];
     rest.current = restPose(clip, made);
@@ -117,63 +126,121 @@ export function ViewerPane({ clip }: { clip: Clip }) {
   const toggles = ["follow", "ghosts", "trails", "names", "axes", "rest"] as const;
   const passport = (
     <div class="passport">
-      <span class={detail.unit ? "" : "guess"} title={w("unit")}>{skeleton.view.likely_unit ?? w("unitUnknown")}</span>
-      <span class={detail.seconds_per_frame ? "" : "guess"} title={w("rateWord")}>{rate(detail.seconds_per_frame)}</span>
-      <span class={detail.up ? "" : "guess"} title={w("up")}>{skeleton.view.likely_up}</span>
+      <span class={detail.unit ? "" : "guess"} title={w("unit")}>
+        {skeleton.view.likely_unit ?? w("unitUnknown")}
+      </span>
+      <span class={detail.seconds_per_frame ? "" : "guess"} title={w("rateWord")}>
+        {rate(detail.seconds_per_frame)}
+      </span>
+      <span class={detail.up ? "" : "guess"} title={w("up")}>
+        {skeleton.view.likely_up}
+      </span>
     </div>
   );
   return (
     <div class="viewer">
       <div class="viewer-tools row">
-        <Menu label={w("view")} className="button quiet dense" items={(["persp", "front", "side", "top"] as CameraView[]).map((one) => ({ text: w(one), checked: cameraView.value === one, run: () => { cameraView.value = one; frameAsked.value++; } }))}>
-          {w(cameraView.value)}<Icon name="down" />
+        <Menu
+          label={w("view")}
+          className="button quiet dense"
+          items={(["persp", "front", "side", "top"] as CameraView[]).map((one) => ({
+            text: w(one),
+            checked: cameraView.value === one,
+            run: () => {
+              cameraView.value = one;
+              frameAsked.value++;
+            },
+          }))}
+        >
+          {w(cameraView.value)}
+          <Icon name="down" />
         </Menu>
         {toggles.map((one) => (
-          <button key={one} type="button" class="button quiet dense" aria-pressed={one === "rest" ? restShown() : shown.value[one]} onClick={() => clipActions.toggle(one)}>{w(one === "names" ? "jointNames" : one === "rest" ? "restPose" : one)}</button>
+          <button
+            key={one}
+            type="button"
+            class="button quiet dense"
+            aria-pressed={one === "rest" ? restShown() : shown.value[one]}
+            onClick={() => clipActions.toggle(one)}
+          >
+            {w(one === "names" ? "jointNames" : one === "rest" ? "restPose" : one)}
+          </button>
         ))}
         <span class="grow" />
         {passport}
-        <Menu label={w("picture")} className="button quiet icon dense" side="right" items={[
-          { text: w("picture"), detail: "PNG", run: () => stage.current && void savePicture(stage.current, clip) },
-          { text: w("film"), detail: "WebM", run: () => stage.current && void saveFilm(stage.current, clip) },
-        ]}><Icon name="more" /></Menu>
+        <Menu
+          label={w("picture")}
+          className="button quiet icon dense"
+          side="right"
+          items={[
+            { text: w("picture"), detail: "PNG", run: () => stage.current && void savePicture(stage.current, clip) },
+            { text: w("film"), detail: "WebM", run: () => stage.current && void saveFilm(stage.current, clip) },
+          ]}
+        >
+          <Icon name="more" />
+        </Menu>
       </div>
-      <div ref={host} class="stage" role="img" aria-label={w("viewerWords", { name: detail.name, frame: player.frame.peek() + 1, n: clip.frames })} tabIndex={0}
+      <div
+        ref={host}
+        class="stage"
+        role="img"
+        aria-label={w("viewerWords", { name: detail.name, frame: player.frame.peek() + 1, n: clip.frames })}
+        tabIndex={0}
         onPointerDownCapture={(event) => {
           press.current = place(event);
           pulling.current = !event.button && Boolean(rest.current?.grab(...press.current));
           if (pulling.current) event.currentTarget.setPointerCapture(event.pointerId);
         }}
         onPointerMove={(event) => {
-          if (pulling.current) return rest.current!.pull(...place(event));
+          if (pulling.current) {
+            rest.current!.pull(...place(event));
+            return;
+          }
           const made = stage.current;
           if (!made || event.buttons) return;
           const near = made.pick(...place(event));
           const found = near?.actor === 0 ? near.point : -1;
-          if (found !== made.hovered) { made.hovered = found; made.ask(); }
+          if (found !== made.hovered) {
+            made.hovered = found;
+            made.ask();
+          }
         }}
-        onPointerCancel={() => { pulling.current = false; rest.current?.drop(); }}
+        onPointerCancel={() => {
+          pulling.current = false;
+          rest.current?.drop();
+        }}
         onPointerUp={(event) => {
           if (pulling.current) {
             pulling.current = false;
-            return rest.current!.drop();
+            rest.current!.drop();
+            return;
           }
           const [x, y] = place(event);
           const moved = press.current ? Math.hypot(x - press.current[0], y - press.current[1]) : 9;
           if (moved > 4 || event.button) return;
           const found = stage.current?.pick(x, y);
           const name = found?.actor === 0 && skeleton.view.bones[found.point].name;
-          if (!name) return clip.select([]);
+          if (!name) {
+            clip.select([]);
+            return;
+          }
           const before = clip.selection.peek().bones;
-          if (event.ctrlKey || event.shiftKey) clip.select(before.includes(name) ? before.filter((one) => one !== name) : [...before, name]);
+          if (event.ctrlKey || event.shiftKey)
+            clip.select(before.includes(name) ? before.filter((one) => one !== name) : [...before, name]);
           else clip.select([name]);
-        }}>
+        }}
+      >
         {noWebgl !== null && <Trouble error={noWebgl} />}
         {clip.frames === 0 && <div class="empty">{w("noFrames")}</div>}
-        <span class="grid-label dim">{w("gridOf", { size: metresText(grid) })}{!skeleton.unitKnown && <span class="guess" />}</span>
+        <span class="grid-label dim">
+          {w("gridOf", { size: metresText(grid) })}
+          {!skeleton.unitKnown && <span class="guess" />}
+        </span>
       </div>
       {detail.media && <Reference clip={clip} media={detail.media} />}
-      {clip.blocks.trouble.value !== null && <Trouble error={clip.blocks.trouble.value} retry={() => clip.blocks.want(player.frame.peek())} />}
+      {clip.blocks.trouble.value !== null && (
+        <Trouble error={clip.blocks.trouble.value} retry={() => clip.blocks.want(player.frame.peek())} />
+      )}
       <Compared clip={clip} />
       <p ref={words} class="unseen" aria-live="polite" />
     </div>
@@ -197,7 +264,11 @@ function ghostsOf(clip: Clip, frame: number): (Float32Array | null)[] {
 /** Lines of the selected points, or of hands and feet, a second before and after. */
 function trailsOf(clip: Clip, frame: number, points: number[]): Float32Array[] {
   const { skeleton, player, frames } = clip;
-  const chosen = points.length ? points : ["left_hand", "right_hand", "left_foot", "right_foot"].map((name) => skeleton.byName.get(name) ?? -1).filter((one) => one >= 0);
+  const chosen = points.length
+    ? points
+    : ["left_hand", "right_hand", "left_foot", "right_foot"]
+        .map((name) => skeleton.byName.get(name) ?? -1)
+        .filter((one) => one >= 0);
   const around = Math.round(TRAIL_SECONDS * player.perSecond);
   const step = Math.max(1, Math.round(player.perSecond / 60));
   return chosen.map((point) => {

@@ -47,9 +47,20 @@ export const clipActions = {
   /** Split the spans under the playhead; only: the one that is meant. */
   splitSpan(clip: Clip, only?: number): void {
     const here = clip.player.frame.peek() + 1;
-    const inside = clip.labels.peek().filter((span) => span.first < here && span.last >= here && (only === undefined || span.id === only));
-    if (!inside.length) return note(w("nothingToSplit"));
-    clip.setLabels(clip.labels.peek().flatMap((span) => inside.includes(span) ? [{ ...span, last: here - 1 }, newSpan(span.name, here, span.last)] : [span]));
+    const inside = clip.labels
+      .peek()
+      .filter((span) => span.first < here && span.last >= here && (only === undefined || span.id === only));
+    if (!inside.length) {
+      note(w("nothingToSplit"));
+      return;
+    }
+    clip.setLabels(
+      clip.labels
+        .peek()
+        .flatMap((span) =>
+          inside.includes(span) ? [{ ...span, last: here - 1 }, newSpan(span.name, here, span.last)] : [span],
+        ),
+    );
   },
   async undoStored(clip: Clip, reload: () => void): Promise<void> {
     if (clip.detail.revision <= 1 || clip.pinned !== null) return;

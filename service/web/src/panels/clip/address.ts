@@ -3,7 +3,7 @@ import { effect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { Clip } from "../../state/clip";
 import { noteParams, param } from "../../state/route";
-import { timeJump } from "../../shell/Palette";
+import { timeJump } from "../../state/shell";
 
 export function useAddress(clip: Clip): void {
   useEffect(() => {
@@ -14,7 +14,9 @@ export function useAddress(clip: Clip): void {
     if (frame >= 1) player.seek(frame - 1);
     const speed = Number(param("speed"));
     if (speed) player.speed.value = speed;
-    const bones = param("sel").split(",").filter((name) => clip.skeleton.byName.has(name));
+    const bones = param("sel")
+      .split(",")
+      .filter((name) => clip.skeleton.byName.has(name));
     if (bones.length) clip.select(bones);
     timeJump.value = (text) => {
       const seconds = /^([\d.]+)\s*s$/.exec(text);

@@ -20,7 +20,8 @@ export function bodiesBeside(clip: Clip, stage: Stage, own: number): () => void 
     const { player, skeleton } = clip;
     const frame = player.frame.value;
     stage.paint(own, others.length ? BESIDE_COLOURS[0] : null);
-    for (const [id, actor] of actors) if (!others.some((one) => one.id === id)) stage.pose(actor, { positions: null, before: [], trail: [] });
+    for (const [id, actor] of actors)
+      if (!others.some((one) => one.id === id)) stage.pose(actor, { positions: null, before: [], trail: [] });
     if (!others.length) return void (framed = "");
     clip.blocks.arrived.value;
     const here = { frames: clip.frames, perSecond: player.perSecond, labels: clip.labels.value };
@@ -33,13 +34,23 @@ export function bodiesBeside(clip: Clip, stage: Stage, own: number): () => void 
       if (!actors.has(one.id)) actors.set(one.id, stage.add(one.skeleton));
       const actor = actors.get(one.id)!;
       stage.paint(actor, BESIDE_COLOURS[place + 1]);
-      const [from, to] = [rootAt(skeleton, clip.blocks.frame(anchor.here)), rootAt(one.skeleton, one.blocks.frame(anchor.there))];
+      const [from, to] = [
+        rootAt(skeleton, clip.blocks.frame(anchor.here)),
+        rootAt(one.skeleton, one.blocks.frame(anchor.there)),
+      ];
       const positions = one.blocks.frame(at);
       const overview = one.blocks.overview();
       there &&= Boolean(from && to && positions && overview);
       if (!from || !to || !positions || !overview) return;
-      const apart = over ? 0 : APART * Math.max(skeleton.height, ...others.map((other) => other.skeleton.height)) * (place + 1);
-      stage.place(actor, from[0] - to[0] + apart, stage.floorHeight - floorOf(one.skeleton, overview.values), from[2] - to[2]);
+      const apart = over
+        ? 0
+        : APART * Math.max(skeleton.height, ...others.map((other) => other.skeleton.height)) * (place + 1);
+      stage.place(
+        actor,
+        from[0] - to[0] + apart,
+        stage.floorHeight - floorOf(one.skeleton, overview.values),
+        from[2] - to[2],
+      );
       stage.pose(actor, { positions, before: [], trail: [] });
     });
     // The camera moves when something came or went, not with the motion.

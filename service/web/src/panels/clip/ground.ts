@@ -17,7 +17,10 @@ export function floorOf(skeleton: Skeleton, values: Float32Array): number {
 export function niceStep(height: number): number {
   const wanted = height / 3.2;
   const power = 10 ** Math.floor(Math.log10(wanted));
-  return [1, 2, 5, 10].map((one) => one * power).reduce((best, one) => (Math.abs(one - wanted) < Math.abs(best - wanted) ? one : best));
+  return [1, 2, 5, 10]
+    .map((one) => one * power)
+    .reduce((best, one) => (Math.abs(one - wanted) < Math.abs(best - wanted) ? one : best));
 }
 
-export const metresText = (metres: number): string => (metres < 1 ? `${number(metres * 100, 1)} cm` : `${number(metres, 2)} m`);
+export const metresText = (metres: number): string =>
+  metres < 1 ? `${number(metres * 100, 1)} cm` : `${number(metres, 2)} m`;

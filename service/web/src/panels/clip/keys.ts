@@ -43,7 +43,8 @@ function flipWhileHeld(clip: Clip): void {
 export function useClipKeys(clip: Clip, reload: () => void): void {
   useEffect(() => {
     const { player } = clip;
-    const edges = () => [...new Set(clip.labels.peek().flatMap((span) => [span.first - 1, span.last]))].sort((a, b) => a - b);
+    const edges = () =>
+      [...new Set(clip.labels.peek().flatMap((span) => [span.first - 1, span.last]))].sort((a, b) => a - b);
     const speeds = [0.25, 0.5, 1, 2, 4];
     const list: Command[] = [
       { id: "play", word: "play", keys: ["Space"], run: () => player.toggle() },
@@ -53,28 +54,73 @@ export function useClipKeys(clip: Clip, reload: () => void): void {
       { id: "tenOn", word: "tenOn", keys: ["Shift+Right", "Shift+."], run: () => player.step(10) },
       { id: "first", word: "firstFrame", keys: ["Home"], run: () => player.seek(player.range[0]) },
       { id: "last", word: "lastFrame", keys: ["End"], run: () => player.seek(player.range[1]) },
-      { id: "edgeBack", word: "previousEdge", keys: ["PgUp"], run: () => player.seek(edges().findLast((edge) => edge < player.frame.peek()) ?? 0) },
-      { id: "edgeNext", word: "nextEdge", keys: ["PgDn"], run: () => player.seek(edges().find((edge) => edge > player.frame.peek()) ?? clip.frames - 1) },
+      {
+        id: "edgeBack",
+        word: "previousEdge",
+        keys: ["PgUp"],
+        run: () => player.seek(edges().findLast((edge) => edge < player.frame.peek()) ?? 0),
+      },
+      {
+        id: "edgeNext",
+        word: "nextEdge",
+        keys: ["PgDn"],
+        run: () => player.seek(edges().find((edge) => edge > player.frame.peek()) ?? clip.frames - 1),
+      },
       { id: "j", word: "slower", keys: ["J"], run: () => player.shuttle(-1) },
       { id: "k", word: "stop", keys: ["K"], run: () => player.pause() },
       { id: "l", word: "faster", keys: ["L"], run: () => player.shuttle(1) },
       { id: "in", word: "setIn", keys: ["I"], run: () => clipActions.setLoop(clip, "in") },
       { id: "out", word: "setOut", keys: ["O"], run: () => clipActions.setLoop(clip, "out") },
       { id: "noLoop", word: "clearLoop", keys: ["\\"], run: () => (player.loop.value = null) },
-      ...speeds.map((speed, index): Command => ({ id: `speed${speed}`, word: "speed", keys: [String(index + 1)], run: () => (player.speed.value = speed) })),
-      { id: "undo", word: "undo", keys: ["Ctrl+Z"], run: () => { if (!clip.undo()) clipActions.undoStored(clip, reload); } },
+      ...speeds.map((speed, index): Command => ({
+        id: `speed${speed}`,
+        word: "speed",
+        keys: [String(index + 1)],
+        run: () => (player.speed.value = speed),
+      })),
+      {
+        id: "undo",
+        word: "undo",
+        keys: ["Ctrl+Z"],
+        run: () => {
+          if (!clip.undo()) clipActions.undoStored(clip, reload);
+        },
+      },
       { id: "redo", word: "redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => clip.redo() },
       { id: "save", word: "save", keys: ["Ctrl+S"], run: () => void saveClip(clip, reload) },
-      { id: "dock", word: "dock", keys: ["D"], run: () => setParams({ dock: param("dock") === "below" ? null : "below" }) },
+      {
+        id: "dock",
+        word: "dock",
+        keys: ["D"],
+        run: () => setParams({ dock: param("dock") === "below" ? null : "below" }),
+      },
       { id: "frame", word: "frameSelection", keys: ["F"], run: () => clipActions.frame() },
       { id: "follow", word: "follow", keys: ["Shift+F"], run: () => clipActions.toggle("follow") },
       { id: "trails", word: "trails", keys: ["T"], run: () => clipActions.toggle("trails") },
       { id: "view", word: "view", keys: ["V"], run: () => clipActions.nextView() },
       { id: "split", word: "spanSplit", keys: ["S"], run: () => clipActions.splitSpan(clip) },
       { id: "name", word: "spanAdd", keys: ["N"], run: () => clipActions.nameLoop(clip) },
-      { id: "flip", word: "flipRevisions", keys: ["C"], run: () => flipWhileHeld(clip), when: () => clip.compared.value !== null },
-      { id: "leaveCompared", word: "leaveCompared", keys: ["Esc"], run: () => putBeside([]), when: () => besideIds().length > 0 && !clip.selection.value.bones.length },
-      { id: "esc", word: "none", keys: ["Esc"], run: () => clip.select([]), when: () => clip.selection.value.bones.length > 0 },
+      {
+        id: "flip",
+        word: "flipRevisions",
+        keys: ["C"],
+        run: () => flipWhileHeld(clip),
+        when: () => clip.compared.value !== null,
+      },
+      {
+        id: "leaveCompared",
+        word: "leaveCompared",
+        keys: ["Esc"],
+        run: () => putBeside([]),
+        when: () => besideIds().length > 0 && !clip.selection.value.bones.length,
+      },
+      {
+        id: "esc",
+        word: "none",
+        keys: ["Esc"],
+        run: () => clip.select([]),
+        when: () => clip.selection.value.bones.length > 0,
+      },
     ];
     return offer("clip", list);
   }, [clip]);

@@ -36,7 +36,10 @@ export function restPose(clip: Clip, stage: Stage): RestPose {
     stage.ask();
   };
   const stop = effect(() => {
-    if (!restShown() || skeleton.view.markers) return hide();
+    if (!restShown() || skeleton.view.markers) {
+      hide();
+      return;
+    }
     clip.blocks.arrived.value;
     const shape = clip.shape.value;
     const now = clip.positions(clip.player.frame.value);
@@ -46,7 +49,8 @@ export function restPose(clip: Clip, stage: Stage): RestPose {
     stage.pose(actor, { positions, before: [], trail: [] });
     const name = clip.selection.value.bones[0];
     const bone = name === undefined ? undefined : skeleton.byName.get(name);
-    stage.handle = bone === undefined || clip.pinned !== null ? null : handleOf(clip, bone, positions, actor, held?.name ?? null);
+    stage.handle =
+      bone === undefined || clip.pinned !== null ? null : handleOf(clip, bone, positions, actor, held?.name ?? null);
     if (!wasShown && !stage.sees(actor)) stage.frame(cameraView.peek());
     wasShown = true;
   });
@@ -58,7 +62,14 @@ export function restPose(clip: Clip, stage: Stage): RestPose {
       if (name === null || bone === undefined || !stage.handle) return false;
       clip.player.pause();
       const handle = stage.handle;
-      held = { name, handle, bone, vector: vectorOf(clip.shape.peek().view, bone)!, start: stage.reachOf(handle, name, x, y), before: clip.draft.peek() };
+      held = {
+        name,
+        handle,
+        bone,
+        vector: vectorOf(clip.shape.peek().view, bone)!,
+        start: stage.reachOf(handle, name, x, y),
+        before: clip.draft.peek(),
+      };
       stage.orbits = false;
       return true;
     },
@@ -69,7 +80,11 @@ export function restPose(clip: Clip, stage: Stage): RestPose {
       const by = stage.reachOf(handle, name, x, y) - held.start;
       const next = vector.map((one, axis) => one + direction[axis] * by) as Vector;
       // A bone keeps some length and does not turn over by being pulled through its joint.
-      if (name === ALONG && next.reduce((sum, one, axis) => sum + one * direction[axis], 0) <= 1e-3 * Math.hypot(...vector)) return;
+      if (
+        name === ALONG &&
+        next.reduce((sum, one, axis) => sum + one * direction[axis], 0) <= 1e-3 * Math.hypot(...vector)
+      )
+        return;
       clip.setBone(held.bone, next, held.before);
     },
     drop() {
@@ -82,7 +97,13 @@ export function restPose(clip: Clip, stage: Stage): RestPose {
 }
 
 /** The rest pose where the body is, as it stands before anything was changed: what is pulled does not move its own ground. */
-function standing({ skeleton }: Clip, stored: Float32Array, rest: Float32Array, now: Float32Array, floor: number): Float32Array {
+function standing(
+  { skeleton }: Clip,
+  stored: Float32Array,
+  rest: Float32Array,
+  now: Float32Array,
+  floor: number,
+): Float32Array {
   const up = skeleton.zUp ? 2 : 1;
   let lowest = Infinity;
   for (let at = up; at < stored.length; at += 3) lowest = Math.min(lowest, stored[at]);
@@ -90,7 +111,13 @@ function standing({ skeleton }: Clip, stored: Float32Array, rest: Float32Array, 
   return rest.map((value, at) => value + root[at % 3]);
 }
 
-function handleOf(clip: Clip, bone: number, positions: Float32Array, actor: number, held: string | null): Handle | null {
+function handleOf(
+  clip: Clip,
+  bone: number,
+  positions: Float32Array,
+  actor: number,
+  held: string | null,
+): Handle | null {
   const shape = clip.shape.peek();
   const vector = vectorOf(shape.view, bone);
   if (!vector) return null;
@@ -98,8 +125,14 @@ function handleOf(clip: Clip, bone: number, positions: Float32Array, actor: numb
   const at = [0, 1, 2].map((axis) => positions[base * 3 + axis] + vector[axis]) as Vector;
   const length = Math.hypot(...vector);
   const unit = (axis: number): Vector => [0, 1, 2].map((one) => Number(one === axis)) as Vector;
-  const arrows = ["X", "Y", "Z"].map((name, axis) => ({ name, direction: unit(axis), token: name.toLowerCase(), reach: 1 }));
-  if (length) arrows.push({ name: ALONG, direction: vector.map((one) => one / length) as Vector, token: "select", reach: 1.45 });
+  const arrows = ["X", "Y", "Z"].map((name, axis) => ({
+    name,
+    direction: unit(axis),
+    token: name.toLowerCase(),
+    reach: 1,
+  }));
+  if (length)
+    arrows.push({ name: ALONG, direction: vector.map((one) => one / length) as Vector, token: "select", reach: 1.45 });
   const words = `${vector.map((one) => number(one, 2)).join("  ")}   ${number(length * clip.skeleton.metres * 100, 1)} cm`;
   return { actor, at, arrows, held, words };
 }

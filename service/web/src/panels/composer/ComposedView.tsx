@@ -15,7 +15,13 @@ import { isRough, type Composed } from "./seams";
 const AROUND = 0.75; // seconds before a seam that is looked at
 
 export function ComposedView({ composed, board }: { composed: Composed; board: Board }) {
-  const preview = useMemo(() => (composed.motion ? previewOf(composed.motion, composed.skeleton, composed.frames, 1 / composed.seconds_per_frame, composed.step) : null), [composed]);
+  const preview = useMemo(
+    () =>
+      composed.motion
+        ? previewOf(composed.motion, composed.skeleton, composed.frames, 1 / composed.seconds_per_frame, composed.step)
+        : null,
+    [composed],
+  );
   const frame = useMemo(() => signal(0), []);
   const plays = useMemo(() => ({ now: false }), []);
   const player = useMemo(() => new Player(composed.frames, 1 / composed.seconds_per_frame), [composed]);
@@ -48,7 +54,11 @@ export function ComposedView({ composed, board }: { composed: Composed; board: B
     const source = facts.peek().get(piece.document)?.perSecond ?? 1 / composed.seconds_per_frame;
     const at = Math.round((now + 1 - span.first) * composed.seconds_per_frame * source * piece.speed);
     const size = Math.max(1, piece.last - piece.first + 1);
-    return { index, frame: Math.min(piece.last, span.source_first + at) - 1, share: Math.min(1, (span.source_first - piece.first + at) / size) };
+    return {
+      index,
+      frame: Math.min(piece.last, span.source_first + at) - 1,
+      share: Math.min(1, (span.source_first - piece.first + at) / size),
+    };
   };
   // What is picked is gone to; a seam, some moments before it.
   const seam = here?.kind === "seam" ? composed.seams.find((one) => one.segment === here.index + 1) : undefined;
@@ -60,24 +70,58 @@ export function ComposedView({ composed, board }: { composed: Composed; board: B
     else if (span && now?.index !== here.index) player.seek(span.first - 1);
   }, [here?.kind, here?.piece.key]);
 
-  const actors = useMemo<Actor[]>(() => (preview ? [{ skeleton: preview.skeleton, positions: () => shown.value?.frame(frame.value) ?? null }] : []), [preview?.skeleton]);
-  const marked = useMemo(() => ({ get value() {
-    const at = board.at.value;
-    return at?.kind === "layer" ? at.layer.bones.map((bone) => composed.skeleton.byName.get(bone) ?? -1).filter((one) => one >= 0) : [];
-  } }), [composed.skeleton]);
-  const bands = useMemo(() => [
-    ...spans.map((one) => ({ from: one.first - 1, to: one.last, ink: one.segment - 1 === here?.index ? "select" : "accent", alpha: one.segment - 1 === here?.index ? 0.35 : 0.16 })),
-    ...composed.seams.filter(isRough).map((one) => ({ from: one.first - 1, to: one.first - 1 + Math.max(2, one.transition), ink: "warn", alpha: 0.6 })),
-  ], [composed, here?.index]);
+  const actors = useMemo<Actor[]>(
+    () => (preview ? [{ skeleton: preview.skeleton, positions: () => shown.value?.frame(frame.value) ?? null }] : []),
+    [preview?.skeleton],
+  );
+  const marked = useMemo(
+    () => ({
+      get value() {
+        const at = board.at.value;
+        return at?.kind === "layer"
+          ? at.layer.bones.map((bone) => composed.skeleton.byName.get(bone) ?? -1).filter((one) => one >= 0)
+          : [];
+      },
+    }),
+    [composed.skeleton],
+  );
+  const bands = useMemo(
+    () => [
+      ...spans.map((one) => ({
+        from: one.first - 1,
+        to: one.last,
+        ink: one.segment - 1 === here?.index ? "select" : "accent",
+        alpha: one.segment - 1 === here?.index ? 0.35 : 0.16,
+      })),
+      ...composed.seams.filter(isRough).map((one) => ({
+        from: one.first - 1,
+        to: one.first - 1 + Math.max(2, one.transition),
+        ink: "warn",
+        alpha: 0.6,
+      })),
+    ],
+    [composed, here?.index],
+  );
   return (
     <div class="composed-view">
-      <MotionView actors={actors} selected={marked as never} label={w("previewWord")}
+      <MotionView
+        actors={actors}
+        selected={marked as never}
+        label={w("previewWord")}
         onPick={(_, point) => {
           const bone = composed.skeleton.view.bones[point]?.name;
           if (here?.kind === "layer" && bone) toggleBone(board, here.layer, bone);
-        }} />
+        }}
+      />
       <div class="transport row">
-        <button type="button" class="button quiet icon play" aria-label={w(player.playing.value ? "pause" : "play")} onClick={() => player.toggle()}><Icon name={player.playing.value ? "pause" : "play"} /></button>
+        <button
+          type="button"
+          class="button quiet icon play"
+          aria-label={w(player.playing.value ? "pause" : "play")}
+          onClick={() => player.toggle()}
+        >
+          <Icon name={player.playing.value ? "pause" : "play"} />
+        </button>
         <Scrubber player={player} bands={bands} />
       </div>
     </div>

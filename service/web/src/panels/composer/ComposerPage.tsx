@@ -1,7 +1,7 @@
 /** A new clip of stored ones: pieces in a row, trimmed, ordered, with layers upon them, seen before they are saved. */
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ask, type Schemas } from "../../api/client";
-import { subject } from "../../shell/Bar";
+import { subject } from "../../state/shell";
 import { stepFor } from "../../motion/preview";
 import { asSegments, LONGEST, sizeOf } from "../../state/composition";
 import { offer } from "../../state/keys";
@@ -37,23 +37,40 @@ export function ComposerPage() {
   useEffect(() => {
     const written = board.written;
     setParams(written);
-    draft.value = written.s ? new URLSearchParams(Object.entries(written).filter((one): one is [string, string] => one[1] !== null)).toString() : "";
+    draft.value = written.s
+      ? new URLSearchParams(
+          Object.entries(written).filter((one): one is [string, string] => one[1] !== null),
+        ).toString()
+      : "";
   }, [board.steps.now.value]);
 
   const body = known.get(pieces[0]?.document ?? "");
-  const ready = pieces.length > 0 && pieces.every((one) => one.frames && one.layers.every((layer) => layer.frames)) && body !== undefined;
+  const ready =
+    pieces.length > 0 &&
+    pieces.every((one) => one.frames && one.layers.every((layer) => layer.frames)) &&
+    body !== undefined;
   // Compared as text: what was learnt of a clip, or a key, is no change.
   const asked = ready ? JSON.stringify({ segments: asSegments(pieces), transition, style }) : "";
-  const preview = useAsync<Composed | null>(async (signal) => {
-    if (!ready) return null;
-    await new Promise((resolve) => setTimeout(resolve, WAIT));
-    signal.throwIfAborted();
-    const seconds = pieces.reduce((sum, one) => sum + sizeOf(one) / (known.get(one.document)?.perSecond ?? body.perSecond) / one.speed, 0);
-    const between = pieces.slice(1).reduce((sum, one) => sum + (one.transition ?? transition), 0);
-    const step = stepFor((seconds * body.perSecond + between) * SLACK, body.skeleton.points);
-    const answer = await ask("post", "/compose", { body: { ...JSON.parse(asked), preview: true } as Schemas["ComposeRequest"], query: { positions: "f4", step }, signal });
-    return { ...answer, step, skeleton: body.skeleton };
-  }, [asked]);
+  const preview = useAsync<Composed | null>(
+    async (signal) => {
+      if (!ready) return null;
+      await new Promise((resolve) => setTimeout(resolve, WAIT));
+      signal.throwIfAborted();
+      const seconds = pieces.reduce(
+        (sum, one) => sum + sizeOf(one) / (known.get(one.document)?.perSecond ?? body.perSecond) / one.speed,
+        0,
+      );
+      const between = pieces.slice(1).reduce((sum, one) => sum + (one.transition ?? transition), 0);
+      const step = stepFor((seconds * body.perSecond + between) * SLACK, body.skeleton.points);
+      const answer = await ask("post", "/compose", {
+        body: { ...JSON.parse(asked), preview: true } as Schemas["ComposeRequest"],
+        query: { positions: "f4", step },
+        signal,
+      });
+      return { ...answer, step, skeleton: body.skeleton };
+    },
+    [asked],
+  );
 
   const save = async () => {
     if (!ready || saving || !name.trim()) return;
@@ -88,33 +105,111 @@ export function ComposerPage() {
   return (
     <div class="composer">
       <h1 class="unseen">{w("compose")}</h1>
-      <aside class="bin" aria-label={w("bin")}><Bin board={board} /></aside>
+      <aside class="bin" aria-label={w("bin")}>
+        <Bin board={board} />
+      </aside>
       <section class="composer-main">
         <div class="clip-bar row">
-          <input class="field composer-name" aria-label={w("newName")} value={name} onInput={(event) => board.rename(event.currentTarget.value)} />
-          <span class="dim" role="status">{shown ? w("total", { time: duration(shown.frames * shown.seconds_per_frame), n: pieces.length }) : ""}</span>
+          <input
+            class="field composer-name"
+            aria-label={w("newName")}
+            value={name}
+            onInput={(event) => board.rename(event.currentTarget.value)}
+          />
+          <span class="dim" role="status">
+            {shown ? w("total", { time: duration(shown.frames * shown.seconds_per_frame), n: pieces.length }) : ""}
+          </span>
           <span class="grow" />
-          <button type="button" class="button quiet icon" aria-label={w("undo")} title={w("undo")} disabled={!board.steps.canUndo.value} onClick={() => board.steps.undo()}><Icon name="undo" /></button>
-          <button type="button" class="button quiet icon" aria-label={w("redo")} title={w("redo")} disabled={!board.steps.canRedo.value} onClick={() => board.steps.redo()}><Icon name="redo" /></button>
-          {pieces.length > 0 && <button type="button" class="button quiet icon" aria-label={w("startAnew")} title={w("startAnew")} onClick={board.clear}><Icon name="close" /></button>}
-          <label class="row"><span class="dim">{w("allTransitions")}</span><input class="field number" type="number" min={0} max={LONGEST} value={transition} onInput={(event) => board.setAll({ transition: Math.min(LONGEST, Math.max(0, Math.round(Number(event.currentTarget.value)) || 0)) })} /></label>
+          <button
+            type="button"
+            class="button quiet icon"
+            aria-label={w("undo")}
+            title={w("undo")}
+            disabled={!board.steps.canUndo.value}
+            onClick={() => board.steps.undo()}
+          >
+            <Icon name="undo" />
+          </button>
+          <button
+            type="button"
+            class="button quiet icon"
+            aria-label={w("redo")}
+            title={w("redo")}
+            disabled={!board.steps.canRedo.value}
+            onClick={() => board.steps.redo()}
+          >
+            <Icon name="redo" />
+          </button>
+          {pieces.length > 0 && (
+            <button
+              type="button"
+              class="button quiet icon"
+              aria-label={w("startAnew")}
+              title={w("startAnew")}
+              onClick={board.clear}
+            >
+              <Icon name="close" />
+            </button>
+          )}
+          <label class="row">
+            <span class="dim">{w("allTransitions")}</span>
+            <input
+              class="field number"
+              type="number"
+              min={0}
+              max={LONGEST}
+              value={transition}
+              onInput={(event) =>
+                board.setAll({
+                  transition: Math.min(LONGEST, Math.max(0, Math.round(Number(event.currentTarget.value)) || 0)),
+                })
+              }
+            />
+          </label>
           <StyleChoice label={w("transition")} value={style} onChange={(one) => one && board.setAll({ style: one })} />
-          <button type="button" class="button primary" disabled={!ready || saving || !name.trim()} onClick={() => void save()}>{w("saveAsClip")}</button>
+          <button
+            type="button"
+            class="button primary"
+            disabled={!ready || saving || !name.trim()}
+            onClick={() => void save()}
+          >
+            {w("saveAsClip")}
+          </button>
         </div>
         <Trouble error={pieces.length ? preview.error : null} retry={preview.again} />
-        {(shown?.notices.length ?? 0) > 0 && <details class="notice dim"><summary>{w("notices")} ({shown!.notices.length})</summary>{shown!.notices.map((one) => <p key={one}>{one}</p>)}</details>}
+        {(shown?.notices.length ?? 0) > 0 && (
+          <details class="notice dim">
+            <summary>
+              {w("notices")} ({shown!.notices.length})
+            </summary>
+            {shown!.notices.map((one) => (
+              <p key={one}>{one}</p>
+            ))}
+          </details>
+        )}
         {pieces.length ? (
           <>
             <div class="composer-busy">{preview.busy && <div class="busy" />}</div>
-            <div class={`composed ${preview.value ? "" : "stale"}`} aria-busy={preview.busy}>{shown ? <ComposedView composed={shown} board={board} /> : <div class="composed-view" />}</div>
+            <div class={`composed ${preview.value ? "" : "stale"}`} aria-busy={preview.busy}>
+              {shown ? <ComposedView composed={shown} board={board} /> : <div class="composed-view" />}
+            </div>
             <div class="storyboard">
               <Storyboard board={board} composed={shown} />
               <ChosenForm board={board} composed={preview.busy ? null : shown} />
             </div>
           </>
         ) : (
-          <div class="composer-empty" onDragOver={(event) => event.preventDefault()} onDrop={(event) => board.add(carried(event))}>
-            <div class="empty"><h2>{w("composeEmpty")}</h2><p>{w("dragHere")}</p><p class="dim">{w("layersHelp")}</p><p class="dim">{w("fitOnAdd")}</p></div>
+          <div
+            class="composer-empty"
+            onDragOver={(event) => event.preventDefault()}
+            onDrop={(event) => board.add(carried(event))}
+          >
+            <div class="empty">
+              <h2>{w("composeEmpty")}</h2>
+              <p>{w("dragHere")}</p>
+              <p class="dim">{w("layersHelp")}</p>
+              <p class="dim">{w("fitOnAdd")}</p>
+            </div>
           </div>
         )}
       </section>

@@ -21,45 +21,154 @@ export function ChosenForm({ board, composed }: { board: Board; composed: Compos
   return <PieceForm board={board} piece={here.piece} index={here.index} />;
 }
 
-function Amount({ word, value, least, most, step = 1, onChange }: { word: Word; value: number; least: number; most: number; step?: number; onChange: (value: number) => void }) {
+function Amount({
+  word,
+  value,
+  least,
+  most,
+  step = 1,
+  onChange,
+}: {
+  word: Word;
+  value: number;
+  least: number;
+  most: number;
+  step?: number;
+  onChange: (value: number) => void;
+}) {
   return (
-    <label class="row"><span class="dim">{w(word)}</span>
-      <NumberField least={least} most={most} step={step} value={value} onChange={(now) => now !== null && onChange(now)} />
+    <label class="row">
+      <span class="dim">{w(word)}</span>
+      <NumberField
+        least={least}
+        most={most}
+        step={step}
+        value={value}
+        onChange={(now) => now !== null && onChange(now)}
+      />
     </label>
   );
 }
 
-const Act = ({ icon, word, disabled, onClick }: { icon: IconName; word: Word; disabled?: boolean; onClick: () => void }) =>
-  <button type="button" class="button quiet icon dense" aria-label={w(word)} title={w(word)} disabled={disabled} onClick={onClick}><Icon name={icon} /></button>;
+const Act = ({
+  icon,
+  word,
+  disabled,
+  onClick,
+}: {
+  icon: IconName;
+  word: Word;
+  disabled?: boolean;
+  onClick: () => void;
+}) => (
+  <button
+    type="button"
+    class="button quiet icon dense"
+    aria-label={w(word)}
+    title={w(word)}
+    disabled={disabled}
+    onClick={onClick}
+  >
+    <Icon name={icon} />
+  </button>
+);
 
 function PieceForm({ board, piece, index }: { board: Board; piece: Piece; index: number }) {
   const set = (change: Partial<Piece>) => board.setPiece(piece.key, change);
   return (
     <div class="row wrap piece-form" role="group" aria-label={w("piece", { n: index + 1 })}>
       <strong>{w("piece", { n: index + 1 })}</strong>
-      <Amount word="trimFrom" least={1} most={piece.last || 1} value={piece.first} onChange={(first) => set({ first })} />
-      <Amount word="trimTo" least={piece.first} most={piece.frames || piece.last} value={piece.last} onChange={(last) => set({ last })} />
-      <span class="dim">{w("frames", { n: sizeOf(piece) })} {w("ofFrames", { n: piece.frames })}</span>
-      <Amount word="speed" least={SLOWEST} most={FASTEST} step={0.05} value={piece.speed} onChange={(speed) => set({ speed })} />
-      <button type="button" class="button dense" aria-pressed={piece.mirror} onClick={() => set({ mirror: !piece.mirror })}><Icon name="mirror" />{w("mirror")}</button>
+      <Amount
+        word="trimFrom"
+        least={1}
+        most={piece.last || 1}
+        value={piece.first}
+        onChange={(first) => set({ first })}
+      />
+      <Amount
+        word="trimTo"
+        least={piece.first}
+        most={piece.frames || piece.last}
+        value={piece.last}
+        onChange={(last) => set({ last })}
+      />
+      <span class="dim">
+        {w("frames", { n: sizeOf(piece) })} {w("ofFrames", { n: piece.frames })}
+      </span>
+      <Amount
+        word="speed"
+        least={SLOWEST}
+        most={FASTEST}
+        step={0.05}
+        value={piece.speed}
+        onChange={(speed) => set({ speed })}
+      />
+      <button
+        type="button"
+        class="button dense"
+        aria-pressed={piece.mirror}
+        onClick={() => set({ mirror: !piece.mirror })}
+      >
+        <Icon name="mirror" />
+        {w("mirror")}
+      </button>
       <span class="grow" />
       <Act icon="back" word="moveLeft" disabled={index === 0} onClick={() => board.move(-1)} />
-      <Act icon="next" word="moveRight" disabled={index >= board.pieces.value.length - 1} onClick={() => board.move(1)} />
+      <Act
+        icon="next"
+        word="moveRight"
+        disabled={index >= board.pieces.value.length - 1}
+        onClick={() => board.move(1)}
+      />
       <Act icon="trash" word="remove" onClick={board.remove} />
     </div>
   );
 }
 
-export function StyleChoice({ label, value, usual, onChange }: { label: string; value: Style | null; usual?: Style; onChange: (style: Style | null) => void }) {
+export function StyleChoice({
+  label,
+  value,
+  usual,
+  onChange,
+}: {
+  label: string;
+  value: Style | null;
+  usual?: Style;
+  onChange: (style: Style | null) => void;
+}) {
   return (
     <div class="segments" role="group" aria-label={label}>
-      {usual && <button type="button" aria-pressed={value === null} onClick={() => onChange(null)}>{w("asAll", { what: w(usual) })}</button>}
-      {(["bridge", "crossfade"] as const).map((one) => <button key={one} type="button" aria-pressed={value === one} title={w(one === "bridge" ? "bridgeHelp" : "crossfadeHelp")} onClick={() => onChange(one)}>{w(one)}</button>)}
+      {usual && (
+        <button type="button" aria-pressed={value === null} onClick={() => onChange(null)}>
+          {w("asAll", { what: w(usual) })}
+        </button>
+      )}
+      {(["bridge", "crossfade"] as const).map((one) => (
+        <button
+          key={one}
+          type="button"
+          aria-pressed={value === one}
+          title={w(one === "bridge" ? "bridgeHelp" : "crossfadeHelp")}
+          onClick={() => onChange(one)}
+        >
+          {w(one)}
+        </button>
+      ))}
     </div>
   );
 }
 
-function SeamForm({ board, piece, index, composed }: { board: Board; piece: Piece; index: number; composed: Composed | null }) {
+function SeamForm({
+  board,
+  piece,
+  index,
+  composed,
+}: {
+  board: Board;
+  piece: Piece;
+  index: number;
+  composed: Composed | null;
+}) {
   const all = board.steps.now.value;
   const made = composed?.seams.find((one) => one.segment === index + 1);
   const length = piece.transition ?? made?.transition ?? all.transition;
@@ -67,16 +176,38 @@ function SeamForm({ board, piece, index, composed }: { board: Board; piece: Piec
   return (
     <div class="row wrap piece-form" role="group" aria-label={w("seam")}>
       <strong>{w("seamBetween", { n: index, next: index + 1 })}</strong>
-      <Amount word="transition" least={0} most={LONGEST} value={length} onChange={(transition) => set({ transition })} />
-      <StyleChoice label={w("transitionStyle")} value={piece.style} usual={all.style} onChange={(style) => set({ style })} />
-      {(piece.transition !== null || piece.style !== null) && <button type="button" class="button quiet dense" onClick={() => set({ transition: null, style: null })}>{w("asAllSeams")}</button>}
+      <Amount
+        word="transition"
+        least={0}
+        most={LONGEST}
+        value={length}
+        onChange={(transition) => set({ transition })}
+      />
+      <StyleChoice
+        label={w("transitionStyle")}
+        value={piece.style}
+        usual={all.style}
+        onChange={(style) => set({ style })}
+      />
+      {(piece.transition !== null || piece.style !== null) && (
+        <button type="button" class="button quiet dense" onClick={() => set({ transition: null, style: null })}>
+          {w("asAllSeams")}
+        </button>
+      )}
       {made ? (
         <span class={isRough(made) ? "seam-report rough" : "seam-report dim"} role="status">
           <Icon name={isRough(made) ? "warn" : "check"} />
-          {w(isRough(made) ? "seamRough" : "seamSmooth", { step: number(stepOf(made), 2) })} {w("seamPlaced", { degrees: number(made.degrees, 1), shift: number(shiftOf(made), 1) })}
+          {w(isRough(made) ? "seamRough" : "seamSmooth", { step: number(stepOf(made), 2) })}{" "}
+          {w("seamPlaced", { degrees: number(made.degrees, 1), shift: number(shiftOf(made), 1) })}
         </span>
-      ) : composed && <span class="dim">{w("seamNone")}</span>}
-      {made && isRough(made) && <button type="button" class="button dense" onClick={() => set({ transition: Math.max(1, length) * LONGER })}>{w("seamLonger", { n: Math.max(1, length) * LONGER })}</button>}
+      ) : (
+        composed && <span class="dim">{w("seamNone")}</span>
+      )}
+      {made && isRough(made) && (
+        <button type="button" class="button dense" onClick={() => set({ transition: Math.max(1, length) * LONGER })}>
+          {w("seamLonger", { n: Math.max(1, length) * LONGER })}
+        </button>
+      )}
     </div>
   );
 }
@@ -89,18 +220,64 @@ function LayerForm({ board, piece, layer }: { board: Board; piece: Piece; layer:
   const set = (change: Partial<Layer>, kind = "") => board.setLayer(layer.key, change, kind);
   return (
     <div class="row wrap piece-form" role="group" aria-label={w("layer")}>
-      <strong class="cut">{w("layer")}: {layer.name}</strong>
-      <label class="row"><span class="dim">{w("joints")}</span>
-        <select class="field" value={part} onChange={(event) => { const chosen = event.currentTarget.value as (typeof PARTS)[number] | ""; if (chosen) set({ bones: parts[chosen] }); else setChoosing(true); }}>
-          {PARTS.filter((one) => parts[one].length).map((one) => <option key={one} value={one}>{w(PART_WORDS[one])}</option>)}
+      <strong class="cut">
+        {w("layer")}: {layer.name}
+      </strong>
+      <label class="row">
+        <span class="dim">{w("joints")}</span>
+        <select
+          class="field"
+          value={part}
+          onChange={(event) => {
+            const chosen = event.currentTarget.value as (typeof PARTS)[number] | "";
+            if (chosen) set({ bones: parts[chosen] });
+            else setChoosing(true);
+          }}
+        >
+          {PARTS.filter((one) => parts[one].length).map((one) => (
+            <option key={one} value={one}>
+              {w(PART_WORDS[one])}
+            </option>
+          ))}
           <option value="">{part ? w("chooseJoints") : w("jointCount", { n: layer.bones.length })}</option>
         </select>
       </label>
-      <button type="button" class="button quiet dense" onClick={() => setChoosing(true)}>{w("chooseJoints")}</button>
-      <Amount word="layerAt" least={1} most={Math.max(1, sizeOf(piece))} value={layer.at} onChange={(at) => set({ at })} />
-      <Amount word="trimFrom" least={1} most={layer.last || 1} value={layer.first} onChange={(first) => set({ first })} />
-      <Amount word="trimTo" least={layer.first} most={layer.frames || layer.last} value={layer.last} onChange={(last) => set({ last })} />
-      <label class="row"><span class="dim">{w("strength")}</span><input type="range" min={0} max={1} step={0.05} value={layer.strength} aria-label={w("strength")} onChange={(event) => set({ strength: event.currentTarget.valueAsNumber })} /></label>
+      <button type="button" class="button quiet dense" onClick={() => setChoosing(true)}>
+        {w("chooseJoints")}
+      </button>
+      <Amount
+        word="layerAt"
+        least={1}
+        most={Math.max(1, sizeOf(piece))}
+        value={layer.at}
+        onChange={(at) => set({ at })}
+      />
+      <Amount
+        word="trimFrom"
+        least={1}
+        most={layer.last || 1}
+        value={layer.first}
+        onChange={(first) => set({ first })}
+      />
+      <Amount
+        word="trimTo"
+        least={layer.first}
+        most={layer.frames || layer.last}
+        value={layer.last}
+        onChange={(last) => set({ last })}
+      />
+      <label class="row">
+        <span class="dim">{w("strength")}</span>
+        <input
+          type="range"
+          min={0}
+          max={1}
+          step={0.05}
+          value={layer.strength}
+          aria-label={w("strength")}
+          onChange={(event) => set({ strength: event.currentTarget.valueAsNumber })}
+        />
+      </label>
       <Amount word="ease" least={0} most={LONGEST} value={layer.ease} onChange={(ease) => set({ ease })} />
       <span class="grow" />
       <Act icon="trash" word="remove" onClick={board.remove} />
@@ -109,8 +286,15 @@ function LayerForm({ board, piece, layer }: { board: Board; piece: Piece; layer:
           <p class="dim">{w("chooseJointsHelp")}</p>
           <div class="joint-choice">
             {body.map((bone) => (
-              <label key={bone.name} class="row"><input type="checkbox" checked={layer.bones.includes(bone.name)} onChange={() => toggleBone(board, layer, bone.name)} />
-                <span class="dot" style={{ background: `var(--${bone.side})` }} /><span class="cut">{bone.name}</span></label>
+              <label key={bone.name} class="row">
+                <input
+                  type="checkbox"
+                  checked={layer.bones.includes(bone.name)}
+                  onChange={() => toggleBone(board, layer, bone.name)}
+                />
+                <span class="dot" style={{ background: `var(--${bone.side})` }} />
+                <span class="cut">{bone.name}</span>
+              </label>
             ))}
           </div>
         </Dialog>

@@ -1,6 +1,20 @@
 /** The storyboard that is open: its steps, what of it is chosen, and what can be done with it. */
 import { computed, signal } from "@preact/signals";
-import { learnt, layerOf, movePiece, pieceOf, readBoard, splitPiece, withLayer, withoutLayer, withPiece, writeBoard, type Layer, type Piece, type Storyboard } from "../../state/composition";
+import {
+  learnt,
+  layerOf,
+  movePiece,
+  pieceOf,
+  readBoard,
+  splitPiece,
+  withLayer,
+  withoutLayer,
+  withPiece,
+  writeBoard,
+  type Layer,
+  type Piece,
+  type Storyboard,
+} from "../../state/composition";
 import { param } from "../../state/route";
 import { kept } from "../../state/settings";
 import { Steps } from "../../state/steps";
@@ -12,7 +26,12 @@ export const draft = kept<string>("storyboard", "");
 const DRAG = "application/x-mcml-clip";
 
 /** Frames of a clip that are dragged or added. */
-export interface Taken { id: string; name: string; first?: number; last?: number }
+export interface Taken {
+  id: string;
+  name: string;
+  first?: number;
+  last?: number;
+}
 export type Chosen = { kind: "piece" | "seam" | "layer"; key: number } | null;
 
 export class Board {
@@ -25,12 +44,24 @@ export class Board {
   readonly at = computed(() => {
     const pieces = this.pieces.value;
     const wanted = this.chosen.value;
-    const layerAt = wanted?.kind === "layer" ? pieces.findIndex((one) => one.layers.some((layer) => layer.key === wanted.key)) : -1;
-    if (wanted && layerAt >= 0) return { kind: "layer" as const, index: layerAt, piece: pieces[layerAt], layer: pieces[layerAt].layers.find((one) => one.key === wanted.key)! };
+    const layerAt =
+      wanted?.kind === "layer" ? pieces.findIndex((one) => one.layers.some((layer) => layer.key === wanted.key)) : -1;
+    if (wanted && layerAt >= 0)
+      return {
+        kind: "layer" as const,
+        index: layerAt,
+        piece: pieces[layerAt],
+        layer: pieces[layerAt].layers.find((one) => one.key === wanted.key)!,
+      };
     const found = wanted ? pieces.findIndex((one) => one.key === wanted.key) : -1;
     const index = Math.max(0, found);
     if (!pieces[index]) return null;
-    return { kind: wanted?.kind === "seam" && index > 0 ? ("seam" as const) : ("piece" as const), index, piece: pieces[index], layer: null };
+    return {
+      kind: wanted?.kind === "seam" && index > 0 ? ("seam" as const) : ("piece" as const),
+      index,
+      piece: pieces[index],
+      layer: null,
+    };
   });
 
   /** From the address; else from the last visit. What was in work before is one step back. */
@@ -58,8 +89,10 @@ export class Board {
 
   rename = (name: string) => this.set({ name }, "name");
   setAll = (change: Partial<Pick<Storyboard, "transition" | "style">>) => this.set(change, Object.keys(change)[0]);
-  setPiece = (key: number, change: Partial<Piece>, kind = "") => this.set({ pieces: withPiece(this.pieces.peek(), key, change) }, kind && `${kind} ${key}`);
-  setLayer = (key: number, change: Partial<Layer>, kind = "") => this.set({ pieces: withLayer(this.pieces.peek(), key, change) }, kind && `${kind} ${key}`);
+  setPiece = (key: number, change: Partial<Piece>, kind = "") =>
+    this.set({ pieces: withPiece(this.pieces.peek(), key, change) }, kind && `${kind} ${key}`);
+  setLayer = (key: number, change: Partial<Layer>, kind = "") =>
+    this.set({ pieces: withLayer(this.pieces.peek(), key, change) }, kind && `${kind} ${key}`);
 
   add = (taken: readonly Taken[], at = this.pieces.peek().length) => {
     const made = taken.map(({ id, name, first = 1, last = 0 }) => pieceOf(id, name, first, last));
@@ -73,7 +106,9 @@ export class Board {
     const pieces = this.pieces.peek();
     if (!pieces[index]) return;
     const layer = { ...layerOf(taken.id, taken.name, taken.first, taken.last), at };
-    this.set({ pieces: pieces.map((one, place) => (place === index ? { ...one, layers: [...one.layers, layer] } : one)) });
+    this.set({
+      pieces: pieces.map((one, place) => (place === index ? { ...one, layers: [...one.layers, layer] } : one)),
+    });
     this.chosen.value = { kind: "layer", key: layer.key };
     this.learn();
   };
@@ -114,7 +149,8 @@ export class Board {
   clear = () => this.set({ pieces: [], name: w("untitled") });
 }
 
-export const carry = (event: DragEvent, taken: readonly Taken[]): void => event.dataTransfer?.setData(DRAG, JSON.stringify(taken));
+export const carry = (event: DragEvent, taken: readonly Taken[]): void =>
+  event.dataTransfer?.setData(DRAG, JSON.stringify(taken));
 
 export function carried(event: DragEvent): Taken[] {
   const text = event.dataTransfer?.getData(DRAG);

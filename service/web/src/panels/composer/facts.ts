@@ -29,7 +29,14 @@ async function load(id: string): Promise<void> {
   try {
     const [motion, document] = await Promise.all([motionOf(id), get("/documents/{id}", { path: { id } })]);
     const { name, frames, perSecond, skeleton } = motion;
-    facts.value = new Map(facts.peek()).set(id, { name, frames, perSecond, skeleton, bones: usualPart(skeleton.view.bones), spans: document.labels });
+    facts.value = new Map(facts.peek()).set(id, {
+      name,
+      frames,
+      perSecond,
+      skeleton,
+      bones: usualPart(skeleton.view.bones),
+      spans: document.labels,
+    });
   } catch (error) {
     asked.delete(id);
     refuse(error);

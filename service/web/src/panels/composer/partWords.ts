@@ -1,4 +1,11 @@
 import type { Part } from "../../motion/parts";
 import type { Word } from "../../words";
 
-export const PART_WORDS = { upper: "partUpper", arms: "partArms", leftArm: "partLeftArm", rightArm: "partRightArm", head: "partHead", legs: "partLegs" } as const satisfies Record<Part, Word>;
+export const PART_WORDS = {
+  upper: "partUpper",
+  arms: "partArms",
+  leftArm: "partLeftArm",
+  rightArm: "partRightArm",
+  head: "partHead",
+  legs: "partLegs",
+} as const satisfies Record<Part, Word>;

@@ -13,21 +13,24 @@ export function BarLoop({ place }: { place: Place }) {
   useEffect(() => {
     let timer = 0;
     let closed = false;
-    void motionOf(place.document).then((motion) => {
-      const began = performance.now();
-      const length = place.last - place.first + 1;
-      const seen = { tall: 0 };
-      const draw = (now: number) => {
-        if (closed || !canvas.current) return;
-        const by = reducedMotion.matches ? 0 : Math.floor(((now - began) / 1000) * motion.perSecond) % length;
-        const frame = Math.min(motion.frames - 1, place.first - 1 + by);
-        motion.blocks.want(frame);
-        const positions = motion.blocks.frame(frame);
-        if (positions) sketch(canvas.current, motion, positions, seen);
-        if (!reducedMotion.matches || !positions) timer = requestAnimationFrame(draw);
-      };
-      draw(began);
-    }, () => undefined);
+    void motionOf(place.document).then(
+      (motion) => {
+        const began = performance.now();
+        const length = place.last - place.first + 1;
+        const seen = { tall: 0 };
+        const draw = (now: number) => {
+          if (closed || !canvas.current) return;
+          const by = reducedMotion.matches ? 0 : Math.floor(((now - began) / 1000) * motion.perSecond) % length;
+          const frame = Math.min(motion.frames - 1, place.first - 1 + by);
+          motion.blocks.want(frame);
+          const positions = motion.blocks.frame(frame);
+          if (positions) sketch(canvas.current, motion, positions, seen);
+          if (!reducedMotion.matches || !positions) timer = requestAnimationFrame(draw);
+        };
+        draw(began);
+      },
+      () => undefined,
+    );
     return () => {
       closed = true;
       cancelAnimationFrame(timer);
@@ -37,7 +40,12 @@ export function BarLoop({ place }: { place: Place }) {
 }
 
 /** The body on its spot. seen: how tall it was so far, in its own unit. */
-function sketch(canvas: HTMLCanvasElement, { skeleton }: Motion, positions: Float32Array, seen: { tall: number }): void {
+function sketch(
+  canvas: HTMLCanvasElement,
+  { skeleton }: Motion,
+  positions: Float32Array,
+  seen: { tall: number },
+): void {
   const { pen, width, height } = penOf(canvas);
   const up = skeleton.zUp ? 2 : 1;
   const side = skeleton.zUp ? 1 : 2;
@@ -53,7 +61,11 @@ function sketch(canvas: HTMLCanvasElement, { skeleton }: Motion, positions: Floa
   }
   seen.tall = Math.max(seen.tall, most - least);
   const scale = (height - 16) / (seen.tall * 1.05 || 1);
-  const x = (point: number) => width / 2 + ((positions[point * 3] - midX / count) * ACROSS + (positions[point * 3 + side] - midSide / count) * DEPTH * (skeleton.zUp ? -1 : 1)) * scale;
+  const x = (point: number) =>
+    width / 2 +
+    ((positions[point * 3] - midX / count) * ACROSS +
+      (positions[point * 3 + side] - midSide / count) * DEPTH * (skeleton.zUp ? -1 : 1)) *
+      scale;
   const y = (point: number) => height - 8 - (positions[point * 3 + up] - least) * scale;
   const { sides } = inksNow();
   pen.lineWidth = 2;

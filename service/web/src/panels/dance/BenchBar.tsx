@@ -21,11 +21,21 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
   const [error, setError] = useState<unknown>(null);
   const [reading, setReading] = useState("");
   const music = bench.music.value;
-  const job = jobs.value.find((one) => one.id === bench.job.value?.id && (one.state === "waiting" || one.state === "running"));
+  const job = jobs.value.find(
+    (one) => one.id === bench.job.value?.id && (one.state === "waiting" || one.state === "running"),
+  );
   const run = async (dry: boolean) => {
     setError(null);
     try {
-      const id = await runAnalysis("dance", { inputs: { documents: bench.timed }, parameters: { ...bench.wish(), dry_run: dry }, name: dry ? undefined : "dance" }, (started) => (bench.job.value = started));
+      const id = await runAnalysis(
+        "dance",
+        {
+          inputs: { documents: bench.timed },
+          parameters: { ...bench.wish(), dry_run: dry },
+          name: dry ? undefined : "dance",
+        },
+        (started) => (bench.job.value = started),
+      );
       const result = await resultOf(id);
       if (dry) {
         bench.dry.value = result;
@@ -35,7 +45,10 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
       bench.dry.value = null;
       await keepMusic(bench, result.parts.clip.document!);
       go(`/dance/${id}?${withoutSelection()}`);
-      note(d("made", { name: result.name }), { detail: music ? d("musicKept") : undefined, action: { text: d("undoMade"), run: () => void takeBack(id, result.parts.clip.document!, result.name, bench) } });
+      note(d("made", { name: result.name }), {
+        detail: music ? d("musicKept") : undefined,
+        action: { text: d("undoMade"), run: () => void takeBack(id, result.parts.clip.document!, result.name, bench) },
+      });
     } catch (refused) {
       if ((refused as Error).name !== "AbortError") setError(refused);
     } finally {
@@ -56,29 +69,186 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
   return (
     <>
       <header class="bench-bar row wrap">
-        <span class="row"><strong>{d("bench", { n: bench.documents.length })}</strong>{onOthers && <button type="button" class="button quiet dense" onClick={onOthers}>{d("others")}</button>}</span>
+        <span class="row">
+          <strong>{d("bench", { n: bench.documents.length })}</strong>
+          {onOthers && (
+            <button type="button" class="button quiet dense" onClick={onOthers}>
+              {d("others")}
+            </button>
+          )}
+        </span>
         {music ? (
-          <span class="row bench-music"><Icon name="beat" /><span class="cut">{music.file.name}</span><span class="dim">{music.even ? number(music.bpm, 1) : d("uneven")}</span>
-            {music.rivals.length > 1 && <label class="row" title={d("rivalsHelp")}>{music.clear ? d("tempo") : d("ambiguous")}<select class="field dense" value={0} onChange={(event) => void open(music.file, music.rivals[Number(event.currentTarget.value)].bpm)}>{music.rivals.map((one, at) => <option key={at} value={at}>{d("rival", { bpm: number(one.bpm, 1), strength: number(one.strength, 2) })}</option>)}</select></label>}
-            <label class="row">{d("perBar")}<select class="field dense" value={music.beatsPerBar} onChange={(event) => (bench.music.value = withChoice(music, { beatsPerBar: Number(event.currentTarget.value) }))}>{[2, 3, 4].map((one) => <option key={one} value={one}>{one}</option>)}</select></label>
-            <label class="row">{d("downbeat")}<select class="field dense" value={music.downbeat} onChange={(event) => (bench.music.value = withChoice(music, { downbeat: Number(event.currentTarget.value) }))}>{music.beats.slice(0, 16).map((_, at) => <option key={at} value={at + 1}>{at + 1}</option>)}</select></label>
-            <label class="row">{d("factor")}<select class="field dense" value={music.factor} onChange={(event) => (bench.music.value = withChoice(music, { factor: event.currentTarget.value as "1" }))}>{["1/2", "1", "2"].map((one) => <option key={one} value={one}>{one}</option>)}</select></label>
-            <label class="row">{d("offset")}<NumberField step={0.01} value={offsetNow()} onChange={(value) => setOffset(value ?? 0)} /> s</label>
-            <button type="button" class="button quiet icon dense" aria-label={d("musicGone", { name: music.file.name })} onClick={() => { if (music.address) URL.revokeObjectURL(music.address); bench.music.value = null; setOffset(0); }}><Icon name="close" /></button>
+          <span class="row bench-music">
+            <Icon name="beat" />
+            <span class="cut">{music.file.name}</span>
+            <span class="dim">{music.even ? number(music.bpm, 1) : d("uneven")}</span>
+            {music.rivals.length > 1 && (
+              <label class="row" title={d("rivalsHelp")}>
+                {music.clear ? d("tempo") : d("ambiguous")}
+                <select
+                  class="field dense"
+                  value={0}
+                  onChange={(event) => void open(music.file, music.rivals[Number(event.currentTarget.value)].bpm)}
+                >
+                  {music.rivals.map((one, at) => (
+                    <option key={at} value={at}>
+                      {d("rival", { bpm: number(one.bpm, 1), strength: number(one.strength, 2) })}
+                    </option>
+                  ))}
+                </select>
+              </label>
+            )}
+            <label class="row">
+              {d("perBar")}
+              <select
+                class="field dense"
+                value={music.beatsPerBar}
+                onChange={(event) =>
+                  (bench.music.value = withChoice(music, { beatsPerBar: Number(event.currentTarget.value) }))
+                }
+              >
+                {[2, 3, 4].map((one) => (
+                  <option key={one} value={one}>
+                    {one}
+                  </option>
+                ))}
+              </select>
+            </label>
+            <label class="row">
+              {d("downbeat")}
+              <select
+                class="field dense"
+                value={music.downbeat}
+                onChange={(event) =>
+                  (bench.music.value = withChoice(music, { downbeat: Number(event.currentTarget.value) }))
+                }
+              >
+                {music.beats.slice(0, 16).map((_, at) => (
+                  <option key={at} value={at + 1}>
+                    {at + 1}
+                  </option>
+                ))}
+              </select>
+            </label>
+            <label class="row">
+              {d("factor")}
+              <select
+                class="field dense"
+                value={music.factor}
+                onChange={(event) =>
+                  (bench.music.value = withChoice(music, { factor: event.currentTarget.value as "1" }))
+                }
+              >
+                {["1/2", "1", "2"].map((one) => (
+                  <option key={one} value={one}>
+                    {one}
+                  </option>
+                ))}
+              </select>
+            </label>
+            <label class="row">
+              {d("offset")}
+              <NumberField step={0.01} value={offsetNow()} onChange={(value) => setOffset(value ?? 0)} /> s
+            </label>
+            <button
+              type="button"
+              class="button quiet icon dense"
+              aria-label={d("musicGone", { name: music.file.name })}
+              onClick={() => {
+                if (music.address) URL.revokeObjectURL(music.address);
+                bench.music.value = null;
+                setOffset(0);
+              }}
+            >
+              <Icon name="close" />
+            </button>
           </span>
         ) : (
-          <span class="row"><label class="row">{d("tempo")}<NumberField least={40} most={240} value={Number(param("bpm")) || USUAL_BPM} onChange={write("bpm")} /></label><span class="dim">{d("bpm")}</span>
-            <button type="button" class="button" title={d("tapHelp")} onPointerDown={(event) => { if (event.button === 0) tap(event.timeStamp); }} onClick={(event) => { if (event.detail === 0) tap(event.timeStamp); }}>{d("tap")}{taps.value.length > 1 && <span class="dim">{d("taps", { n: taps.value.length })}</span>}</button>
-            <label class="button" title={d("musicHelp")}>{d("music")}…<input class="unseen" type="file" accept=".wav,.flac,.mp3,audio/*" aria-label={d("music")} onChange={(event) => { const file = event.currentTarget.files?.[0]; if (file) void open(file); }} /></label></span>
+          <span class="row">
+            <label class="row">
+              {d("tempo")}
+              <NumberField least={40} most={240} value={Number(param("bpm")) || USUAL_BPM} onChange={write("bpm")} />
+            </label>
+            <span class="dim">{d("bpm")}</span>
+            <button
+              type="button"
+              class="button"
+              title={d("tapHelp")}
+              onPointerDown={(event) => {
+                if (event.button === 0) tap(event.timeStamp);
+              }}
+              onClick={(event) => {
+                if (event.detail === 0) tap(event.timeStamp);
+              }}
+            >
+              {d("tap")}
+              {taps.value.length > 1 && <span class="dim">{d("taps", { n: taps.value.length })}</span>}
+            </button>
+            <label class="button" title={d("musicHelp")}>
+              {d("music")}…
+              <input
+                class="unseen"
+                type="file"
+                accept=".wav,.flac,.mp3,audio/*"
+                aria-label={d("music")}
+                onChange={(event) => {
+                  const file = event.currentTarget.files?.[0];
+                  if (file) void open(file);
+                }}
+              />
+            </label>
+          </span>
         )}
-        <label class="row">{d("bars")}<NumberField least={1} most={MOST_BARS} step={1} value={Number(param("bars")) || USUAL_BARS} onChange={write("bars")} /></label>
-        <label class="row" title={d("seedHelp")}>{d("seed")}<NumberField least={0} step={1} value={Number(param("seed")) || 0} onChange={(value) => write("seed")(value || null)} /></label>
+        <label class="row">
+          {d("bars")}
+          <NumberField
+            least={1}
+            most={MOST_BARS}
+            step={1}
+            value={Number(param("bars")) || USUAL_BARS}
+            onChange={write("bars")}
+          />
+        </label>
+        <label class="row" title={d("seedHelp")}>
+          {d("seed")}
+          <NumberField
+            least={0}
+            step={1}
+            value={Number(param("seed")) || 0}
+            onChange={(value) => write("seed")(value || null)}
+          />
+        </label>
         <span class="grow" />
-        {job ? <span class="row grow bench-job" role="status"><progress class="grow" value={job.share} aria-label={job.stage ?? ""} /><span class="dim">{d("making", { stage: job.stage ?? "" })}</span><button type="button" class="button" onClick={() => void cancelJob(job)}>{w("cancel")}</button></span> : (
-          <span class="row"><button type="button" class="button" disabled={bench.job.value !== null} onClick={() => void run(true)}>{d("dryRun")}</button><button type="button" class="button primary" disabled={bench.job.value !== null} onClick={() => void run(false)}>{d("make")}</button></span>
+        {job ? (
+          <span class="row grow bench-job" role="status">
+            <progress class="grow" value={job.share} aria-label={job.stage ?? ""} />
+            <span class="dim">{d("making", { stage: job.stage ?? "" })}</span>
+            <button type="button" class="button" onClick={() => void cancelJob(job)}>
+              {w("cancel")}
+            </button>
+          </span>
+        ) : (
+          <span class="row">
+            <button type="button" class="button" disabled={bench.job.value !== null} onClick={() => void run(true)}>
+              {d("dryRun")}
+            </button>
+            <button
+              type="button"
+              class="button primary"
+              disabled={bench.job.value !== null}
+              onClick={() => void run(false)}
+            >
+              {d("make")}
+            </button>
+          </span>
         )}
       </header>
-      {reading && <p class="row bench-reading" role="status"><span class="dim">{d("readingMusic", { name: reading })}</span><span class="busy grow" /></p>}
+      {reading && (
+        <p class="row bench-reading" role="status">
+          <span class="dim">{d("readingMusic", { name: reading })}</span>
+          <span class="busy grow" />
+        </p>
+      )}
       <Trouble error={error} />
     </>
   );

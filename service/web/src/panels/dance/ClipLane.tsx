@@ -19,23 +19,35 @@ export function ClipLane({ bench, row, index }: { bench: Bench; row: ClipRow; in
   const active = bench.clip.value === row.id;
   const beat = active ? bench.beat.value : -1;
   paint.current = () => {
-    if (canvas.current) drawLane(canvas.current, row, { ink: colour(`name${index % 8}`), stale: bench.stale.peek().has(row.id), at: bench.clip.peek() === row.id ? bench.at.peek() : null, beat: bench.clip.peek() === row.id ? bench.beat.peek() : -1, drag: drag.current });
+    if (canvas.current)
+      drawLane(canvas.current, row, {
+        ink: colour(`name${index % 8}`),
+        stale: bench.stale.peek().has(row.id),
+        at: bench.clip.peek() === row.id ? bench.at.peek() : null,
+        beat: bench.clip.peek() === row.id ? bench.beat.peek() : -1,
+        drag: drag.current,
+      });
   };
-  useEffect(() => effect(() => {
-    bench.at.value;
-    bench.beat.value;
-    bench.clip.value;
-    bench.stale.value;
-    look.value;
-    paint.current();
-  }), [row]);
+  useEffect(
+    () =>
+      effect(() => {
+        bench.at.value;
+        bench.beat.value;
+        bench.clip.value;
+        bench.stale.value;
+        look.value;
+        paint.current();
+      }),
+    [row],
+  );
   useEffect(() => {
     const observer = new ResizeObserver(() => paint.current());
     observer.observe(canvas.current!);
     return () => observer.disconnect();
   }, []);
   const perPixel = () => row.seconds / Math.max(1, canvas.current!.clientWidth);
-  const at = (event: MouseEvent) => Math.max(0, Math.min(row.seconds, (event.clientX - canvas.current!.getBoundingClientRect().left) * perPixel()));
+  const at = (event: MouseEvent) =>
+    Math.max(0, Math.min(row.seconds, (event.clientX - canvas.current!.getBoundingClientRect().left) * perPixel()));
   const down = (event: PointerEvent) => {
     if (event.button) return;
     const here = at(event);
@@ -49,7 +61,10 @@ export function ClipLane({ bench, row, index }: { bench: Bench; row: ClipRow; in
   const move = (event: PointerEvent) => {
     const here = at(event);
     const held = drag.current;
-    if (!held) return setTip(tipOf(row, here, NEAR * perPixel(), event, canvas.current!));
+    if (!held) {
+      setTip(tipOf(row, here, NEAR * perPixel(), event, canvas.current!));
+      return;
+    }
     if (!held.moved && Math.abs(here - held.at) < 3 * perPixel()) return;
     held.moved = true;
     held.at = event.altKey ? here : snapped(here, row.minima, NEAR * perPixel());
@@ -73,7 +88,8 @@ export function ClipLane({ bench, row, index }: { bench: Bench; row: ClipRow; in
       bench.moveBeat(row.id, now, to);
       bench.beat.value = nearestBeat(bench.row(row.id)!.beats, to, 1e-3);
     } else if (by || event.key === "Home" || event.key === "End") {
-      const next = event.key === "Home" ? 0 : event.key === "End" ? last : Math.max(0, Math.min(last, now < 0 ? 0 : now + by!));
+      const next =
+        event.key === "Home" ? 0 : event.key === "End" ? last : Math.max(0, Math.min(last, now < 0 ? 0 : now + by!));
       bench.beat.value = next;
       if (row.beats[next]) bench.go(row.id, row.beats[next].at);
       bench.beat.value = next;
@@ -83,13 +99,48 @@ export function ClipLane({ bench, row, index }: { bench: Bench; row: ClipRow; in
   };
   const option = (one: number) => `beat-${row.id}-${one}`;
   return (
-    <div class={`lane ${active ? "active" : ""}`} role="listbox" tabIndex={0} aria-label={d("rowOf", { name: row.name })} aria-activedescendant={beat >= 0 && row.beats[beat] ? option(beat) : undefined}
-      onKeyDown={key} onFocus={() => { if (bench.clip.peek() !== row.id) { bench.clip.value = row.id; bench.beat.value = -1; } }}>
-      <canvas ref={canvas} aria-hidden="true" style={row.seconds > SECONDS_SEEN ? { width: `${Math.min(16_000, row.seconds * 12)}px` } : undefined} onPointerDown={down} onPointerMove={move} onPointerUp={up} onPointerLeave={() => setTip(null)}
-        onDblClick={(event) => { if (nearestBeat(row.beats, at(event), NEAR * perPixel()) < 0) bench.addBeat(row.id, event.altKey ? at(event) : snapped(at(event), row.minima, NEAR * perPixel())); }} />
-      {tip && <span class="lane-tip" style={{ left: `${tip.x}px` }}>{tip.text}</span>}
-      {row.beats.map((one, place) => <span key={place} class="unseen" role="option" id={option(place)} aria-selected={place === beat}>{d("beatOf", { n: place + 1, at: number(one.at, 3), kind: d(one.kind) })}</span>)}
-      {!row.beats.length && <span class="unseen" role="option" aria-selected="false">{d("beatsOf", { n: 0 })}</span>}
+    <div
+      class={`lane ${active ? "active" : ""}`}
+      role="listbox"
+      tabIndex={0}
+      aria-label={d("rowOf", { name: row.name })}
+      aria-activedescendant={beat >= 0 && row.beats[beat] ? option(beat) : undefined}
+      onKeyDown={key}
+      onFocus={() => {
+        if (bench.clip.peek() !== row.id) {
+          bench.clip.value = row.id;
+          bench.beat.value = -1;
+        }
+      }}
+    >
+      <canvas
+        ref={canvas}
+        aria-hidden="true"
+        style={row.seconds > SECONDS_SEEN ? { width: `${Math.min(16_000, row.seconds * 12)}px` } : undefined}
+        onPointerDown={down}
+        onPointerMove={move}
+        onPointerUp={up}
+        onPointerLeave={() => setTip(null)}
+        onDblClick={(event) => {
+          if (nearestBeat(row.beats, at(event), NEAR * perPixel()) < 0)
+            bench.addBeat(row.id, event.altKey ? at(event) : snapped(at(event), row.minima, NEAR * perPixel()));
+        }}
+      />
+      {tip && (
+        <span class="lane-tip" style={{ left: `${tip.x}px` }}>
+          {tip.text}
+        </span>
+      )}
+      {row.beats.map((one, place) => (
+        <span key={place} class="unseen" role="option" id={option(place)} aria-selected={place === beat}>
+          {d("beatOf", { n: place + 1, at: number(one.at, 3), kind: d(one.kind) })}
+        </span>
+      ))}
+      {!row.beats.length && (
+        <span class="unseen" role="option" aria-selected="false">
+          {d("beatsOf", { n: 0 })}
+        </span>
+      )}
     </div>
   );
 }
@@ -101,10 +152,19 @@ export function reasonOf(one: Candidate): string {
   return d(one.verdict);
 }
 
-function tipOf(row: ClipRow, here: number, within: number, event: PointerEvent, canvas: HTMLElement): { x: number; text: string } | null {
+function tipOf(
+  row: ClipRow,
+  here: number,
+  within: number,
+  event: PointerEvent,
+  canvas: HTMLElement,
+): { x: number; text: string } | null {
   const x = event.clientX - canvas.getBoundingClientRect().left;
   const beat = nearestBeat(row.beats, here, within);
-  if (beat >= 0) return { x, text: d("beatOf", { n: beat + 1, at: number(row.beats[beat].at, 3), kind: d(row.beats[beat].kind) }) };
-  const near = row.candidates.filter((one) => one.verdict !== "beat" && Math.abs(one.at - here) <= within).sort((a, b) => Math.abs(a.at - here) - Math.abs(b.at - here))[0];
+  if (beat >= 0)
+    return { x, text: d("beatOf", { n: beat + 1, at: number(row.beats[beat].at, 3), kind: d(row.beats[beat].kind) }) };
+  const near = row.candidates
+    .filter((one) => one.verdict !== "beat" && Math.abs(one.at - here) <= within)
+    .sort((a, b) => Math.abs(a.at - here) - Math.abs(b.at - here))[0];
   return near ? { x, text: `${number(near.at, 2)} s · ${reasonOf(near)}` } : null;
 }

@@ -2,7 +2,7 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Schemas } from "../../api/client";
 import { resultOf, type Result } from "../../api/results";
-import { subject } from "../../shell/Bar";
+import { subject } from "../../state/shell";
 import { offer } from "../../state/keys";
 import { refuse } from "../../state/notes";
 import { param, setParams } from "../../state/route";
@@ -25,7 +25,9 @@ import "../../styles/dance.css";
 
 export function DancePage({ id }: { id: string }) {
   const [choosing, setChoosing] = useState(!id && !selectionNow());
-  useEffect(() => { subject.value = null; }, [id]);
+  useEffect(() => {
+    subject.value = null;
+  }, [id]);
   if (id) return <OfResult id={id} />;
   if (choosing || !selectionNow()) return <StartBench onOpen={() => setChoosing(false)} />;
   return <OfSelection onOthers={() => setChoosing(true)} />;
@@ -48,7 +50,9 @@ function OfSelection({ onOthers }: { onOthers: () => void }) {
 function OfResult({ id }: { id: string }) {
   const result = useAsync((signal) => resultOf(id, signal), [id]);
   const found = result.value;
-  useEffect(() => { if (found) subject.value = { text: found.name }; }, [found]);
+  useEffect(() => {
+    if (found) subject.value = { text: found.name };
+  }, [found]);
   return (
     <>
       <h1 class="unseen">{d("title")}</h1>
@@ -61,12 +65,22 @@ function OfResult({ id }: { id: string }) {
 
 /** The corrections that a result was made with. */
 function correctionsOf(result: Result): Corrections {
-  const clips = (result.parameters.clips ?? []) as { document: string; beats?: number[] | null; source_bpm?: number | null; beats_from?: string | null }[];
-  return Object.fromEntries(clips.map((one) => [one.document, {
-    ...(one.beats ? { beats: one.beats.map((at) => ({ at, kind: "hand" as const })) } : {}),
-    ...(one.source_bpm ? { source_bpm: one.source_bpm } : {}),
-    ...(one.beats_from && one.beats_from !== "auto" ? { beats_from: one.beats_from as "tracked" } : {}),
-  }]));
+  const clips = (result.parameters.clips ?? []) as {
+    document: string;
+    beats?: number[] | null;
+    source_bpm?: number | null;
+    beats_from?: string | null;
+  }[];
+  return Object.fromEntries(
+    clips.map((one) => [
+      one.document,
+      {
+        ...(one.beats ? { beats: one.beats.map((at) => ({ at, kind: "hand" as const })) } : {}),
+        ...(one.source_bpm ? { source_bpm: one.source_bpm } : {}),
+        ...(one.beats_from && one.beats_from !== "auto" ? { beats_from: one.beats_from as "tracked" } : {}),
+      },
+    ]),
+  );
 }
 
 const TABS = ["beats", "graph", "stage"] as const;
@@ -79,7 +93,10 @@ function Opened({ documents, result, onOthers }: { documents: string[]; result?:
     if (result?.analysis === "dance" && result.parts.clip) made.shown.value = { kind: "dance", result };
     if (result) {
       const given = result.parameters as { bpm?: number | null; bars?: number };
-      setParams({ ...(given.bpm && !param("bpm") ? { bpm: String(given.bpm) } : {}), ...(given.bars && !param("bars") ? { bars: String(given.bars) } : {}) });
+      setParams({
+        ...(given.bpm && !param("bpm") ? { bpm: String(given.bpm) } : {}),
+        ...(given.bars && !param("bars") ? { bars: String(given.bars) } : {}),
+      });
     }
     return made;
   }, [documents.join(), result?.id]);
@@ -87,23 +104,45 @@ function Opened({ documents, result, onOthers }: { documents: string[]; result?:
   useEffect(() => offer("dance", keysOf(bench)), [bench]);
   useEffect(() => {
     const stop = new AbortController();
-    const [document, given] = [result?.parts.clip?.document, result?.parameters.music as Schemas["Music"] | null | undefined];
-    if (document && given && !bench.music.peek()) keptMusic(document, given, stop.signal).then((kept) => {
-      if (!kept || stop.signal.aborted) return;
-      bench.music.value = kept.music;
-      setOffset(kept.offset);
-    }, refuse);
+    const [document, given] = [
+      result?.parts.clip?.document,
+      result?.parameters.music as Schemas["Music"] | null | undefined,
+    ];
+    if (document && given && !bench.music.peek())
+      keptMusic(document, given, stop.signal).then((kept) => {
+        if (!kept || stop.signal.aborted) return;
+        bench.music.value = kept.music;
+        setOffset(kept.offset);
+      }, refuse);
     return () => stop.abort();
   }, [bench, result?.id]);
   return (
     <div class={`bench at-${tab}`}>
       {!result && <h1 class="unseen">{d("title")}</h1>}
       <BenchBar bench={bench} onOthers={onOthers} />
-      <div class="bench-tabs"><Tabs label={d("title")} tabs={[{ id: "beats", text: d("beatsTab") }, { id: "graph", text: d("graph") }, { id: "stage", text: d("stage") }]} open={tab} onOpen={(one) => setParams({ tab: one })} /></div>
-      <section class="bench-clips" id="panel-beats" aria-label={d("beatsTab")}><ClipRows bench={bench} /></section>
+      <div class="bench-tabs">
+        <Tabs
+          label={d("title")}
+          tabs={[
+            { id: "beats", text: d("beatsTab") },
+            { id: "graph", text: d("graph") },
+            { id: "stage", text: d("stage") },
+          ]}
+          open={tab}
+          onOpen={(one) => setParams({ tab: one })}
+        />
+      </div>
+      <section class="bench-clips" id="panel-beats" aria-label={d("beatsTab")}>
+        <ClipRows bench={bench} />
+      </section>
       <div class="bench-lower">
-        <section class="bench-graph" id="panel-graph" aria-label={d("graph")}><GraphPane bench={bench} /><PathStrip bench={bench} made={result} /></section>
-        <section class="bench-stage" id="panel-stage" aria-label={d("stage")}><StagePane bench={bench} /></section>
+        <section class="bench-graph" id="panel-graph" aria-label={d("graph")}>
+          <GraphPane bench={bench} />
+          <PathStrip bench={bench} made={result} />
+        </section>
+        <section class="bench-stage" id="panel-stage" aria-label={d("stage")}>
+          <StagePane bench={bench} />
+        </section>
       </div>
     </div>
   );

@@ -14,14 +14,33 @@ import { nodesOf } from "./graph";
 import { d } from "./words";
 
 const BEFORE = 1; // seconds before a transition that is looked at
-interface Transition { position: number; from: number; to: number; start: number; end: number; distance: number; foot_skate: number | null; classic_foot_skate: number | null }
-interface Step { position: number; node: number; start: number; natural: boolean | null; distance: number | null }
+interface Transition {
+  position: number;
+  from: number;
+  to: number;
+  start: number;
+  end: number;
+  distance: number;
+  foot_skate: number | null;
+  classic_foot_skate: number | null;
+}
+interface Step {
+  position: number;
+  node: number;
+  start: number;
+  natural: boolean | null;
+  distance: number | null;
+}
 
 export function Figures({ bench, result, dry }: { bench: Bench; result: Result; dry: boolean }) {
-  const values = Object.fromEntries(rowsOf<{ metric: string; value: number | null }>(result.parts.metrics).map((one) => [one.metric, one.value]));
+  const values = Object.fromEntries(
+    rowsOf<{ metric: string; value: number | null }>(result.parts.metrics).map((one) => [one.metric, one.value]),
+  );
   const warnings = rowsOf<{ warning: string }>(result.parts.warnings);
-  const percent = (value?: number | null) => (value === null || value === undefined ? "–" : `${number(value * 100, 0)} %`);
-  const sizes = (value?: number | null) => (value === null || value === undefined ? "–" : d("perSecond", { n: number(value, 3) }));
+  const percent = (value?: number | null) =>
+    value === null || value === undefined ? "–" : `${number(value * 100, 0)} %`;
+  const sizes = (value?: number | null) =>
+    value === null || value === undefined ? "–" : d("perSecond", { n: number(value, 3) });
   const rows: [string, string, string, string?][] = [
     [d("onBeat"), percent(values.grid_hits_70ms), ""],
     [d("alignMusic"), percent(values.beat_align_music), ""],
@@ -29,20 +48,52 @@ export function Figures({ bench, result, dry }: { bench: Bench; result: Result; 
     [d("inside"), number(values.beats_in_transitions ?? 0), number(values.classic_beats_in_transitions ?? 0)],
     [d("skate"), sizes(values.foot_skate_in_transitions), sizes(values.classic_foot_skate_in_transitions)],
     [d("skateOutside"), sizes(values.foot_skate_outside), ""],
-    [d("turning"), d("degrees", { n: number(values.greatest_rotation_speed ?? 0, 0) }), "", d("degrees", { n: number(values.source_greatest_rotation_speed ?? 0, 0) })],
+    [
+      d("turning"),
+      d("degrees", { n: number(values.greatest_rotation_speed ?? 0, 0) }),
+      "",
+      d("degrees", { n: number(values.source_greatest_rotation_speed ?? 0, 0) }),
+    ],
     [d("moving"), sizes(values.greatest_body_speed), "", sizes(values.source_greatest_body_speed)],
     [d("stretch"), d("times", { n: number(values.greatest_rate ?? 1, 2) }), ""],
   ];
   return (
     <div class="bench-figures">
       {!dry && <Kept result={result} />}
-      <p class="dim">{duration(values.seconds)} · {d("barsOf", { n: values.bars ?? 0 })} · {d("jumps")}: {number(values.jumps ?? 0)}</p>
+      <p class="dim">
+        {duration(values.seconds)} · {d("barsOf", { n: values.bars ?? 0 })} · {d("jumps")}: {number(values.jumps ?? 0)}
+      </p>
       <table class="figures">
-        <thead><tr><th>{d("figures")}</th><th class="n">{d("thisDance")}</th><th class="n">{d("classic")}</th><th class="n">{d("sourceWord")}</th></tr></thead>
-        <tbody>{rows.map(([word, own, classic, source]) => <tr key={word}><th scope="row">{word}</th><td class="n">{own}</td><td class="n dim">{classic}</td><td class="n dim">{source ?? ""}</td></tr>)}</tbody>
+        <thead>
+          <tr>
+            <th>{d("figures")}</th>
+            <th class="n">{d("thisDance")}</th>
+            <th class="n">{d("classic")}</th>
+            <th class="n">{d("sourceWord")}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map(([word, own, classic, source]) => (
+            <tr key={word}>
+              <th scope="row">{word}</th>
+              <td class="n">{own}</td>
+              <td class="n dim">{classic}</td>
+              <td class="n dim">{source ?? ""}</td>
+            </tr>
+          ))}
+        </tbody>
       </table>
       <Transitions bench={bench} result={result} dry={dry} />
-      {warnings.length > 0 && <details><summary>{d("warningsWord", { n: warnings.length })}</summary>{warnings.map((one) => <p key={one.warning} class="dim">{one.warning}</p>)}</details>}
+      {warnings.length > 0 && (
+        <details>
+          <summary>{d("warningsWord", { n: warnings.length })}</summary>
+          {warnings.map((one) => (
+            <p key={one.warning} class="dim">
+              {one.warning}
+            </p>
+          ))}
+        </details>
+      )}
     </div>
   );
 }
@@ -65,17 +116,41 @@ function Transitions({ bench, result, dry }: { bench: Bench; result: Result; dry
   return (
     <div class="scrolls bench-transitions" role="region" tabIndex={0} aria-label={d("transitions")}>
       <table>
-        <thead><tr><th>{d("transitions")}</th><th class="n">{d("when")}</th><th class="n">{d("distance")}</th><th class="n">{d("feet")}</th><th class="n">{d("classic")}</th></tr></thead>
-        <tbody>{steps.slice(1).map((step, at) => {
-          const jump = jumps.get(step.position);
-          const skate = (value?: number | null) => (value === undefined || value === null ? "" : number(value, 3));
-          return (
-            <tr key={step.position}>
-              <td><button type="button" class="link" aria-label={`${d("play")}: ${d("edgeOf", { from: steps[at].node, to: step.node })}`} disabled={dry && nodes.length === 0} onClick={() => play(step, steps[at])}>{steps[at].node} → {step.node}</button> <span class={step.natural ? "dim" : "weak"}>{d(step.natural ? "naturalWord" : "jump")}</span></td>
-              <td class="n">{number(step.start, 2)} s</td><td class="n">{step.natural ? "" : number(step.distance ?? 0, 3)}</td><td class="n">{skate(jump?.foot_skate)}</td><td class="n dim">{skate(jump?.classic_foot_skate)}</td>
-            </tr>
-          );
-        })}</tbody>
+        <thead>
+          <tr>
+            <th>{d("transitions")}</th>
+            <th class="n">{d("when")}</th>
+            <th class="n">{d("distance")}</th>
+            <th class="n">{d("feet")}</th>
+            <th class="n">{d("classic")}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {steps.slice(1).map((step, at) => {
+            const jump = jumps.get(step.position);
+            const skate = (value?: number | null) => (value === undefined || value === null ? "" : number(value, 3));
+            return (
+              <tr key={step.position}>
+                <td>
+                  <button
+                    type="button"
+                    class="link"
+                    aria-label={`${d("play")}: ${d("edgeOf", { from: steps[at].node, to: step.node })}`}
+                    disabled={dry && nodes.length === 0}
+                    onClick={() => play(step, steps[at])}
+                  >
+                    {steps[at].node} → {step.node}
+                  </button>{" "}
+                  <span class={step.natural ? "dim" : "weak"}>{d(step.natural ? "naturalWord" : "jump")}</span>
+                </td>
+                <td class="n">{number(step.start, 2)} s</td>
+                <td class="n">{step.natural ? "" : number(step.distance ?? 0, 3)}</td>
+                <td class="n">{skate(jump?.foot_skate)}</td>
+                <td class="n dim">{skate(jump?.classic_foot_skate)}</td>
+              </tr>
+            );
+          })}
+        </tbody>
       </table>
     </div>
   );
@@ -89,20 +164,66 @@ function Kept({ result }: { result: Result }) {
   const [project, setProject] = useState<string | null>(null);
   const save = async (name: string) => {
     const detail = await get("/documents/{id}", { path: { id } });
-    await ask("patch", "/documents/{id}", { path: { id }, body: { name, project: project ?? detail.project } as never, match: detail.revision });
+    await ask("patch", "/documents/{id}", {
+      path: { id },
+      body: { name, project: project ?? detail.project } as never,
+      match: detail.revision,
+    });
     clip.again();
     note(d("saved", { name }), { action: { text: w("open"), run: () => location.assign(`/clips/${id}`) } });
   };
   return (
     <div class="row wrap">
-      <strong class="cut">{clip.value?.name ?? result.name}</strong><span class="dim">{clip.value?.project}</span><span class="grow" />
-      <button type="button" class="button primary" onClick={() => setAsking(true)}>{d("save")}…</button>
-      <Menu label={d("exportWord")} side="right" items={exportItems({ id, markers: false, original: false, format: "", unit: clip.value?.unit ?? null, up: clip.value?.up ?? null, hasRate: true }, { give: () => location.assign(`/clips/${id}?tab=info`) })}>{d("exportWord")}<Icon name="down" /></Menu>
-      <a class="button" href={address("/results/{id}/picture", { id: result.id }, {})} target="_blank" rel="noreferrer">{d("picture")}</a>
-      <a class="button" href={`/clips/${id}`}>{w("open")}</a>
-      {asking && <AskName title={d("saveAs")} initial={clip.value?.name ?? result.name} onName={save} onClose={() => setAsking(false)}>
-        <p><label class="row">{w("project")}<input class="field grow" value={project ?? clip.value?.project ?? ""} onInput={(event) => setProject(event.currentTarget.value)} /></label></p>
-      </AskName>}
+      <strong class="cut">{clip.value?.name ?? result.name}</strong>
+      <span class="dim">{clip.value?.project}</span>
+      <span class="grow" />
+      <button type="button" class="button primary" onClick={() => setAsking(true)}>
+        {d("save")}…
+      </button>
+      <Menu
+        label={d("exportWord")}
+        side="right"
+        items={exportItems(
+          {
+            id,
+            markers: false,
+            original: false,
+            format: "",
+            unit: clip.value?.unit ?? null,
+            up: clip.value?.up ?? null,
+            hasRate: true,
+          },
+          { give: () => location.assign(`/clips/${id}?tab=info`) },
+        )}
+      >
+        {d("exportWord")}
+        <Icon name="down" />
+      </Menu>
+      <a class="button" href={address("/results/{id}/picture", { id: result.id }, {})} target="_blank" rel="noreferrer">
+        {d("picture")}
+      </a>
+      <a class="button" href={`/clips/${id}`}>
+        {w("open")}
+      </a>
+      {asking && (
+        <AskName
+          title={d("saveAs")}
+          initial={clip.value?.name ?? result.name}
+          onName={save}
+          onClose={() => setAsking(false)}
+        >
+          <p>
+            <label class="row">
+              {w("project")}
+              <input
+                class="field grow"
+                value={project ?? clip.value?.project ?? ""}
+                onInput={(event) => setProject(event.currentTarget.value)}
+              />
+            </label>
+          </p>
+        </AskName>
+      )}
     </div>
   );
 }

@@ -13,10 +13,23 @@ const RADII = [4, 9];
 const NAMED = 6.5; // px from which on a node has room for its number
 const HIT_EDGE = 5;
 
-interface Hover { node: number; edge: number; x: number; y: number }
+interface Hover {
+  node: number;
+  edge: number;
+  x: number;
+  y: number;
+}
 const NOWHERE: Hover = { node: -1, edge: -1, x: 0, y: 0 };
 
-export function GraphView({ graph, by, names, chosen, start, onPick, onPlay }: {
+export function GraphView({
+  graph,
+  by,
+  names,
+  chosen,
+  start,
+  onPick,
+  onPlay,
+}: {
   graph: Graph;
   by: "clip" | "component";
   names: (document: string) => string;
@@ -35,12 +48,19 @@ export function GraphView({ graph, by, names, chosen, start, onPick, onPlay }: {
   const skin = look.value;
   const worker = useMemo(() => new Worker(new URL("./layout.worker.ts", import.meta.url), { type: "module" }), []);
   useEffect(() => {
-    worker.onmessage = ({ data }: MessageEvent<LaidOut>) => { if (data.turn === turn.current) setPlaces(data.places); };
+    worker.onmessage = ({ data }: MessageEvent<LaidOut>) => {
+      if (data.turn === turn.current) setPlaces(data.places);
+    };
     return () => worker.terminate();
   }, []);
   useEffect(() => {
     turn.current++;
-    const wish: LayoutWish = { turn: turn.current, count: graph.nodes.length, links: graph.edges, before: places?.length === graph.nodes.length * 2 ? places : undefined };
+    const wish: LayoutWish = {
+      turn: turn.current,
+      count: graph.nodes.length,
+      links: graph.edges,
+      before: places?.length === graph.nodes.length * 2 ? places : undefined,
+    };
     worker.postMessage(wish);
   }, [graph]);
   useEffect(() => {
@@ -58,7 +78,8 @@ export function GraphView({ graph, by, names, chosen, start, onPick, onPlay }: {
   }, [places, size, graph]);
   const radius = useMemo(() => (spots ? radiusOf(spots) : 0), [spots]);
   useEffect(() => {
-    if (spots) draw(canvas.current!, graph, spots, radius, by, hover.node >= 0 ? hover.node : focus, hover.edge, chosen, start);
+    if (spots)
+      draw(canvas.current!, graph, spots, radius, by, hover.node >= 0 ? hover.node : focus, hover.edge, chosen, start);
   }, [spots, graph, by, hover.node, hover.edge, focus, chosen.join(), start, skin]);
   const under = (event: MouseEvent): Hover => {
     const box = canvas.current!.getBoundingClientRect();
@@ -76,26 +97,66 @@ export function GraphView({ graph, by, names, chosen, start, onPick, onPlay }: {
   const loopAt = shown >= 0 && spots ? [spots[shown * 2], spots[shown * 2 + 1]] : null;
   return (
     <div class="bench-canvas" data-laid={spots ? "" : undefined}>
-      <canvas ref={canvas} role="img" aria-label={d("graphOf", { bars: graph.nodes.length, edges: graph.all, components: new Set(graph.components).size })}
+      <canvas
+        ref={canvas}
+        role="img"
+        aria-label={d("graphOf", {
+          bars: graph.nodes.length,
+          edges: graph.all,
+          components: new Set(graph.components).size,
+        })}
         class={hover.node >= 0 || edge ? "hits" : ""}
-        onPointerMove={(event) => { const next = under(event); if (next.node !== hover.node || next.edge !== hover.edge) setHover(next); }} onPointerLeave={() => setHover(NOWHERE)}
+        onPointerMove={(event) => {
+          const next = under(event);
+          if (next.node !== hover.node || next.edge !== hover.edge) setHover(next);
+        }}
+        onPointerLeave={() => setHover(NOWHERE)}
         onClick={(event) => {
           const { node, edge: hit } = under(event);
           if (node >= 0) onPick(graph.nodes[node]);
           else if (hit >= 0) onPlay(graph.nodes[graph.edges[hit].from], graph.nodes[graph.edges[hit].to]);
-        }} />
+        }}
+      />
       {!spots && <div class="busy" />}
-      {loopAt && <div class="bar-loop" style={{ left: `${Math.min(Math.max(8, loopAt[0] + 14), Math.max(8, size[0] - 148))}px`, top: `${Math.min(Math.max(8, loopAt[1] - 150), Math.max(8, size[1] - 170))}px` }}>
-        <BarLoop place={graph.nodes[shown]} /><span class="cut">{d("barOf", { n: graph.nodes[shown].bar, name: names(graph.nodes[shown].document) })}</span>
-      </div>}
-      {edge && <span class="lane-tip" style={{ left: `${hover.x}px`, top: `${Math.max(2, hover.y - 30)}px` }}>{d("edgeOf", { from: graph.nodes[edge.from].bar, to: graph.nodes[edge.to].bar })} · {edge.natural ? d("naturalWord") : number(edge.distance, 3)}</span>}
+      {loopAt && (
+        <div
+          class="bar-loop"
+          style={{
+            left: `${Math.min(Math.max(8, loopAt[0] + 14), Math.max(8, size[0] - 148))}px`,
+            top: `${Math.min(Math.max(8, loopAt[1] - 150), Math.max(8, size[1] - 170))}px`,
+          }}
+        >
+          <BarLoop place={graph.nodes[shown]} />
+          <span class="cut">{d("barOf", { n: graph.nodes[shown].bar, name: names(graph.nodes[shown].document) })}</span>
+        </div>
+      )}
+      {edge && (
+        <span class="lane-tip" style={{ left: `${hover.x}px`, top: `${Math.max(2, hover.y - 30)}px` }}>
+          {d("edgeOf", { from: graph.nodes[edge.from].bar, to: graph.nodes[edge.to].bar })} ·{" "}
+          {edge.natural ? d("naturalWord") : number(edge.distance, 3)}
+        </span>
+      )}
       <Walker graph={graph} focus={focus} names={names} onFocus={setFocus} onPick={onPick} onPlay={onPlay} />
     </div>
   );
 }
 
 /** The bars as a list of one stop: arrows from bar to bar, Enter takes one, P plays its nearest edge. */
-function Walker({ graph, focus, names, onFocus, onPick, onPlay }: { graph: Graph; focus: number; names: (document: string) => string; onFocus: (node: number) => void; onPick: (node: Node) => void; onPlay: (from: Node, to: Node) => void }) {
+function Walker({
+  graph,
+  focus,
+  names,
+  onFocus,
+  onPick,
+  onPlay,
+}: {
+  graph: Graph;
+  focus: number;
+  names: (document: string) => string;
+  onFocus: (node: number) => void;
+  onPick: (node: Node) => void;
+  onPlay: (from: Node, to: Node) => void;
+}) {
   const key = (event: KeyboardEvent) => {
     const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
     if (by) onFocus((Math.max(0, focus) + by + graph.nodes.length) % graph.nodes.length);
@@ -108,8 +169,21 @@ function Walker({ graph, focus, names, onFocus, onPick, onPlay }: { graph: Graph
     event.stopPropagation();
   };
   return (
-    <ul class="unseen" role="listbox" tabIndex={0} aria-label={d("graph")} aria-activedescendant={focus >= 0 ? `node-${focus}` : undefined} onKeyDown={key} onFocus={() => onFocus(Math.max(0, focus))} onBlur={() => onFocus(-1)}>
-      {graph.nodes.map((node, at) => <li key={node.bar} id={`node-${at}`} role="option" aria-selected={at === focus}>{d("barOf", { n: node.bar, name: names(node.document) })}</li>)}
+    <ul
+      class="unseen"
+      role="listbox"
+      tabIndex={0}
+      aria-label={d("graph")}
+      aria-activedescendant={focus >= 0 ? `node-${focus}` : undefined}
+      onKeyDown={key}
+      onFocus={() => onFocus(Math.max(0, focus))}
+      onBlur={() => onFocus(-1)}
+    >
+      {graph.nodes.map((node, at) => (
+        <li key={node.bar} id={`node-${at}`} role="option" aria-selected={at === focus}>
+          {d("barOf", { n: node.bar, name: names(node.document) })}
+        </li>
+      ))}
     </ul>
   );
 }
@@ -119,7 +193,8 @@ function radiusOf(spots: Float32Array): number {
   const nearest: number[] = [];
   for (let a = 0; a < spots.length; a += 2) {
     let least = Infinity;
-    for (let b = 0; b < spots.length; b += 2) if (a !== b) least = Math.min(least, Math.hypot(spots[a] - spots[b], spots[a + 1] - spots[b + 1]));
+    for (let b = 0; b < spots.length; b += 2)
+      if (a !== b) least = Math.min(least, Math.hypot(spots[a] - spots[b], spots[a + 1] - spots[b + 1]));
     nearest.push(least);
   }
   nearest.sort((a, b) => a - b);
@@ -128,7 +203,17 @@ function radiusOf(spots: Float32Array): number {
 
 const SHADES = 4; // of edges by distance
 
-function draw(canvas: HTMLCanvasElement, graph: Graph, spots: Float32Array, radius: number, by: "clip" | "component", lit: number, litEdge: number, chosen: readonly number[], start: number): void {
+function draw(
+  canvas: HTMLCanvasElement,
+  graph: Graph,
+  spots: Float32Array,
+  radius: number,
+  by: "clip" | "component",
+  lit: number,
+  litEdge: number,
+  chosen: readonly number[],
+  start: number,
+): void {
   const { pen } = penOf(canvas);
   const dense = Math.min(1, 500 / Math.max(1, graph.edges.length));
   const line = (at: number) => {
@@ -139,14 +224,22 @@ function draw(canvas: HTMLCanvasElement, graph: Graph, spots: Float32Array, radi
   const ink = colour("text3");
   for (let shade = 0; shade < SHADES; shade++) {
     pen.beginPath();
-    graph.edges.forEach((edge, at) => { if (!edge.natural && Math.min(SHADES - 1, Math.floor((edge.distance / (graph.threshold || 1)) * SHADES)) === shade) line(at); });
+    graph.edges.forEach((edge, at) => {
+      if (
+        !edge.natural &&
+        Math.min(SHADES - 1, Math.floor((edge.distance / (graph.threshold || 1)) * SHADES)) === shade
+      )
+        line(at);
+    });
     pen.strokeStyle = ink;
     pen.globalAlpha = (0.12 + 0.5 * dense) * (1 - shade / (SHADES + 1));
     pen.lineWidth = 1.6 - shade * 0.3;
     pen.stroke();
   }
   pen.beginPath();
-  graph.edges.forEach((edge, at) => { if (edge.natural) line(at); });
+  graph.edges.forEach((edge, at) => {
+    if (edge.natural) line(at);
+  });
   pen.strokeStyle = colour("text2");
   pen.globalAlpha = 0.9;
   pen.lineWidth = 2.4;
@@ -154,7 +247,10 @@ function draw(canvas: HTMLCanvasElement, graph: Graph, spots: Float32Array, radi
   pen.globalAlpha = 1;
   if (lit >= 0 || litEdge >= 0) {
     pen.strokeStyle = colour("accent");
-    graph.edges.forEach((edge, at) => { if (at === litEdge || edge.from === lit) arrow(pen, spots, radius, edge.from, edge.to, at === litEdge ? 2.5 : 1.4); });
+    graph.edges.forEach((edge, at) => {
+      if (at === litEdge || edge.from === lit)
+        arrow(pen, spots, radius, edge.from, edge.to, at === litEdge ? 2.5 : 1.4);
+    });
   }
   const family = getComputedStyle(canvas).fontFamily;
   pen.textAlign = "center";
@@ -183,7 +279,14 @@ function draw(canvas: HTMLCanvasElement, graph: Graph, spots: Float32Array, radi
   });
 }
 
-function arrow(pen: CanvasRenderingContext2D, spots: Float32Array, radius: number, from: number, to: number, width: number): void {
+function arrow(
+  pen: CanvasRenderingContext2D,
+  spots: Float32Array,
+  radius: number,
+  from: number,
+  to: number,
+  width: number,
+): void {
   const [ax, ay, bx, by] = [spots[from * 2], spots[from * 2 + 1], spots[to * 2], spots[to * 2 + 1]];
   const angle = Math.atan2(by - ay, bx - ax);
   const [x, y] = [bx - Math.cos(angle) * (radius + 2), by - Math.sin(angle) * (radius + 2)];

@@ -29,16 +29,44 @@ export function MusicLane({ music }: { music: Music }) {
   };
   return (
     <article class="bench-row" aria-label={d("music")}>
-      <header><strong class="cut">{music.file.name}</strong><span class="dim">{music.even ? d("ofMusic", { bpm: number(music.bpm, 1) }) : d("uneven")}</span><span class="dim cut" title={d("offsetHelp")}>{music.address ? d("longMusic") : music.buffer ? d("offsetHelp") : d("notSound")}</span></header>
-      <div class="lane music" role="slider" tabIndex={0} aria-label={d("offset")} aria-valuenow={offset} aria-valuemin={-music.seconds} aria-valuemax={music.seconds} aria-valuetext={`${number(offset, 3)} s`}
+      <header>
+        <strong class="cut">{music.file.name}</strong>
+        <span class="dim">{music.even ? d("ofMusic", { bpm: number(music.bpm, 1) }) : d("uneven")}</span>
+        <span class="dim cut" title={d("offsetHelp")}>
+          {music.address ? d("longMusic") : music.buffer ? d("offsetHelp") : d("notSound")}
+        </span>
+      </header>
+      <div
+        class="lane music"
+        role="slider"
+        tabIndex={0}
+        aria-label={d("offset")}
+        aria-valuenow={offset}
+        aria-valuemin={-music.seconds}
+        aria-valuemax={music.seconds}
+        aria-valuetext={`${number(offset, 3)} s`}
         onKeyDown={(event) => {
           const by = { ArrowLeft: -STEP, ArrowRight: STEP, PageDown: -0.1, PageUp: 0.1 }[event.key];
           if (!by) return;
           setOffset(offsetNow() + by);
           event.preventDefault();
-        }}>
-        <canvas ref={canvas} aria-hidden="true" onPointerDown={(event) => { drag.current = { x: event.clientX, offset: offsetNow() }; event.currentTarget.setPointerCapture(event.pointerId); }} onPointerMove={move} onPointerUp={() => { drag.current = null; }} />
-        <span class="unseen">{d("downbeat")} {music.downbeat}: {number(first ?? 0, 2)} s</span>
+        }}
+      >
+        <canvas
+          ref={canvas}
+          aria-hidden="true"
+          onPointerDown={(event) => {
+            drag.current = { x: event.clientX, offset: offsetNow() };
+            event.currentTarget.setPointerCapture(event.pointerId);
+          }}
+          onPointerMove={move}
+          onPointerUp={() => {
+            drag.current = null;
+          }}
+        />
+        <span class="unseen">
+          {d("downbeat")} {music.downbeat}: {number(first ?? 0, 2)} s
+        </span>
       </div>
     </article>
   );

@@ -7,7 +7,15 @@ import { USUAL_BARS, type Bench } from "./bench";
 import { d } from "./words";
 
 const MOST = 128;
-interface Step { position: number; node: number; document: string; bar: number; start: number; natural: boolean | null; distance: number | null }
+interface Step {
+  position: number;
+  node: number;
+  document: string;
+  bar: number;
+  start: number;
+  natural: boolean | null;
+  distance: number | null;
+}
 
 export function PathStrip({ bench, made }: { bench: Bench; made?: Result }) {
   const allowed = readAllowed(param("allow"));
@@ -18,7 +26,10 @@ export function PathStrip({ bench, made }: { bench: Bench; made?: Result }) {
   const position = bench.position.value;
   const write = (bars: string) => {
     const next = readAllowed(writeAllowed(allowed));
-    const numbers = bars.split(/[\s,.]+/).map(Number).filter((one) => Number.isInteger(one) && one > 0);
+    const numbers = bars
+      .split(/[\s,.]+/)
+      .map(Number)
+      .filter((one) => Number.isInteger(one) && one > 0);
     if (numbers.length) next.set(position, numbers);
     else next.delete(position);
     setParams({ allow: writeAllowed(next) || null });
@@ -27,10 +38,47 @@ export function PathStrip({ bench, made }: { bench: Bench; made?: Result }) {
     <div class="bench-path" role="group" aria-label={d("path")}>
       <div class="row wrap">
         <strong>{d("path")}</strong>
-        <span class="dim grow cut">{position ? d("allowHelp", { n: position }) : start ? d("startsWith", { n: start }) : ""}</span>
-        {position > 0 && <label class="row">{d("allowField", { n: position })}<input class="field bench-allow" key={`${position} ${param("allow")}`} defaultValue={(allowed.get(position) ?? []).join(" ")} placeholder={d("anyBar")} onChange={(event) => write(event.currentTarget.value)} /></label>}
-        {position > 0 && (allowed.get(position)?.length ?? 0) === 1 && position === 1 && <button type="button" class="button dense" onClick={() => setParams({ start: String(allowed.get(1)![0]), allow: writeAllowed(new Map([...allowed].filter(([key]) => key !== 1))) || null })}>{d("startHere")}</button>}
-        {(allowed.size > 0 || start > 0) && <button type="button" class="button dense" onClick={() => { setParams({ allow: null, start: null }); bench.position.value = 0; }}>{d("clearPath")}</button>}
+        <span class="dim grow cut">
+          {position ? d("allowHelp", { n: position }) : start ? d("startsWith", { n: start }) : ""}
+        </span>
+        {position > 0 && (
+          <label class="row">
+            {d("allowField", { n: position })}
+            <input
+              class="field bench-allow"
+              key={`${position} ${param("allow")}`}
+              defaultValue={(allowed.get(position) ?? []).join(" ")}
+              placeholder={d("anyBar")}
+              onChange={(event) => write(event.currentTarget.value)}
+            />
+          </label>
+        )}
+        {position > 0 && (allowed.get(position)?.length ?? 0) === 1 && position === 1 && (
+          <button
+            type="button"
+            class="button dense"
+            onClick={() =>
+              setParams({
+                start: String(allowed.get(1)![0]),
+                allow: writeAllowed(new Map([...allowed].filter(([key]) => key !== 1))) || null,
+              })
+            }
+          >
+            {d("startHere")}
+          </button>
+        )}
+        {(allowed.size > 0 || start > 0) && (
+          <button
+            type="button"
+            class="button dense"
+            onClick={() => {
+              setParams({ allow: null, start: null });
+              bench.position.value = 0;
+            }}
+          >
+            {d("clearPath")}
+          </button>
+        )}
       </div>
       <ol>
         {Array.from({ length: count }, (_, at) => {
@@ -39,9 +87,21 @@ export function PathStrip({ bench, made }: { bench: Bench; made?: Result }) {
           const clip = step ? bench.documents.indexOf(step.document) : -1;
           const text = step ? String(step.node) : wanted ? wanted.join(" ") : "·";
           return (
-            <li key={at}><button type="button" class={`${wanted ? "wanted" : ""} ${step?.natural === false ? "jump" : ""}`} aria-pressed={position === at + 1} style={clip >= 0 ? { borderBottomColor: `var(--name${clip % 8})` } : undefined}
-              aria-label={`${d("position", { n: at + 1 })}: ${step ? d("barWord", { n: step.node }) : wanted ? wanted.join(", ") : d("free")}`} title={step?.distance ? `${d("distance")} ${number(step.distance, 3)}` : undefined}
-              onClick={() => { bench.position.value = position === at + 1 ? 0 : at + 1; }}>{text}</button></li>
+            <li key={at}>
+              <button
+                type="button"
+                class={`${wanted ? "wanted" : ""} ${step?.natural === false ? "jump" : ""}`}
+                aria-pressed={position === at + 1}
+                style={clip >= 0 ? { borderBottomColor: `var(--name${clip % 8})` } : undefined}
+                aria-label={`${d("position", { n: at + 1 })}: ${step ? d("barWord", { n: step.node }) : wanted ? wanted.join(", ") : d("free")}`}
+                title={step?.distance ? `${d("distance")} ${number(step.distance, 3)}` : undefined}
+                onClick={() => {
+                  bench.position.value = position === at + 1 ? 0 : at + 1;
+                }}
+              >
+                {text}
+              </button>
+            </li>
           );
         })}
       </ol>

@@ -5,9 +5,32 @@ import { d } from "./words";
 export function SoundBar() {
   return (
     <>
-      <button type="button" class="button quiet dense" aria-pressed={clicking.value} onClick={() => (clicking.value = !clicking.value)}>{d("clicks")}</button>
-      <button type="button" class="button quiet dense" aria-pressed={muted.value} onClick={() => (muted.value = !muted.value)}>{d("mute")}</button>
-      <input class="bench-volume" type="range" min={0} max={1} step={0.01} aria-label={d("volume")} value={volume.value} onInput={(event) => (volume.value = Number(event.currentTarget.value))} />
+      <button
+        type="button"
+        class="button quiet dense"
+        aria-pressed={clicking.value}
+        onClick={() => (clicking.value = !clicking.value)}
+      >
+        {d("clicks")}
+      </button>
+      <button
+        type="button"
+        class="button quiet dense"
+        aria-pressed={muted.value}
+        onClick={() => (muted.value = !muted.value)}
+      >
+        {d("mute")}
+      </button>
+      <input
+        class="bench-volume"
+        type="range"
+        min={0}
+        max={1}
+        step={0.01}
+        aria-label={d("volume")}
+        value={volume.value}
+        onInput={(event) => (volume.value = Number(event.currentTarget.value))}
+      />
     </>
   );
 }

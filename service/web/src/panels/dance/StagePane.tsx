@@ -21,12 +21,25 @@ import { d } from "./words";
 const BLEND = 12; // frames of the transition that is tried
 const MOST_FRAMES = 4000;
 
-interface Stage { of: Shown; skeleton: Skeleton; frames: number; perSecond: number; frame: (index: number) => Float32Array | null; want: (index: number, ahead: boolean) => void; id: string }
+interface Stage {
+  of: Shown;
+  skeleton: Skeleton;
+  frames: number;
+  perSecond: number;
+  frame: (index: number) => Float32Array | null;
+  want: (index: number, ahead: boolean) => void;
+  id: string;
+}
 
 declare global {
   interface Window {
     /** What is drawn and what is heard, for tests that compare them. */
-    mcmlDance?: { frame: () => number; reading: (now: number) => number | null; led: (now: number) => number | null; perSecond: number };
+    mcmlDance?: {
+      frame: () => number;
+      reading: (now: number) => number | null;
+      led: (now: number) => number | null;
+      perSecond: number;
+    };
   }
 }
 
@@ -35,19 +48,39 @@ async function staged(shown: Shown, signal: AbortSignal): Promise<Stage> {
   if (shown.kind === "step") {
     const composed = await transition(shown.from, shown.to, signal);
     const preview = wholeOf(composed.motion!, numbersOf(composed.motion!));
-    return { of: shown, id: "", skeleton: preview.skeleton, frames: preview.frames, perSecond: preview.perSecond, frame: (index) => preview.frame(index), want: () => undefined };
+    return {
+      of: shown,
+      id: "",
+      skeleton: preview.skeleton,
+      frames: preview.frames,
+      perSecond: preview.perSecond,
+      frame: (index) => preview.frame(index),
+      want: () => undefined,
+    };
   }
   const id = shown.kind === "clip" ? shown.document : shown.result.parts.clip.document!;
   const motion = await motionOf(id);
   return {
-    of: shown, id, skeleton: motion.skeleton, frames: motion.frames, perSecond: motion.perSecond,
-    frame: (index) => { motion.blocks.arrived.value; return motion.blocks.frame(index); },
+    of: shown,
+    id,
+    skeleton: motion.skeleton,
+    frames: motion.frames,
+    perSecond: motion.perSecond,
+    frame: (index) => {
+      motion.blocks.arrived.value;
+      return motion.blocks.frame(index);
+    },
     want: (index, ahead) => motion.blocks.want(index, ahead ? 1 : 0, motion.perSecond),
   };
 }
 
 function transition(from: Place, to: Place, signal: AbortSignal): Promise<Schemas["Composed"]> {
-  const segments = [from, to].map((one, at) => ({ document: one.document, first: Math.max(1, one.first), last: one.last, ...(at ? { transition: BLEND } : {}) }));
+  const segments = [from, to].map((one, at) => ({
+    document: one.document,
+    first: Math.max(1, one.first),
+    last: one.last,
+    ...(at ? { transition: BLEND } : {}),
+  }));
   const body = { segments, preview: true, style: "crossfade" } as unknown as Schemas["ComposeRequest"];
   return ask("post", "/compose", { body, query: { positions: "f4", step: 1 }, signal });
 }
@@ -60,10 +93,24 @@ export function StagePane({ bench }: { bench: Bench }) {
   const dry = bench.dry.value;
   return (
     <>
-      <div class="row bench-tools"><strong>{d("stage")}</strong><span class="dim cut grow" role="status">{titleOf(bench, shown)}</span></div>
+      <div class="row bench-tools">
+        <strong>{d("stage")}</strong>
+        <span class="dim cut grow" role="status">
+          {titleOf(bench, shown)}
+        </span>
+      </div>
       <Trouble error={stage.error} retry={stage.again} />
-      {shown ? (now ? <Moving key={`${now.id} ${now.of.kind}`} bench={bench} stage={now} /> : <div class="stage motion-view">{!stage.error && <div class="busy" />}</div>)
-        : <div class="empty bench-hint"><p>{d("nothingYet")}</p></div>}
+      {shown ? (
+        now ? (
+          <Moving key={`${now.id} ${now.of.kind}`} bench={bench} stage={now} />
+        ) : (
+          <div class="stage motion-view">{!stage.error && <div class="busy" />}</div>
+        )
+      ) : (
+        <div class="empty bench-hint">
+          <p>{d("nothingYet")}</p>
+        </div>
+      )}
       {dry && <p class="bench-old">{d("dryNote")}</p>}
       {(dry ?? dance) && <Figures bench={bench} result={(dry ?? dance)!} dry={dry !== null} />}
     </>
@@ -77,22 +124,33 @@ function titleOf(bench: Bench, shown: Shown | null): string {
 }
 
 function gridOf(result: Result): number[] {
-  return ((result.parts.speed?.data.grid ?? []) as number[]);
+  return (result.parts.speed?.data.grid ?? []) as number[];
 }
 
 function Moving({ bench, stage }: { bench: Bench; stage: Stage }) {
-  const player = useMemo(() => new Player(Math.min(stage.frames, stage.of.kind === "step" ? MOST_FRAMES : Infinity), stage.perSecond), [stage]);
+  const player = useMemo(
+    () => new Player(Math.min(stage.frames, stage.of.kind === "step" ? MOST_FRAMES : Infinity), stage.perSecond),
+    [stage],
+  );
   const dance = stage.of.kind === "dance" ? stage.of.result : null;
   const grid = useMemo(() => (dance ? gridOf(dance) : []), [dance]);
   const music = bench.music.value;
   useEffect(() => {
     bench.player.value = player;
-    const stops: (() => void)[] = [effect(() => { stage.want(player.frame.value, player.playing.value); })];
+    const stops: (() => void)[] = [
+      effect(() => {
+        stage.want(player.frame.value, player.playing.value);
+      }),
+    ];
     if (stage.of.kind === "clip") {
       const { loop, document } = stage.of;
       player.loop.value = loop ?? null;
       player.seek(loop ? loop[0] : bench.at.peek() * stage.perSecond);
-      stops.push(player.frame.subscribe((frame) => { if (bench.clip.peek() === document) bench.at.value = frame / stage.perSecond; }));
+      stops.push(
+        player.frame.subscribe((frame) => {
+          if (bench.clip.peek() === document) bench.at.value = frame / stage.perSecond;
+        }),
+      );
     }
     // What was pressed moves; a dance has sound and waits for its own press.
     if (stage.of.kind === "step" || (stage.of.kind === "clip" && stage.of.loop)) player.play(1);
@@ -126,7 +184,12 @@ function Moving({ bench, stage }: { bench: Bench; stage: Stage }) {
         offset = next;
       }),
     ];
-    window.mcmlDance = { frame: () => player.frame.peek(), reading: (now) => sound.reading(now), led: (now) => sound.time(now), perSecond: stage.perSecond };
+    window.mcmlDance = {
+      frame: () => player.frame.peek(),
+      reading: (now) => sound.reading(now),
+      led: (now) => sound.time(now),
+      perSecond: stage.perSecond,
+    };
     return () => {
       for (const stop of stops) stop();
       player.lead = null;
@@ -134,16 +197,26 @@ function Moving({ bench, stage }: { bench: Bench; stage: Stage }) {
       window.mcmlDance = undefined;
     };
   }, [player, music, grid]);
-  const actors = useMemo<Actor[]>(() => [{ skeleton: stage.skeleton, positions: () => stage.frame(player.frame.value) }], [player]);
+  const actors = useMemo<Actor[]>(
+    () => [{ skeleton: stage.skeleton, positions: () => stage.frame(player.frame.value) }],
+    [player],
+  );
   const bands = useMemo(() => (dance ? jumpsOf(dance, stage.perSecond) : []), [dance]);
   return (
     <div class="bench-moving">
       <MotionView actors={actors} label={titleOf(bench, stage.of)} />
-      <PlayBar player={player} bands={bands}>{dance && <SoundBar />}</PlayBar>
+      <PlayBar player={player} bands={bands}>
+        {dance && <SoundBar />}
+      </PlayBar>
     </div>
   );
 }
 
 /** Transitions by jumps, on the line of time. */
 const jumpsOf = (result: Result, perSecond: number) =>
-  rowsOf<{ start: number; end: number }>(result.parts.transitions).map((one) => ({ from: one.start * perSecond, to: one.end * perSecond, ink: "warn", alpha: 0.5 }));
+  rowsOf<{ start: number; end: number }>(result.parts.transitions).map((one) => ({
+    from: one.start * perSecond,
+    to: one.end * perSecond,
+    ink: "warn",
+    alpha: 0.5,
+  }));

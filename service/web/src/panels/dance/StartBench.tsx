@@ -16,7 +16,9 @@ export function StartBench({ onOpen }: { onOpen: () => void }) {
   const members = useMembers(selectionNow());
   const projects = useAsync((signal) => get("/projects", { signal }), []);
   const before = useAsync(async (signal) => {
-    const found = await Promise.all(["dance", "motion-graph"].map((analysis) => get("/results", { query: { analysis, limit: 20 }, signal })));
+    const found = await Promise.all(
+      ["dance", "motion-graph"].map((analysis) => get("/results", { query: { analysis, limit: 20 }, signal })),
+    );
     return found.flatMap((page) => page.items).sort((a, b) => b.created.localeCompare(a.created));
   }, []);
   const open = (ids: string[]) => {
@@ -24,24 +26,62 @@ export function StartBench({ onOpen }: { onOpen: () => void }) {
     if (ids.length <= MOST_NAMED) go(`/dance?${new URLSearchParams(ids.map((id) => ["doc", id]))}`);
     onOpen();
   };
-  const demo = async () => open((await get("/documents", { query: { project: DEMO, motion_name: undefined, limit: MOST_NAMED } as never })).items.filter((one) => /_\d+$/.test(one.name)).map((one) => one.id));
+  const demo = async () =>
+    open(
+      (await get("/documents", { query: { project: DEMO, motion_name: undefined, limit: MOST_NAMED } as never })).items
+        .filter((one) => /_\d+$/.test(one.name))
+        .map((one) => one.id),
+    );
   const chosen = (members.value ?? []).filter((one) => !left.has(one.id)).map((one) => one.id);
   return (
     <div class="bench-start">
       <section>
         <h1>{d("title")}</h1>
         <p>{d("intro")}</p>
-        {projects.value?.items.includes(DEMO) && <p><button type="button" class="button primary" onClick={() => void demo()}>{d("demo")}</button></p>}
+        {projects.value?.items.includes(DEMO) && (
+          <p>
+            <button type="button" class="button primary" onClick={() => void demo()}>
+              {d("demo")}
+            </button>
+          </p>
+        )}
         <h2>{d("recent")}</h2>
         <Trouble error={before.error} retry={before.again} />
         {before.value && !before.value.length && <p class="dim">{d("none")}</p>}
-        <ul class="bench-recent">{(before.value ?? []).map((one) => <li key={one.id}><a class="cut grow" href={`/dance/${one.id}`}>{one.name}</a><span class="dim">{when(one.created)}</span></li>)}</ul>
+        <ul class="bench-recent">
+          {(before.value ?? []).map((one) => (
+            <li key={one.id}>
+              <a class="cut grow" href={`/dance/${one.id}`}>
+                {one.name}
+              </a>
+              <span class="dim">{when(one.created)}</span>
+            </li>
+          ))}
+        </ul>
       </section>
-      <form onSubmit={(event) => { event.preventDefault(); open(chosen); }}>
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          open(chosen);
+        }}
+      >
         <h2>{d("clipsWord")}</h2>
         <p class="dim">{d("needs")}</p>
-        <ClipSelection members={members} left={left} onLeft={(one, out) => { const next = new Set(left); if (out) next.add(one); else next.delete(one); setLeft(next); }} />
-        <p><button type="submit" class="button primary" disabled={members.busy || !chosen.length}>{d("openBench")}</button></p>
+        <ClipSelection
+          members={members}
+          left={left}
+          onLeft={(one, out) => {
+            const next = new Set(left);
+            if (out) next.add(one);
+            else next.delete(one);
+            setLeft(next);
+          }}
+        />
+        <p>
+          <button type="submit" class="button primary" disabled={members.busy || !chosen.length}>
+            {d("openBench")}
+          </button>
+        </p>
       </form>
     </div>
   );

@@ -10,7 +10,11 @@ import { Steps } from "../../state/steps";
 import type { Music } from "./music";
 import { readRows, type ClipRow } from "./rows";
 
-export interface Correction { beats?: Beat[]; source_bpm?: number; beats_from?: "detected" | "tracked" }
+export interface Correction {
+  beats?: Beat[];
+  source_bpm?: number;
+  beats_from?: "detected" | "tracked";
+}
 export type Corrections = Readonly<Record<string, Correction>>;
 
 /** What moves on the stage. */
@@ -19,7 +23,13 @@ export type Shown =
   | { kind: "step"; from: Place; to: Place }
   | { kind: "dance"; result: Result };
 /** A bar: its number in the graph, and where it is. Frames from 1. */
-export interface Place { bar: number; document: string; number: number; first: number; last: number }
+export interface Place {
+  bar: number;
+  document: string;
+  number: number;
+  first: number;
+  last: number;
+}
 
 const LOOKED_AT_ONCE = 8;
 export const USUAL_BPM = 120;
@@ -51,12 +61,17 @@ export class Bench {
   readonly at = signal(0);
   /** The position of the dance, from 1, whose bars are chosen; 0: none. */
   readonly position = signal(0);
-  readonly rows = computed(() => this.documents.map((id) => this.row(id)).filter((one): one is ClipRow => one !== undefined));
+  readonly rows = computed(() =>
+    this.documents.map((id) => this.row(id)).filter((one): one is ClipRow => one !== undefined),
+  );
   private readonly done = new Map<string, string>();
   private readonly known = new Map<string, ClipRow>();
   private busy = false;
 
-  constructor(readonly documents: string[], before: Corrections = {}) {
+  constructor(
+    readonly documents: string[],
+    before: Corrections = {},
+  ) {
     this.steps = new Steps(this.kept() ?? before);
     this.steps.now.subscribe((now) => {
       try {
@@ -94,7 +109,9 @@ export class Bench {
 
   /** As the analyses take them. */
   get clips(): object[] {
-    return this.timed.filter((id) => Object.keys(this.steps.now.peek()[id] ?? {}).length).map((id) => this.parameters(id));
+    return this.timed
+      .filter((id) => Object.keys(this.steps.now.peek()[id] ?? {}).length)
+      .map((id) => this.parameters(id));
   }
 
   private parameters(id: string): object {
@@ -119,8 +136,16 @@ export class Bench {
     this.trouble.value = null;
     let job = "";
     try {
-      const clips = changed.filter((id) => wanted.get(id) !== JSON.stringify({ document: id })).map((id) => JSON.parse(wanted.get(id)!) as object);
-      const result = await resultOf(await runAnalysis("beats", { inputs: { documents: changed }, parameters: { clips } }, (started) => (job = started.id)));
+      const clips = changed
+        .filter((id) => wanted.get(id) !== JSON.stringify({ document: id }))
+        .map((id) => JSON.parse(wanted.get(id)!) as object);
+      const result = await resultOf(
+        await runAnalysis(
+          "beats",
+          { inputs: { documents: changed }, parameters: { clips } },
+          (started) => (job = started.id),
+        ),
+      );
       const rows = new Map(this.found.peek());
       for (const found of readRows(result)) {
         // Where a tempo is stated no rivals are looked for: those of before can still be chosen.
@@ -150,7 +175,8 @@ export class Bench {
    * a person changed is refused. */
   private leaveOut(error: unknown, ids: string[]): boolean {
     const id = error instanceof ApiError ? error.problem.details?.document : undefined;
-    if (!(error instanceof ApiError) || typeof id !== "string" || !ids.includes(id) || this.found.peek().has(id)) return false;
+    if (!(error instanceof ApiError) || typeof id !== "string" || !ids.includes(id) || this.found.peek().has(id))
+      return false;
     this.unfit.value = [...this.unfit.peek(), { id, why: error.message, remedy: error.remedy }];
     return true;
   }
@@ -160,7 +186,9 @@ export class Bench {
     const found: { id: string; name: string }[] = [];
     try {
       for (let at = 0; at < ids.length; at += LOOKED_AT_ONCE) {
-        const some = await Promise.all(ids.slice(at, at + LOOKED_AT_ONCE).map((id) => ask("get", "/documents/{id}", { path: { id } })));
+        const some = await Promise.all(
+          ids.slice(at, at + LOOKED_AT_ONCE).map((id) => ask("get", "/documents/{id}", { path: { id } })),
+        );
         found.push(...some.filter((one) => !one.seconds_per_frame).map(({ id, name }) => ({ id, name })));
       }
     } catch {
@@ -173,7 +201,11 @@ export class Bench {
   /** State the frame rate of a clip that was left out, Hz. */
   async giveRate(id: string, hertz: number): Promise<void> {
     const { revision } = await ask("get", "/documents/{id}", { path: { id } });
-    await ask("patch", "/documents/{id}", { path: { id }, match: revision, body: { frame_time: String(Number((1 / hertz).toPrecision(12))) } as never });
+    await ask("patch", "/documents/{id}", {
+      path: { id },
+      match: revision,
+      body: { frame_time: String(Number((1 / hertz).toPrecision(12))) } as never,
+    });
     this.untimed.value = this.untimed.peek().filter((one) => one.id !== id);
     void this.refresh();
   }
@@ -186,7 +218,9 @@ export class Bench {
 
   correct(id: string, change: Correction, kind = ""): void {
     const now = this.steps.now.peek();
-    const next = Object.fromEntries(Object.entries({ ...now[id], ...change }).filter(([, value]) => value !== undefined)) as Correction;
+    const next = Object.fromEntries(
+      Object.entries({ ...now[id], ...change }).filter(([, value]) => value !== undefined),
+    ) as Correction;
     this.steps.set({ ...now, [id]: next }, kind);
   }
 
@@ -211,7 +245,8 @@ export class Bench {
     this.clip.value = id;
     this.at.value = at;
     const shown = this.shown.peek();
-    if (shown?.kind !== "clip" || shown.document !== id || shown.loop) this.shown.value = { kind: "clip", document: id };
+    if (shown?.kind !== "clip" || shown.document !== id || shown.loop)
+      this.shown.value = { kind: "clip", document: id };
     else {
       const player = this.player.peek();
       player?.seek(at * player.perSecond);
@@ -227,7 +262,10 @@ export class Bench {
     return {
       clips: this.clips,
       ...(music ? { music: music.wish } : { bpm: number("bpm") ?? USUAL_BPM }),
-      bars: number("bars") ?? USUAL_BARS, start: number("start"), allowed, threshold: number("near"),
+      bars: number("bars") ?? USUAL_BARS,
+      start: number("start"),
+      allowed,
+      threshold: number("near"),
       ...(seed ? { seed, strategy: "random" } : {}),
     };
   }

@@ -9,8 +9,17 @@ const BARS = 15; // px at the foot
 const HEAD = 15; // px for pins
 const SAME = 0.02; // seconds
 
-export interface Dragged { index: number; at: number }
-interface How { ink: string; stale: boolean; at: number | null; beat: number; drag: Dragged | null }
+export interface Dragged {
+  index: number;
+  at: number;
+}
+interface How {
+  ink: string;
+  stale: boolean;
+  at: number | null;
+  beat: number;
+  drag: Dragged | null;
+}
 
 export function drawLane(canvas: HTMLCanvasElement, row: ClipRow, how: How): void {
   const { pen, width, height } = penOf(canvas);
@@ -27,7 +36,14 @@ export function drawLane(canvas: HTMLCanvasElement, row: ClipRow, how: How): voi
   }
 }
 
-function bars(pen: CanvasRenderingContext2D, row: ClipRow, how: How, x: (seconds: number) => number, foot: number, height: number): void {
+function bars(
+  pen: CanvasRenderingContext2D,
+  row: ClipRow,
+  how: How,
+  x: (seconds: number) => number,
+  foot: number,
+  height: number,
+): void {
   pen.font = `600 11px ${getComputedStyle(pen.canvas).fontFamily}`;
   pen.textBaseline = "middle";
   for (const bar of row.bars) {
@@ -46,7 +62,11 @@ function bars(pen: CanvasRenderingContext2D, row: ClipRow, how: How, x: (seconds
 function speed(pen: CanvasRenderingContext2D, row: ClipRow, width: number, foot: number): void {
   const top = HEAD + 2;
   // Up to three mean speeds: a leap out of a first pose does not flatten what is danced.
-  const most = Math.min(row.speed.reduce((a, b) => Math.max(a, b), 0), row.mean * 3.2) || 1;
+  const most =
+    Math.min(
+      row.speed.reduce((a, b) => Math.max(a, b), 0),
+      row.mean * 3.2,
+    ) || 1;
   pen.strokeStyle = colour("centre");
   pen.globalAlpha = 0.8;
   pen.lineWidth = 1.2;
@@ -74,7 +94,13 @@ function crosses(pen: CanvasRenderingContext2D, row: ClipRow, x: (seconds: numbe
   pen.stroke();
 }
 
-function pins(pen: CanvasRenderingContext2D, row: ClipRow, how: How, x: (seconds: number) => number, foot: number): void {
+function pins(
+  pen: CanvasRenderingContext2D,
+  row: ClipRow,
+  how: How,
+  x: (seconds: number) => number,
+  foot: number,
+): void {
   const [accent, selected] = [colour("accent"), colour("select")];
   row.beats.forEach((one, index) => {
     const here = x(how.drag?.index === index ? how.drag.at : one.at);

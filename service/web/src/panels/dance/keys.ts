@@ -18,17 +18,42 @@ export function tap(now = performance.now()): void {
 /** Seconds of the sound at which the dance begins, moved. */
 export const moveOffset = (by: number): void => setOffset(offsetNow() + by);
 export const offsetNow = (): number => Number(param("offset")) || 0;
-export const setOffset = (to: number): void => setParams({ offset: Math.abs(to) < 0.0005 ? null : String(Math.round(to * 1000) / 1000) });
+export const setOffset = (to: number): void =>
+  setParams({ offset: Math.abs(to) < 0.0005 ? null : String(Math.round(to * 1000) / 1000) });
 
 export function keysOf(bench: Bench): Command[] {
   const here = () => bench.row(bench.clip.peek());
   return [
-    { id: "play", word: "play", keys: ["Space"], run: () => bench.player.peek()?.toggle(), when: () => bench.player.peek() !== null },
+    {
+      id: "play",
+      word: "play",
+      keys: ["Space"],
+      run: () => bench.player.peek()?.toggle(),
+      when: () => bench.player.peek() !== null,
+    },
     { id: "undo", word: "undo", keys: ["Ctrl+Z"], run: () => bench.steps.undo() },
     { id: "redo", word: "redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => bench.steps.redo() },
-    { id: "beat", word: "addBeat", keys: ["B"], run: () => bench.addBeat(bench.clip.peek(), bench.at.peek()), when: () => here() !== undefined },
-    { id: "accept", word: "acceptTracked", keys: ["Shift+B"], run: () => bench.accept(bench.clip.peek()), when: () => here() !== undefined },
-    { id: "delete", word: "remove", keys: ["Del", "Backspace"], run: () => bench.removeBeat(bench.clip.peek(), bench.beat.peek()), when: () => (here()?.beats.length ?? 0) > bench.beat.peek() && bench.beat.peek() >= 0 },
+    {
+      id: "beat",
+      word: "addBeat",
+      keys: ["B"],
+      run: () => bench.addBeat(bench.clip.peek(), bench.at.peek()),
+      when: () => here() !== undefined,
+    },
+    {
+      id: "accept",
+      word: "acceptTracked",
+      keys: ["Shift+B"],
+      run: () => bench.accept(bench.clip.peek()),
+      when: () => here() !== undefined,
+    },
+    {
+      id: "delete",
+      word: "remove",
+      keys: ["Del", "Backspace"],
+      run: () => bench.removeBeat(bench.clip.peek(), bench.beat.peek()),
+      when: () => (here()?.beats.length ?? 0) > bench.beat.peek() && bench.beat.peek() >= 0,
+    },
     { id: "tap", word: "tapTempo", keys: ["T"], run: () => tap() },
     { id: "earlier", word: "soundEarlier", keys: ["Shift+,"], run: () => moveOffset(-0.01) },
     { id: "later", word: "soundLater", keys: ["Shift+."], run: () => moveOffset(0.01) },

@@ -29,7 +29,10 @@ export interface Music {
 
 export function withChoice(music: Music, choice: Partial<Pick<Music, "downbeat" | "factor" | "beatsPerBar">>): Music {
   const next = { ...music, ...choice };
-  return { ...next, wish: { beats: next.beats, downbeat: next.downbeat, factor: next.factor, beats_per_bar: next.beatsPerBar } };
+  return {
+    ...next,
+    wish: { beats: next.beats, downbeat: next.downbeat, factor: next.factor, beats_per_bar: next.beatsPerBar },
+  };
 }
 
 /** Beats by the server, sound by the browser. bpm: one of the rivals. ApiError for what holds no beats. */
@@ -37,16 +40,25 @@ export async function readMusic(file: File, bpm?: number): Promise<Music> {
   const form = new FormData();
   form.append("file", file, file.name);
   if (bpm) form.append("bpm", String(bpm));
-  const found = (await (await fetched("/api/v1/music", { method: "POST", body: form })).json()) as Schemas["MusicBeats"];
+  const found = (await (
+    await fetched("/api/v1/music", { method: "POST", body: form })
+  ).json()) as Schemas["MusicBeats"];
   return { ...(await soundOf(file, found.music, found.bpm, found.even)), rivals: found.rivals, clear: found.clear };
 }
 
 /** The music that was kept with a dance, and the second of it at which the dance begins; null where there is none. */
-export async function keptMusic(document: string, given: Schemas["Music"], signal: AbortSignal): Promise<{ music: Music; offset: number } | null> {
+export async function keptMusic(
+  document: string,
+  given: Schemas["Music"],
+  signal: AbortSignal,
+): Promise<{ music: Music; offset: number } | null> {
   const { media } = await get("/documents/{id}", { path: { id: document }, signal });
   if (!media?.media_type.startsWith("audio/")) return null;
   const bytes = await (await fetched(address("/documents/{id}/media", { id: document }), { signal })).blob();
-  const steps = given.beats.slice(1).map((at, index) => at - given.beats[index]).sort((a, b) => a - b);
+  const steps = given.beats
+    .slice(1)
+    .map((at, index) => at - given.beats[index])
+    .sort((a, b) => a - b);
   const file = new File([bytes], media.name, { type: media.media_type });
   return { music: await soundOf(file, given, 60 / (steps[steps.length >> 1] || 0.5), true), offset: media.offset };
 }
@@ -59,8 +71,20 @@ async function soundOf(file: File, given: Schemas["Music"], bpm: number, even: b
   if (!plays) URL.revokeObjectURL(source);
   const { beats, downbeat, factor, beats_per_bar: beatsPerBar } = given;
   return {
-    file, buffer, beats, downbeat, factor, beatsPerBar, rivals: [], clear: true, bpm, even, wish: given, seconds: buffer?.duration ?? (plays ? seconds : (beats.at(-1) ?? 0)),
-    address: plays ? source : null, peaks: buffer ? peaksOf(buffer.getChannelData(0), PEAKS) : null,
+    file,
+    buffer,
+    beats,
+    downbeat,
+    factor,
+    beatsPerBar,
+    rivals: [],
+    clear: true,
+    bpm,
+    even,
+    wish: given,
+    seconds: buffer?.duration ?? (plays ? seconds : (beats.at(-1) ?? 0)),
+    address: plays ? source : null,
+    peaks: buffer ? peaksOf(buffer.getChannelData(0), PEAKS) : null,
   };
 }
 

@@ -31,12 +31,18 @@ export class Sound {
   private readonly stops: (() => void)[] = [];
 
   /** grid: beats of the dance, seconds. offset: seconds of the music at which the dance begins. */
-  constructor(private readonly grid: ArrayLike<number>, private readonly music: Music | null, private readonly offset: () => number) {
-    this.stops.push(effect(() => {
-      const loud = muted.value ? 0 : volume.value;
-      if (this.out && shared) this.out.gain.setTargetAtTime(loud, shared.currentTime, FADE / 2);
-      if (this.element) this.element.volume = loud;
-    }));
+  constructor(
+    private readonly grid: ArrayLike<number>,
+    private readonly music: Music | null,
+    private readonly offset: () => number,
+  ) {
+    this.stops.push(
+      effect(() => {
+        const loud = muted.value ? 0 : volume.value;
+        if (this.out && shared) this.out.gain.setTargetAtTime(loud, shared.currentTime, FADE / 2);
+        if (this.element) this.element.volume = loud;
+      }),
+    );
   }
 
   /** Sound from a moment of the dance on. */
@@ -73,7 +79,9 @@ export class Sound {
     const context = shared!;
     const until = this.from + (context.currentTime - this.begun!) + AHEAD;
     if (until <= this.scheduled) return;
-    if (clicking.peek()) for (const click of clicksBetween(this.grid, this.scheduled, until)) this.click(this.begun! + click.time - this.from, click.first);
+    if (clicking.peek())
+      for (const click of clicksBetween(this.grid, this.scheduled, until))
+        this.click(this.begun! + click.time - this.from, click.first);
     this.scheduled = until;
   };
 
@@ -100,7 +108,9 @@ export class Sound {
   /** As the context itself says it at `now`, unsmoothed: what a test compares the picture with. */
   reading(now: number): number | null {
     const { contextTime = 0, performanceTime = 0 } = shared?.getOutputTimestamp() ?? {};
-    return this.begun === null || !performanceTime ? null : this.from + contextTime + (now - performanceTime) / 1000 - this.begun;
+    return this.begun === null || !performanceTime
+      ? null
+      : this.from + contextTime + (now - performanceTime) / 1000 - this.begun;
   }
 
   stop(): void {

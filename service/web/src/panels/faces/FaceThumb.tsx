@@ -29,7 +29,13 @@ export function FaceThumb({ space, frame }: { space: Space; frame: number }) {
     for (let at = 0; at < places.length; at += 2) {
       if (places[at] !== places[at]) continue;
       pen.beginPath();
-      pen.arc(width / 2 + (places[at] - (left + right) / 2) * scale, height / 2 - (places[at + 1] - (low + high) / 2) * scale, size, 0, Math.PI * 2);
+      pen.arc(
+        width / 2 + (places[at] - (left + right) / 2) * scale,
+        height / 2 - (places[at + 1] - (low + high) / 2) * scale,
+        size,
+        0,
+        Math.PI * 2,
+      );
       pen.fill();
     }
   }, [face, skin, space]);

@@ -8,7 +8,15 @@ import { colour, look } from "../../state/settings";
 import { f } from "./words";
 import type { Space } from "./space";
 
-export function FaceView({ space, face, about }: { space: Space; face: ReadonlySignal<Float32Array | null>; about: ReadonlySignal<string> }) {
+export function FaceView({
+  space,
+  face,
+  about,
+}: {
+  space: Space;
+  face: ReadonlySignal<Float32Array | null>;
+  about: ReadonlySignal<string>;
+}) {
   const host = useRef<HTMLDivElement>(null);
   const stage = useRef<FaceStage | null>(null);
   const words = useRef<HTMLParagraphElement>(null);
@@ -59,16 +67,51 @@ export function FaceView({ space, face, about }: { space: Space; face: ReadonlyS
     else setParams({ skin: next === "surface" ? null : next });
   };
   return (
-    <section class="faces-face" aria-label={f("face")}
-      onDragOver={(event) => { if (event.dataTransfer?.types.includes("Files")) { event.preventDefault(); event.stopPropagation(); } }}
-      onDrop={(event) => { const dropped = event.dataTransfer?.files[0]; if (dropped) { event.preventDefault(); event.stopPropagation(); void bindMesh(dropped); } }}>
+    <section
+      class="faces-face"
+      aria-label={f("face")}
+      onDragOver={(event) => {
+        if (event.dataTransfer?.types.includes("Files")) {
+          event.preventDefault();
+          event.stopPropagation();
+        }
+      }}
+      onDrop={(event) => {
+        const dropped = event.dataTransfer?.files[0];
+        if (dropped) {
+          event.preventDefault();
+          event.stopPropagation();
+          void bindMesh(dropped);
+        }
+      }}
+    >
       <div class="stage" ref={host} role="img" aria-label={f("face")} />
       <div class="row faces-skin">
         <p class="dim grow cut" ref={words} />
         <div class="segments" role="group" aria-label={f("face")}>
-          {(["markers", "surface", "mesh"] as const).map((one) => <button key={one} type="button" aria-pressed={skin === one} title={one === "mesh" ? f("openMesh") : undefined} onClick={() => wear(one)}>{f(`${one}Skin`)}</button>)}
+          {(["markers", "surface", "mesh"] as const).map((one) => (
+            <button
+              key={one}
+              type="button"
+              aria-pressed={skin === one}
+              title={one === "mesh" ? f("openMesh") : undefined}
+              onClick={() => wear(one)}
+            >
+              {f(`${one}Skin`)}
+            </button>
+          ))}
         </div>
-        <input ref={file} type="file" hidden accept=".obj,.glb,.gltf" aria-label={f("openMesh")} onChange={(event) => { const chosen = event.currentTarget.files?.[0]; if (chosen) void bindMesh(chosen); }} />
+        <input
+          ref={file}
+          type="file"
+          hidden
+          accept=".obj,.glb,.gltf"
+          aria-label={f("openMesh")}
+          onChange={(event) => {
+            const chosen = event.currentTarget.files?.[0];
+            if (chosen) void bindMesh(chosen);
+          }}
+        />
       </div>
     </section>
   );

@@ -1,8 +1,8 @@
 /** The expression space: a map one walks on from face to face, coarse to fine; the walk is an animation. */
 import { computed, signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { useResult, type Result } from "../../api/results";
-import { subject } from "../../shell/Bar";
+import { applyResult, type Result } from "../../api/results";
+import { subject } from "../../state/shell";
 import { note, refuse } from "../../state/notes";
 import { go, param, setParams } from "../../state/route";
 import { Trouble } from "../../ui/Trouble";
@@ -16,26 +16,34 @@ import { MOST_LINKS, openSpace, type Level, type Space } from "./space";
 import { StartSpace } from "./StartSpace";
 import { Walk, type Offer } from "./Walk";
 import { f } from "./words";
+import { Candidates } from "./Candidates";
+import { Takes } from "./Takes";
 import "../../styles/analyses.css";
 import "../../styles/faces.css";
 
 declare global {
   interface Window {
-    mcmlFaces?: { face: () => number[]; cross: () => [number, number] | null; number: (document: string, frame: number) => number };
+    mcmlFaces?: {
+      face: () => number[];
+      cross: () => [number, number] | null;
+      number: (document: string, frame: number) => number;
+    };
   }
-}
-
-const SHOWN = 120; // candidates with a face below the map
+} // candidates with a face below the map
 const USUAL_LEVEL = 1;
 
 export function FacesPage({ id }: { id: string }) {
-  useEffect(() => { subject.value = null; }, [id]);
+  useEffect(() => {
+    subject.value = null;
+  }, [id]);
   return id ? <Opened id={id} /> : <StartSpace />;
 }
 
 function Opened({ id }: { id: string }) {
   const found = useAsync(() => openSpace(id), [id]);
-  useEffect(() => { if (found.value) subject.value = { text: found.value.space.name }; }, [found.value]);
+  useEffect(() => {
+    if (found.value) subject.value = { text: found.value.space.name };
+  }, [found.value]);
   return (
     <div class="faces">
       <h1 class="unseen">{f("title")}</h1>
@@ -50,19 +58,41 @@ const numbers = (text: string): number[] => text.split(",").filter(Boolean).map(
 
 function Walked({ space, path }: { space: Space; path: Result | null }) {
   const last = space.counts.length - 1;
-  const level = useMemo(() => space.level(Math.min(last, Math.max(0, Number(param("level") || USUAL_LEVEL)))), [space, param("level")]);
-  const [keys, setKeys] = useState<number[]>(() => (path ? [] : numbers(param("keys")).filter((one) => one < space.take.length)));
+  const level = useMemo(
+    () => space.level(Math.min(last, Math.max(0, Number(param("level") || USUAL_LEVEL)))),
+    [space, param("level")],
+  );
+  const [keys, setKeys] = useState<number[]>(() =>
+    path ? [] : numbers(param("keys")).filter((one) => one < space.take.length),
+  );
   const [route, setRoute] = useState<{ way: number[]; length: number } | "none" | null>(null);
   const [offers, setOffers] = useState<Offer[]>([]);
   const [busy, setBusy] = useState(false);
   const [links, setLinks] = useState(true);
   const dimmed = useMemo(() => new Set(numbers(param("takes"))), [param("takes")]);
   const hovered = useMemo(() => signal(-1), [space]);
-  const playing = useMemo(() => ({ face: signal<Float32Array | null>(null), cross: signal<[number, number] | null>(null) }), [space, path?.id]);
-  const face = useMemo(() => computed(() => (hovered.value >= 0 ? space.face(hovered.value) : (playing.face.value ?? (keys.length ? space.face(keys.at(-1)!) : null)))), [space, playing, keys]);
-  const about = useMemo(() => computed(() => (hovered.value >= 0 ? f("shown", space.wordsOf(hovered.value)) : "")), [space]);
+  const playing = useMemo(
+    () => ({ face: signal<Float32Array | null>(null), cross: signal<[number, number] | null>(null) }),
+    [space, path?.id],
+  );
+  const face = useMemo(
+    () =>
+      computed(() =>
+        hovered.value >= 0
+          ? space.face(hovered.value)
+          : (playing.face.value ?? (keys.length ? space.face(keys.at(-1)!) : null)),
+      ),
+    [space, playing, keys],
+  );
+  const about = useMemo(
+    () => computed(() => (hovered.value >= 0 ? f("shown", space.wordsOf(hovered.value)) : "")),
+    [space],
+  );
   const pathAbout = path?.parts?.path?.data.path as { keys: [string, number][] } | undefined;
-  const walked = useMemo(() => pathAbout?.keys.map(([document, frame]) => space.numberOf(document, frame)) ?? [], [path, space]);
+  const walked = useMemo(
+    () => pathAbout?.keys.map(([document, frame]) => space.numberOf(document, frame)) ?? [],
+    [path, space],
+  );
   const walk = useMemo(() => {
     const rows = (path?.parts?.path?.data.rows ?? []) as [string, number][];
     return rows.map(([document, frame]) => space.numberOf(document, frame));
@@ -77,10 +107,16 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
     const frame = level.candidates[candidate];
     if (path) return;
     const from = keys.length ? level.candidates.indexOf(keys.at(-1)!) : -1;
-    if (from < 0) return change([...(keys.length ? [] : keys), frame]);
+    if (from < 0) {
+      change([...(keys.length ? [] : keys), frame]);
+      return;
+    }
     if (from === candidate) return;
     try {
-      if ((await space.near(level, from)).some((one) => one.to === candidate)) return change([...keys, frame]);
+      if ((await space.near(level, from)).some((one) => one.to === candidate)) {
+        change([...keys, frame]);
+        return;
+      }
       const found = await space.route(level, from, candidate);
       setRoute(found ? { way: found.way.map((one) => level.candidates[one]), length: found.length } : "none");
     } catch (error) {
@@ -91,16 +127,27 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
   const [, setKnown] = useState(0);
   useEffect(() => {
     const at = keys.length && !path ? level.candidates.indexOf(keys.at(-1)!) : -1;
-    if (at >= 0 && !level.neighbours[at].length) space.near(level, at).then(() => setKnown((before) => before + 1), refuse);
+    if (at >= 0 && !level.neighbours[at].length)
+      space.near(level, at).then(() => setKnown((before) => before + 1), refuse);
   }, [level, keys]);
-  const take = () => { if (route && route !== "none") change([...keys, ...route.way.slice(1)]); };
+  const take = () => {
+    if (route && route !== "none") change([...keys, ...route.way.slice(1)]);
+  };
   const choose = (next: number) => {
     const other = space.level(next);
     const kept = keys.every((key) => other.candidates.indexOf(key) >= 0);
     if (!path && keys.length && !kept) {
       const before = keys;
       change([]);
-      note(f("levelOf", { n: other.candidates.length }), { action: { text: w("undo"), run: () => { setParams({ level: String(level.number) }); change(before); } } });
+      note(f("levelOf", { n: other.candidates.length }), {
+        action: {
+          text: w("undo"),
+          run: () => {
+            setParams({ level: String(level.number) });
+            change(before);
+          },
+        },
+      });
     }
     setRoute(null);
     setParams({ level: String(next) });
@@ -108,7 +155,12 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
   const make = async () => {
     setBusy(true);
     try {
-      const done = await useResult(space.id, "path", { level: level.number, keys: keys.map((key) => space.keyOf(key)) }, { name: `${space.name}: ${f("pathOf")}` });
+      const done = await applyResult(
+        space.id,
+        "path",
+        { level: level.number, keys: keys.map((key) => space.keyOf(key)) },
+        { name: `${space.name}: ${f("pathOf")}` },
+      );
       go(`/faces/${done.result}?level=${Math.min(last, level.number + 1)}`);
     } catch (error) {
       refuse(error);
@@ -124,7 +176,9 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
     else if (event.key === "Escape") setRoute(null);
     else if (event.key.startsWith("Arrow")) {
       const next = towards(space, level, at < 0 ? level.candidates.indexOf(hovered.peek()) : at, event.key);
-      if (next >= 0) { hovered.value = level.candidates[next]; }
+      if (next >= 0) {
+        hovered.value = level.candidates[next];
+      }
     } else if (event.key === "Enter" && hovered.peek() >= 0) {
       const candidate = level.candidates.indexOf(hovered.peek());
       if (candidate >= 0) void pick(candidate);
@@ -133,77 +187,123 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
   };
   // What is drawn, for tests that compare it with the API.
   useEffect(() => {
-    window.mcmlFaces = { face: () => [...(face.peek() ?? [])], cross: () => playing.cross.peek(), number: (document, frame) => space.numberOf(document, frame) };
+    window.mcmlFaces = {
+      face: () => [...(face.peek() ?? [])],
+      cross: () => playing.cross.peek(),
+      number: (document, frame) => space.numberOf(document, frame),
+    };
   }, [face, playing, space]);
-  const on = useMemo<OnMap>(() => ({
-    level, keys: path ? walked : keys, walk: path ? walk : [], route: route && route !== "none" ? route.way : [], offers: path ? offers.map((one) => one.frame) : [],
-    current: path ? -1 : (keys.at(-1) ?? -1), dimmed, links,
-  }), [level, keys, walk, walked, route, offers, dimmed, links, path]);
+  const on = useMemo<OnMap>(
+    () => ({
+      level,
+      keys: path ? walked : keys,
+      walk: path ? walk : [],
+      route: route && route !== "none" ? route.way : [],
+      offers: path ? offers.map((one) => one.frame) : [],
+      current: path ? -1 : (keys.at(-1) ?? -1),
+      dimmed,
+      links,
+    }),
+    [level, keys, walk, walked, route, offers, dimmed, links, path],
+  );
   return (
     <div class="faces-work">
       <section class="faces-left">
         <div class="row wrap faces-tools">
-          <label class="row">{f("level")}<input type="range" min={0} max={last} value={level.number} aria-valuetext={f("candidates", { n: level.candidates.length })} onInput={(event) => choose(Number(event.currentTarget.value))} /></label>
+          <label class="row">
+            {f("level")}
+            <input
+              type="range"
+              min={0}
+              max={last}
+              value={level.number}
+              aria-valuetext={f("candidates", { n: level.candidates.length })}
+              onInput={(event) => choose(Number(event.currentTarget.value))}
+            />
+          </label>
           <strong>{f("candidates", { n: level.candidates.length })}</strong>
-          <button type="button" class="button dense" aria-pressed={links} onClick={() => setLinks(!links)}>{f("links")}</button>
-          {level.links.a.length > MOST_LINKS && <span class="dim">{f("linksHidden", { n: level.links.a.length })}</span>}
+          <button type="button" class="button dense" aria-pressed={links} onClick={() => setLinks(!links)}>
+            {f("links")}
+          </button>
+          {level.links.a.length > MOST_LINKS && (
+            <span class="dim">{f("linksHidden", { n: level.links.a.length })}</span>
+          )}
           <span class="grow" />
           <Takes space={space} dimmed={dimmed} />
         </div>
-        <MapView space={space} on={on} cross={playing.cross} onHover={(frame) => (hovered.value = frame)} onPick={(candidate) => void pick(candidate)} onKey={onKey} />
-        {!path && <Candidates space={space} level={level} keys={keys} onHover={(frame) => (hovered.value = frame)} onPick={(candidate) => void pick(candidate)} />}
+        <MapView
+          space={space}
+          on={on}
+          cross={playing.cross}
+          onHover={(frame) => (hovered.value = frame)}
+          onPick={(candidate) => void pick(candidate)}
+          onKey={onKey}
+        />
+        {!path && (
+          <Candidates
+            space={space}
+            level={level}
+            keys={keys}
+            onHover={(frame) => (hovered.value = frame)}
+            onPick={(candidate) => void pick(candidate)}
+          />
+        )}
       </section>
       <aside class="faces-right">
         <FaceView space={space} face={face} about={about} />
-        {path ? <Walk key={path.id} space={space} path={path} level={level.number} playing={playing} onOffers={setOffers} /> : (
+        {path ? (
+          <Walk key={path.id} space={space} path={path} level={level.number} playing={playing} onOffers={setOffers} />
+        ) : (
           <section class="faces-path" aria-label={f("path")}>
             <h3>{f("path")}</h3>
             {!keys.length && <p class="dim">{f("pathHelp")}</p>}
             <ol class="faces-keys">
-              {keys.map((key, at) => <li key={`${key}-${at}`}><button type="button" title={f("removeKey", { n: at + 1 })} aria-label={f("removeKey", { n: at + 1 })} onClick={() => change(keys.slice(0, at))}><FaceThumb space={space} frame={key} /><span>{at + 1}</span></button></li>)}
+              {keys.map((key, at) => (
+                <li key={`${key}-${at}`}>
+                  <button
+                    type="button"
+                    title={f("removeKey", { n: at + 1 })}
+                    aria-label={f("removeKey", { n: at + 1 })}
+                    onClick={() => change(keys.slice(0, at))}
+                  >
+                    <FaceThumb space={space} frame={key} />
+                    <span>{at + 1}</span>
+                  </button>
+                </li>
+              ))}
             </ol>
-            {route && <div class="banner warn" role="alert"><div class="grow"><strong>{f("notLinked")}</strong><p>{route === "none" ? f("noRoute") : f("route", { n: route.way.length - 2, mm: number(route.length, 0) })}</p></div>{route !== "none" && <button type="button" class="button" onClick={take}>{f("takeRoute")}</button>}</div>}
-            <div class="row"><button type="button" class="button primary" disabled={keys.length < 2 || busy} onClick={() => void make()}>{busy ? f("walking") : f("walk")}</button></div>
+            {route && (
+              <div class="banner warn" role="alert">
+                <div class="grow">
+                  <strong>{f("notLinked")}</strong>
+                  <p>
+                    {route === "none"
+                      ? f("noRoute")
+                      : f("route", { n: route.way.length - 2, mm: number(route.length, 0) })}
+                  </p>
+                </div>
+                {route !== "none" && (
+                  <button type="button" class="button" onClick={take}>
+                    {f("takeRoute")}
+                  </button>
+                )}
+              </div>
+            )}
+            <div class="row">
+              <button
+                type="button"
+                class="button primary"
+                disabled={keys.length < 2 || busy}
+                onClick={() => void make()}
+              >
+                {busy ? f("walking") : f("walk")}
+              </button>
+            </div>
           </section>
         )}
         <MapFacts space={space} />
       </aside>
     </div>
-  );
-}
-
-/** The candidates as faces: the same as on the map, for keys and for those who do not see it. */
-function Candidates({ space, level, keys, onHover, onPick }: { space: Space; level: Level; keys: number[]; onHover: (frame: number) => void; onPick: (candidate: number) => void }) {
-  const from = keys.length ? level.candidates.indexOf(keys.at(-1)!) : -1;
-  const near = new Map((level.neighbours[from] ?? []).map((one) => [one.to, one.length]));
-  const all = Array.from(level.candidates.subarray(0, SHOWN), (_, at) => at);
-  const shown = from < 0 ? all : [...[...near.keys()].slice(0, SHOWN / 2), ...all.filter((one) => !near.has(one) && one !== from)].slice(0, SHOWN);
-  useEffect(() => space.want(shown.map((one) => level.candidates[one])), [level, from]);
-  return (
-    <ul class="faces-candidates" aria-label={f("candidates", { n: level.candidates.length })}>
-      {shown.map((one) => {
-        const { take, frame } = space.wordsOf(level.candidates[one]);
-        return (
-          <li key={one}><button type="button" class={near.has(one) ? "near" : ""} title={f("shown", { take, frame })} onPointerEnter={() => onHover(level.candidates[one])} onPointerLeave={() => onHover(-1)} onFocus={() => onHover(level.candidates[one])} onBlur={() => onHover(-1)} onClick={() => onPick(one)}>
-            <FaceThumb space={space} frame={level.candidates[one]} /><span class="unseen">{f("shown", { take, frame })}</span><span>{near.has(one) ? f("linkedTo", { n: Math.round(near.get(one)!) }) : from < 0 ? "" : "–"}</span>
-          </button></li>
-        );
-      })}
-    </ul>
-  );
-}
-
-/** Takes by name, with their colours; those that are not looked at are dimmed. */
-function Takes({ space, dimmed }: { space: Space; dimmed: ReadonlySet<number> }) {
-  const write = (next: Set<number>) => setParams({ takes: [...next].join(",") || null });
-  return (
-    <details class="faces-takes">
-      <summary class="button dense">{f("takes")} {space.names.length - dimmed.size}/{space.names.length}</summary>
-      <ul>
-        <li><button type="button" class="button dense" onClick={() => write(new Set())}>{f("allTakes")}</button></li>
-        {space.names.map((name, at) => <li key={at}><label class="row"><input type="checkbox" checked={!dimmed.has(at)} onChange={(event) => { const next = new Set(dimmed); if (event.currentTarget.checked) next.delete(at); else next.add(at); write(next); }} /><span class="swatch" style={{ background: `var(--name${at % 8})` }} />{name}</label></li>)}
-      </ul>
-    </details>
   );
 }
 

@@ -29,7 +29,14 @@ const DIM = 0.08;
 const STRONG = 0.6;
 const INKS = [..."01234567"].map((one) => `name${one}`);
 
-export function MapView({ space, on, cross, onHover, onPick, onKey }: {
+export function MapView({
+  space,
+  on,
+  cross,
+  onHover,
+  onPick,
+  onKey,
+}: {
   space: Space;
   on: OnMap;
   /** mm on the map; null where nothing plays. */
@@ -54,11 +61,13 @@ export function MapView({ space, on, cross, onHover, onPick, onKey }: {
   drawn.current = { own, lines };
 
   const ask = () => {
-    if (!pending.current) pending.current = requestAnimationFrame(() => {
-      pending.current = 0;
-      cloud.current?.look(view.current);
-      if (over.current && host.current) drawOver(over.current, host.current, space, now.current, drawn.current, view.current, cross.peek());
-    });
+    if (!pending.current)
+      pending.current = requestAnimationFrame(() => {
+        pending.current = 0;
+        cloud.current?.look(view.current);
+        if (over.current && host.current)
+          drawOver(over.current, host.current, space, now.current, drawn.current, view.current, cross.peek());
+      });
   };
   const fit = () => {
     const box = host.current;
@@ -96,24 +105,35 @@ export function MapView({ space, on, cross, onHover, onPick, onKey }: {
       cloud.current = null;
     };
   }, [space]);
-  useEffect(() => effect(() => {
-    look.value;
-    cloud.current?.inks([...INKS, "text3"].map((one) => colour(one)));
-    ask();
-  }), [space]);
+  useEffect(
+    () =>
+      effect(() => {
+        look.value;
+        cloud.current?.inks([...INKS, "text3"].map((one) => colour(one)));
+        ask();
+      }),
+    [space],
+  );
   useEffect(() => {
     cloud.current?.dim(Float32Array.from(space.take, (take) => (on.dimmed.has(take) ? DIM : STRONG)));
   }, [space, on.dimmed]);
-  useEffect(() => effect(() => {
-    cross.value;
-    ask();
-  }), [space, cross]);
+  useEffect(
+    () =>
+      effect(() => {
+        cross.value;
+        ask();
+      }),
+    [space, cross],
+  );
   useEffect(ask, [on, own]);
 
   const at = (event: MouseEvent): [number, number] => {
     const box = host.current!.getBoundingClientRect();
     const { x, y, scale } = view.current;
-    return [x + (event.clientX - box.left - box.width / 2) / scale, y - (event.clientY - box.top - box.height / 2) / scale];
+    return [
+      x + (event.clientX - box.left - box.width / 2) / scale,
+      y - (event.clientY - box.top - box.height / 2) / scale,
+    ];
   };
   const under = (event: MouseEvent): { candidate: number; frame: number } => {
     const [x, y] = at(event);
@@ -125,19 +145,35 @@ export function MapView({ space, on, cross, onHover, onPick, onKey }: {
   const zoom = (x: number, y: number, by: number) => {
     const before = view.current;
     const scale = before.scale * by;
-    view.current = { scale, x: x - ((x - before.x) * before.scale) / scale, y: y - ((y - before.y) * before.scale) / scale };
+    view.current = {
+      scale,
+      x: x - ((x - before.x) * before.scale) / scale,
+      y: y - ((y - before.y) * before.scale) / scale,
+    };
     ask();
   };
   const drag = useRef<{ x: number; y: number; far: number } | null>(null);
   return (
-    <div class="faces-map" ref={host} role="application" tabIndex={0} aria-label={f("mapLabel", { n: space.summary.frames })}
+    <div
+      class="faces-map"
+      ref={host}
+      role="application"
+      tabIndex={0}
+      aria-label={f("mapLabel", { n: space.summary.frames })}
       onKeyDown={(event) => {
-        if (event.key === "+" || event.key === "-") zoom(view.current.x, view.current.y, event.key === "+" ? 1.25 : 0.8);
+        if (event.key === "+" || event.key === "-")
+          zoom(view.current.x, view.current.y, event.key === "+" ? 1.25 : 0.8);
         else onKey(event);
       }}
-      onWheel={(event) => { event.preventDefault(); zoom(...at(event), Math.exp(-event.deltaY / 400)); }}
+      onWheel={(event) => {
+        event.preventDefault();
+        zoom(...at(event), Math.exp(-event.deltaY / 400));
+      }}
       onDblClick={fit}
-      onPointerDown={(event) => { event.currentTarget.setPointerCapture(event.pointerId); drag.current = { x: event.clientX, y: event.clientY, far: 0 }; }}
+      onPointerDown={(event) => {
+        event.currentTarget.setPointerCapture(event.pointerId);
+        drag.current = { x: event.clientX, y: event.clientY, far: 0 };
+      }}
       onPointerMove={(event) => {
         const from = drag.current;
         if (!from) {
@@ -149,7 +185,11 @@ export function MapView({ space, on, cross, onHover, onPick, onKey }: {
         const [dx, dy] = [event.clientX - from.x, event.clientY - from.y];
         from.far += Math.abs(dx) + Math.abs(dy);
         [from.x, from.y] = [event.clientX, event.clientY];
-        view.current = { ...view.current, x: view.current.x - dx / view.current.scale, y: view.current.y + dy / view.current.scale };
+        view.current = {
+          ...view.current,
+          x: view.current.x - dx / view.current.scale,
+          y: view.current.y + dy / view.current.scale,
+        };
         ask();
       }}
       onPointerLeave={() => onHover(-1)}
@@ -158,9 +198,21 @@ export function MapView({ space, on, cross, onHover, onPick, onKey }: {
         drag.current = null;
         const found = under(event);
         if (!moved && found.candidate >= 0) onPick(found.candidate);
-      }}>
-      <canvas ref={canvas} /><canvas ref={over} />
-      <button type="button" class="button quiet icon faces-fit" aria-label={f("fit")} title={f("fit")} onPointerDown={(event) => event.stopPropagation()} onPointerUp={(event) => event.stopPropagation()} onClick={fit}><Icon name="search" /></button>
+      }}
+    >
+      <canvas ref={canvas} />
+      <canvas ref={over} />
+      <button
+        type="button"
+        class="button quiet icon faces-fit"
+        aria-label={f("fit")}
+        title={f("fit")}
+        onPointerDown={(event) => event.stopPropagation()}
+        onPointerUp={(event) => event.stopPropagation()}
+        onClick={fit}
+      >
+        <Icon name="search" />
+      </button>
     </div>
   );
 }
@@ -177,11 +229,12 @@ function placesOf(space: Space, frames: ArrayLike<number>): Float32Array {
 function linesOf(own: Float32Array, level: Level): { plain: Path2D; bridges: Path2D } {
   const [plain, bridges] = [new Path2D(), new Path2D()];
   const { a, b, bridge } = level.links;
-  if (a.length <= MOST_LINKS) for (let at = 0; at < a.length; at++) {
-    const path = bridge[at] ? bridges : plain;
-    path.moveTo(own[a[at] * 2], own[a[at] * 2 + 1]);
-    path.lineTo(own[b[at] * 2], own[b[at] * 2 + 1]);
-  }
+  if (a.length <= MOST_LINKS)
+    for (let at = 0; at < a.length; at++) {
+      const path = bridge[at] ? bridges : plain;
+      path.moveTo(own[a[at] * 2], own[a[at] * 2 + 1]);
+      path.lineTo(own[b[at] * 2], own[b[at] * 2 + 1]);
+    }
   return { plain, bridges };
 }
 
@@ -197,7 +250,15 @@ function fitted(places: Float32Array, width: number, height: number): View {
   return { x: (left + right) / 2, y: (low + high) / 2, scale };
 }
 
-function drawOver(canvas: HTMLCanvasElement, host: HTMLElement, space: Space, on: OnMap, drawn: { own: Float32Array; lines: ReturnType<typeof linesOf> }, view: View, cross: [number, number] | null): void {
+function drawOver(
+  canvas: HTMLCanvasElement,
+  host: HTMLElement,
+  space: Space,
+  on: OnMap,
+  drawn: { own: Float32Array; lines: ReturnType<typeof linesOf> },
+  view: View,
+  cross: [number, number] | null,
+): void {
   const pen = canvas.getContext("2d")!;
   const ratio = canvas.width / Math.max(1, host.clientWidth);
   const [width, height] = [host.clientWidth, host.clientHeight];
@@ -208,7 +269,14 @@ function drawOver(canvas: HTMLCanvasElement, host: HTMLElement, space: Space, on
   const place = (frame: number): [number, number] => [x(space.places[frame * 2]), y(space.places[frame * 2 + 1])];
   if (on.links) {
     pen.save();
-    pen.setTransform(ratio * view.scale, 0, 0, -ratio * view.scale, ratio * (width / 2 - view.x * view.scale), ratio * (height / 2 + view.y * view.scale));
+    pen.setTransform(
+      ratio * view.scale,
+      0,
+      0,
+      -ratio * view.scale,
+      ratio * (width / 2 - view.x * view.scale),
+      ratio * (height / 2 + view.y * view.scale),
+    );
     pen.lineWidth = 1 / view.scale;
     pen.strokeStyle = colour("edge");
     pen.globalAlpha = 0.6;
@@ -242,12 +310,16 @@ function drawOver(canvas: HTMLCanvasElement, host: HTMLElement, space: Space, on
     pen.stroke();
   };
   const { candidates } = on.level;
-  const near = on.current >= 0 && !on.walk.length ? new Set((on.level.neighbours[candidates.indexOf(on.keys.at(-1) ?? on.current)] ?? []).map((one) => one.to)) : new Set<number>();
-  if (candidates.length <= MOST_RINGS) for (let at = 0; at < candidates.length; at++) {
-    const spot: [number, number] = [x(drawn.own[at * 2]), y(drawn.own[at * 2 + 1])];
-    if (spot[0] < -9 || spot[1] < -9 || spot[0] > width + 9 || spot[1] > height + 9) continue;
-    ring(spot, near.has(at) ? 6.5 : 5, near.has(at) ? "accent" : "text3", "well");
-  }
+  const near =
+    on.current >= 0 && !on.walk.length
+      ? new Set((on.level.neighbours[candidates.indexOf(on.keys.at(-1) ?? on.current)] ?? []).map((one) => one.to))
+      : new Set<number>();
+  if (candidates.length <= MOST_RINGS)
+    for (let at = 0; at < candidates.length; at++) {
+      const spot: [number, number] = [x(drawn.own[at * 2]), y(drawn.own[at * 2 + 1])];
+      if (spot[0] < -9 || spot[1] < -9 || spot[0] > width + 9 || spot[1] > height + 9) continue;
+      ring(spot, near.has(at) ? 6.5 : 5, near.has(at) ? "accent" : "text3", "well");
+    }
   for (const frame of on.offers) ring(place(frame), 8, "select", "well");
   on.keys.forEach((frame, at) => {
     const spot = place(frame);
@@ -268,12 +340,17 @@ function drawOver(canvas: HTMLCanvasElement, host: HTMLElement, space: Space, on
   }
   if (!cross) return;
   const [cx, cy] = [x(cross[0]), y(cross[1])];
-  for (const [ink, wide] of [["well", 6], ["select", 2.5]] as const) {
+  for (const [ink, wide] of [
+    ["well", 6],
+    ["select", 2.5],
+  ] as const) {
     pen.lineWidth = wide;
     pen.strokeStyle = colour(ink);
     pen.beginPath();
-    pen.moveTo(cx - 9, cy); pen.lineTo(cx + 9, cy);
-    pen.moveTo(cx, cy - 9); pen.lineTo(cx, cy + 9);
+    pen.moveTo(cx - 9, cy);
+    pen.lineTo(cx + 9, cy);
+    pen.moveTo(cx, cy - 9);
+    pen.lineTo(cx, cy + 9);
     pen.stroke();
   }
 }

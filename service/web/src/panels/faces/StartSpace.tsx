@@ -27,7 +27,9 @@ export function StartSpace() {
   const build = async (inputs: object) => {
     setError(null);
     try {
-      const result = await runAnalysis("expression", { inputs, parameters: values }, (started) => setRunning(started.id));
+      const result = await runAnalysis("expression", { inputs, parameters: values }, (started) =>
+        setRunning(started.id),
+      );
       go(`/faces/${result}`);
     } catch (refused) {
       if ((refused as Error).name !== "AbortError") setError(refused);
@@ -35,7 +37,8 @@ export function StartSpace() {
       setRunning(null);
     }
   };
-  const chosen = () => (left.size ? { documents: members.value!.filter((one) => !left.has(one.id)).map((one) => one.id) } : selection!);
+  const chosen = () =>
+    left.size ? { documents: members.value!.filter((one) => !left.has(one.id)).map((one) => one.id) } : selection!;
   const maps = (before.value?.items ?? []).filter((one: Schemas["Result"]) => !one.parameters.operation);
   return (
     <div class="faces-start">
@@ -43,20 +46,71 @@ export function StartSpace() {
         <h1>{f("title")}</h1>
         <p>{f("intro")}</p>
         <p class="dim">{f("needs")}</p>
-        {projects.value?.items.includes(DEMO) && <p><button type="button" class="button primary" disabled={running !== null} onClick={() => void build({ project: DEMO })}>{f("demo")}</button></p>}
+        {projects.value?.items.includes(DEMO) && (
+          <p>
+            <button
+              type="button"
+              class="button primary"
+              disabled={running !== null}
+              onClick={() => void build({ project: DEMO })}
+            >
+              {f("demo")}
+            </button>
+          </p>
+        )}
         <Trouble error={error} />
-        {job && <div class="row"><progress class="grow" value={job.share} aria-label={job.stage ?? ""} /><span class="dim" role="status">{f("building", { stage: job.stage ?? "" })}</span><button type="button" class="button" onClick={() => void cancelJob(job)}>{w("cancel")}</button></div>}
+        {job && (
+          <div class="row">
+            <progress class="grow" value={job.share} aria-label={job.stage ?? ""} />
+            <span class="dim" role="status">
+              {f("building", { stage: job.stage ?? "" })}
+            </span>
+            <button type="button" class="button" onClick={() => void cancelJob(job)}>
+              {w("cancel")}
+            </button>
+          </div>
+        )}
         <h2>{f("recent")}</h2>
         <Trouble error={before.error} retry={before.again} />
         {before.value && !maps.length && <p class="dim">{f("none")}</p>}
-        <ul class="faces-recent">{maps.map((one) => <li key={one.id}><a class="cut grow" href={`/faces/${one.id}`}>{one.name}</a><span class="dim">{when(one.created)}</span></li>)}</ul>
+        <ul class="faces-recent">
+          {maps.map((one) => (
+            <li key={one.id}>
+              <a class="cut grow" href={`/faces/${one.id}`}>
+                {one.name}
+              </a>
+              <span class="dim">{when(one.created)}</span>
+            </li>
+          ))}
+        </ul>
       </section>
-      <form onSubmit={(event) => { event.preventDefault(); void build(chosen()); }}>
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          void build(chosen());
+        }}
+      >
         <h2>{f("takes")}</h2>
-        <ClipSelection members={members} left={left} onLeft={(one, out) => { const next = new Set(left); if (out) next.add(one); else next.delete(one); setLeft(next); }} />
-        <details><summary>{f("options")}</summary>{info.value && <SchemaForm schema={info.value.parameters as Schema} values={values} onChange={setValues} />}</details>
+        <ClipSelection
+          members={members}
+          left={left}
+          onLeft={(one, out) => {
+            const next = new Set(left);
+            if (out) next.add(one);
+            else next.delete(one);
+            setLeft(next);
+          }}
+        />
+        <details>
+          <summary>{f("options")}</summary>
+          {info.value && <SchemaForm schema={info.value.parameters as Schema} values={values} onChange={setValues} />}
+        </details>
         <Trouble error={info.error} />
-        <p><button type="submit" class="button primary" disabled={!members.value?.length || running !== null}>{f("build")}</button></p>
+        <p>
+          <button type="submit" class="button primary" disabled={!members.value?.length || running !== null}>
+            {f("build")}
+          </button>
+        </p>
       </form>
     </div>
   );

@@ -2,7 +2,7 @@
 import { computed, signal, type Signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { address, fetched, get, type Schemas } from "../../api/client";
-import { makeMotion, resultOf, useResult, type Result } from "../../api/results";
+import { makeMotion, resultOf, applyResult, type Result } from "../../api/results";
 import { Player } from "../../state/player";
 import { note, refuse } from "../../state/notes";
 import { go } from "../../state/route";
@@ -19,16 +19,28 @@ import type { Space } from "./space";
 
 type Motion = Schemas["ExpressionMotion"];
 type Path = Schemas["ExpressionPath"];
-export interface Offer { frame: number; apart: number }
+export interface Offer {
+  frame: number;
+  apart: number;
+}
 
 const FPS = 60;
 const MOST_SAMPLES = 36_000;
 const FORMATS = ["c3d", "trc", "mcml"] as const;
 
 /** What plays: the face, and where it is on the map; both null where nothing does. */
-export interface Playing { face: Signal<Float32Array | null>; cross: Signal<[number, number] | null> }
+export interface Playing {
+  face: Signal<Float32Array | null>;
+  cross: Signal<[number, number] | null>;
+}
 
-export function Walk({ space, path, level, playing, onOffers }: {
+export function Walk({
+  space,
+  path,
+  level,
+  playing,
+  onOffers,
+}: {
   space: Space;
   path: Result;
   level: number;
@@ -40,14 +52,39 @@ export function Walk({ space, path, level, playing, onOffers }: {
   const [smooth, setSmooth] = useState(false);
   const [delta, setDelta] = useState(10);
   const [busy, setBusy] = useState(false);
-  const wish = { fps: FPS, loop, smooth, most_samples: MOST_SAMPLES, ...(Number(speed) > 0 ? { speed_mm_s: Number(speed) } : {}) };
-  const made = useAsync((stop) => makeMotion<Motion>(path.id, "playback", wish, {}, stop), [path.id, speed, loop, smooth]);
-  const about = (path.parts?.path?.data.path ?? {}) as { version: number; level: number; keys: [string, number][]; length_mm: number; bridges: number };
+  const wish = {
+    fps: FPS,
+    loop,
+    smooth,
+    most_samples: MOST_SAMPLES,
+    ...(Number(speed) > 0 ? { speed_mm_s: Number(speed) } : {}),
+  };
+  const made = useAsync(
+    (stop) => makeMotion<Motion>(path.id, "playback", wish, {}, stop),
+    [path.id, speed, loop, smooth],
+  );
+  const about = (path.parts?.path?.data.path ?? {}) as {
+    version: number;
+    level: number;
+    keys: [string, number][];
+    length_mm: number;
+    bridges: number;
+  };
   const keys = useMemo(() => about.keys.map(([document, frame]) => space.numberOf(document, frame)), [path, space]);
-  const offered = useAsync((stop) => useResult<Path>(path.id, "refine", { level }, {}, stop), [path.id, level]);
-  const offers = useMemo<Offer[]>(() => (offered.value?.value.offered ?? []).map((one) => ({ frame: space.numberOf(one.document, one.frame), apart: one.apart_mm })), [offered.value, space]);
+  const offered = useAsync((stop) => applyResult<Path>(path.id, "refine", { level }, {}, stop), [path.id, level]);
+  const offers = useMemo<Offer[]>(
+    () =>
+      (offered.value?.value.offered ?? []).map((one) => ({
+        frame: space.numberOf(one.document, one.frame),
+        apart: one.apart_mm,
+      })),
+    [offered.value, space],
+  );
   useEffect(() => onOffers(offers), [offers]);
-  const player = useMemo(() => (made.value ? new Player(made.value.value.frames, made.value.value.fps) : null), [made.value]);
+  const player = useMemo(
+    () => (made.value ? new Player(made.value.value.frames, made.value.value.fps) : null),
+    [made.value],
+  );
   const frame = useMemo(() => (player ? computed(() => player.frame.value) : signal(0)), [player]);
   useEffect(() => {
     if (!made.value || !player) return;
@@ -66,7 +103,9 @@ export function Walk({ space, path, level, playing, onOffers }: {
       playing.face.value = shown;
       const sample = value.samples[Math.min(now, value.samples.length - 1)];
       const [one, other] = [numberOf(sample.frame_a), numberOf(sample.frame_b)];
-      playing.cross.value = [0, 1].map((axis) => space.places[one * 2 + axis] * (1 - sample.alpha) + space.places[other * 2 + axis] * sample.alpha) as [number, number];
+      playing.cross.value = [0, 1].map(
+        (axis) => space.places[one * 2 + axis] * (1 - sample.alpha) + space.places[other * 2 + axis] * sample.alpha,
+      ) as [number, number];
     });
     player.loop.value = [0, player.frames - 1];
     player.play(1);
@@ -80,7 +119,7 @@ export function Walk({ space, path, level, playing, onOffers }: {
   const refine = async (more: object) => {
     setBusy(true);
     try {
-      const done = await useResult<Path>(path.id, "refine", { level, ...more });
+      const done = await applyResult<Path>(path.id, "refine", { level, ...more });
       if (done.result) go(`/faces/${done.result}${location.search}`);
     } catch (error) {
       refuse(error);
@@ -91,7 +130,7 @@ export function Walk({ space, path, level, playing, onOffers }: {
   const save = async () => {
     try {
       const name = `${space.name}: ${f("pathOf")}`;
-      const done = await useResult<Motion>(path.id, "playback", wish, { save: true, name });
+      const done = await applyResult<Motion>(path.id, "playback", wish, { save: true, name });
       note(f("saved", { name }), { action: { text: w("open"), run: () => go(`/clips/${done.document}`) } });
     } catch (error) {
       refuse(error);
@@ -99,9 +138,14 @@ export function Walk({ space, path, level, playing, onOffers }: {
   };
   const download = async (format: string) => {
     try {
-      const answer = await fetched(address("/results/{id}/{operation}", { id: path.id, operation: "playback" }, { format }), {
-        method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ parameters: wish }),
-      });
+      const answer = await fetched(
+        address("/results/{id}/{operation}", { id: path.id, operation: "playback" }, { format }),
+        {
+          method: "POST",
+          headers: { "content-type": "application/json" },
+          body: JSON.stringify({ parameters: wish }),
+        },
+      );
       saveBlob(await answer.blob(), `expression-path.${format}`);
     } catch (error) {
       refuse(error);
@@ -110,32 +154,116 @@ export function Walk({ space, path, level, playing, onOffers }: {
   const seconds = made.value?.value.duration_s ?? 0;
   return (
     <section class="faces-walk" aria-label={f("path")}>
-      {player && <PlayBar player={player}><span class="dim">{number(seconds, 1)} s</span></PlayBar>}
+      {player && (
+        <PlayBar player={player}>
+          <span class="dim">{number(seconds, 1)} s</span>
+        </PlayBar>
+      )}
       <Trouble error={made.error} retry={made.again} />
       <div class="row wrap faces-save">
-        <button type="button" class="button primary" disabled={!made.value} onClick={() => void save()}>{f("save")}</button>
-        <Menu label={f("export")} items={FORMATS.map((format) => ({ text: format.toUpperCase(), run: () => void download(format) }))}>{f("export")}<Icon name="down" /></Menu>
-        <a class="button" href={address("/results/{id}/picture", { id: path.id }, {})} target="_blank" rel="noreferrer">{f("picture")}</a>
-        <a class="button quiet" href={`/faces/${space.id}${location.search}`}>{f("newPath")}</a>
+        <button type="button" class="button primary" disabled={!made.value} onClick={() => void save()}>
+          {f("save")}
+        </button>
+        <Menu
+          label={f("export")}
+          items={FORMATS.map((format) => ({ text: format.toUpperCase(), run: () => void download(format) }))}
+        >
+          {f("export")}
+          <Icon name="down" />
+        </Menu>
+        <a class="button" href={address("/results/{id}/picture", { id: path.id }, {})} target="_blank" rel="noreferrer">
+          {f("picture")}
+        </a>
+        <a class="button quiet" href={`/faces/${space.id}${location.search}`}>
+          {f("newPath")}
+        </a>
       </div>
       <div class="row wrap">
-        <label class="row">{f("speed")}<input class="field faces-number" inputMode="decimal" placeholder={number(made.value?.value.speed_mm_s ?? space.summary.speed_mm_s, 0)} value={speed} onChange={(event) => setSpeed(event.currentTarget.value)} /> mm/s</label>
-        <label class="row"><input type="checkbox" checked={loop} onChange={(event) => setLoop(event.currentTarget.checked)} />{f("loop")}</label>
-        <label class="row"><input type="checkbox" checked={smooth} onChange={(event) => setSmooth(event.currentTarget.checked)} />{f("smooth")}</label>
+        <label class="row">
+          {f("speed")}
+          <input
+            class="field faces-number"
+            inputMode="decimal"
+            placeholder={number(made.value?.value.speed_mm_s ?? space.summary.speed_mm_s, 0)}
+            value={speed}
+            onChange={(event) => setSpeed(event.currentTarget.value)}
+          />{" "}
+          mm/s
+        </label>
+        <label class="row">
+          <input type="checkbox" checked={loop} onChange={(event) => setLoop(event.currentTarget.checked)} />
+          {f("loop")}
+        </label>
+        <label class="row">
+          <input type="checkbox" checked={smooth} onChange={(event) => setSmooth(event.currentTarget.checked)} />
+          {f("smooth")}
+        </label>
       </div>
-      <h3>{f("version", { n: about.version })} · {f("total", { mm: Math.round(about.length_mm) })}{about.bridges > 0 && ` · ${f("bridges", { n: about.bridges })}`}</h3>
+      <h3>
+        {f("version", { n: about.version })} · {f("total", { mm: Math.round(about.length_mm) })}
+        {about.bridges > 0 && ` · ${f("bridges", { n: about.bridges })}`}
+      </h3>
       <ol class="faces-keys">
-        {keys.map((key, at) => <li key={at}><button type="button" title={f("keyOf", { n: at + 1 })} onPointerEnter={() => space.want([key])} onClick={() => player && seekKey(player, made.value!.value, space, key)}><FaceThumb space={space} frame={key} /><span>{at + 1}</span></button></li>)}
+        {keys.map((key, at) => (
+          <li key={at}>
+            <button
+              type="button"
+              title={f("keyOf", { n: at + 1 })}
+              onPointerEnter={() => space.want([key])}
+              onClick={() => player && seekKey(player, made.value!.value, space, key)}
+            >
+              <FaceThumb space={space} frame={key} />
+              <span>{at + 1}</span>
+            </button>
+          </li>
+        ))}
       </ol>
       <Versions path={path} />
-      <h3>{f("refine")} <span class="dim">{offered.busy ? "" : offers.length ? f("offered", { n: offers.length }) : f("noOffers")}</span></h3>
+      <h3>
+        {f("refine")}{" "}
+        <span class="dim">
+          {offered.busy ? "" : offers.length ? f("offered", { n: offers.length }) : f("noOffers")}
+        </span>
+      </h3>
       <Trouble error={offered.error} />
-      {offers.length > 0 && <ul class="faces-offers">
-        {offers.slice(0, 40).map((one) => <li key={one.frame}><button type="button" disabled={busy} title={f("add")} onClick={() => void refine({ keys: [space.keyOf(one.frame)] })}><FaceThumb space={space} frame={one.frame} /><span>{f("detour", { mm: number(one.apart, 1) })}</span></button></li>)}
-      </ul>}
+      {offers.length > 0 && (
+        <ul class="faces-offers">
+          {offers.slice(0, 40).map((one) => (
+            <li key={one.frame}>
+              <button
+                type="button"
+                disabled={busy}
+                title={f("add")}
+                onClick={() => void refine({ keys: [space.keyOf(one.frame)] })}
+              >
+                <FaceThumb space={space} frame={one.frame} />
+                <span>{f("detour", { mm: number(one.apart, 1) })}</span>
+              </button>
+            </li>
+          ))}
+        </ul>
+      )}
       <div class="row wrap">
-        <button type="button" class="button" disabled={busy || !offers.length} onClick={() => void refine({ auto: true, delta: delta / 100 })}>{f("auto")}</button>
-        <label class="row">{f("bound")}<input class="field faces-number" type="number" min={0} max={1000} value={delta} onInput={(event) => setDelta(Number(event.currentTarget.value))} /> %</label>
+        <button
+          type="button"
+          class="button"
+          disabled={busy || !offers.length}
+          onClick={() => void refine({ auto: true, delta: delta / 100 })}
+        >
+          {f("auto")}
+        </button>
+        <label class="row">
+          {f("bound")}
+          <input
+            class="field faces-number"
+            type="number"
+            min={0}
+            max={1000}
+            value={delta}
+            onInput={(event) => setDelta(Number(event.currentTarget.value))}
+          />{" "}
+          %
+        </label>
       </div>
     </section>
   );
@@ -144,28 +272,44 @@ export function Walk({ space, path, level, playing, onOffers }: {
 /** Go to where the animation passes a key. */
 function seekKey(player: Player, value: Motion, space: Space, key: number): void {
   const { document, frame } = space.keyOf(key);
-  const at = value.samples.findIndex((one) => (one.alpha < 0.5 ? one.frame_a : one.frame_b).document === document && (one.alpha < 0.5 ? one.frame_a : one.frame_b).frame === frame);
+  const at = value.samples.findIndex(
+    (one) =>
+      (one.alpha < 0.5 ? one.frame_a : one.frame_b).document === document &&
+      (one.alpha < 0.5 ? one.frame_a : one.frame_b).frame === frame,
+  );
   player.pause();
   if (at >= 0) player.seek(at);
 }
 
 /** The versions of a path: those it was refined from, and those that were made of it. */
 function Versions({ path }: { path: Result }) {
-  const found = useAsync(async (stop) => {
-    const before: Result[] = [path];
-    while (before[0].parent) {
-      const above = await resultOf(before[0].parent, stop);
-      if (!above.parameters.operation) break;
-      before.unshift(above);
-    }
-    const after = (await get("/results", { query: { parent: path.id, limit: 20 }, signal: stop })).items;
-    return { before, after: [...after].reverse() };
-  }, [path.id]);
+  const found = useAsync(
+    async (stop) => {
+      const before: Result[] = [path];
+      while (before[0].parent) {
+        const above = await resultOf(before[0].parent, stop);
+        if (!above.parameters.operation) break;
+        before.unshift(above);
+      }
+      const after = (await get("/results", { query: { parent: path.id, limit: 20 }, signal: stop })).items;
+      return { before, after: [...after].reverse() };
+    },
+    [path.id],
+  );
   const versions = [...(found.value?.before ?? [path]), ...(found.value?.after ?? [])];
   if (versions.length < 2) return null;
   return (
     <nav class="row wrap faces-versions" aria-label={f("versions")}>
-      {versions.map((one, at) => <a key={one.id} class="chip" aria-current={one.id === path.id ? "page" : undefined} href={`/faces/${one.id}${location.search}`}>{f("version", { n: Math.min(at + 1, (found.value?.before.length ?? 1) + 1) })}</a>)}
+      {versions.map((one, at) => (
+        <a
+          key={one.id}
+          class="chip"
+          aria-current={one.id === path.id ? "page" : undefined}
+          href={`/faces/${one.id}${location.search}`}
+        >
+          {f("version", { n: Math.min(at + 1, (found.value?.before.length ?? 1) + 1) })}
+        </a>
+      ))}
     </nav>
   );
 }

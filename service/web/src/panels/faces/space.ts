@@ -1,14 +1,31 @@
 /** A space of expressions as the panel needs it: places, levels, links and faces, fetched once, faces as they are looked at. */
 import { signal } from "@preact/signals";
 import { ApiError, type Schemas } from "../../api/client";
-import { arrayOf, resultOf, rowsOf, useResult, type Result } from "../../api/results";
+import { arrayOf, resultOf, rowsOf, applyResult, type Result } from "../../api/results";
 import { facingOf, type Facing } from "../../motion/faces";
 import { neighboursOf, shortestRoute, type Links, type Neighbour } from "../../motion/routes";
 
-export interface Level { number: number; candidates: Int32Array; links: Links; neighbours: Neighbour[][] }
+export interface Level {
+  number: number;
+  candidates: Int32Array;
+  links: Links;
+  neighbours: Neighbour[][];
+}
 export interface Summary {
-  method: string; frames: number; takes: number; markers: number; markers_dropped: unknown[]; tau_mm: number; mean_degree: number; components: number[]; bridges: number;
-  r: number | null; stress: number | null; speed_mm_s: number; levels: number; warnings: { code: string; what: string }[];
+  method: string;
+  frames: number;
+  takes: number;
+  markers: number;
+  markers_dropped: unknown[];
+  tau_mm: number;
+  mean_degree: number;
+  components: number[];
+  bridges: number;
+  r: number | null;
+  stress: number | null;
+  speed_mm_s: number;
+  levels: number;
+  warnings: { code: string; what: string }[];
 }
 
 const ROWS = 500; // of one question
@@ -37,11 +54,22 @@ export class Space {
     /** Position in its take, from 0. */
     readonly frame: Int32Array,
     readonly counts: number[],
-    private readonly arrays: { candidates: Int32Array; first: number[]; linkFirst: number[]; a: Int32Array; b: Int32Array; length: Float32Array; bridge: Uint8Array },
+    private readonly arrays: {
+      candidates: Int32Array;
+      first: number[];
+      linkFirst: number[];
+      a: Int32Array;
+      b: Int32Array;
+      length: Float32Array;
+      bridge: Uint8Array;
+    },
     readonly neutral: Float32Array,
     readonly facing: Facing,
     private readonly gaps: boolean,
-    readonly tau: { chosen: number; rows: { tau: number; r: number | null; stress: number | null; stretch: number | null }[] },
+    readonly tau: {
+      chosen: number;
+      rows: { tau: number; r: number | null; stress: number | null; stretch: number | null }[];
+    },
   ) {}
 
   static async load(result: Result): Promise<Space> {
@@ -49,10 +77,19 @@ export class Space {
     const parts = result.parts ?? {};
     const summary = parts.space.data.summary as Summary;
     const values = parts.space.data.values as { neutral: number; up: string; documents: string[]; names: string[] };
-    const whole = async (part: string, array: string, single = false) => (await arrayOf(id, part, array, { single })).values;
+    const whole = async (part: string, array: string, single = false) =>
+      (await arrayOf(id, part, array, { single })).values;
     const [coordinates, take, frame, candidates, first, linkFirst, a, b, length, bridge, neutral] = await Promise.all([
-      arrayOf(id, "map", "coordinates", { single: true }), whole("map", "take"), whole("map", "frame"), whole("levels", "candidates"), whole("levels", "first"),
-      whole("links", "first"), whole("links", "a"), whole("links", "b"), whole("links", "length", true), whole("links", "bridge"),
+      arrayOf(id, "map", "coordinates", { single: true }),
+      whole("map", "take"),
+      whole("map", "frame"),
+      whole("levels", "candidates"),
+      whole("levels", "first"),
+      whole("links", "first"),
+      whole("links", "a"),
+      whole("links", "b"),
+      whole("links", "length", true),
+      whole("links", "bridge"),
       arrayOf(id, "space", "positions", { rows: [values.neutral], single: true }),
     ]);
     const [count, columns] = coordinates.shape;
@@ -65,10 +102,30 @@ export class Space {
     const face = await withGaps(id, gaps, [values.neutral], neutral.values as Float32Array);
     const up = values.up || "Y";
     return new Space(
-      id, result.name, result.project, summary, values.documents, values.names, up, places, Int32Array.from(take), Int32Array.from(frame),
+      id,
+      result.name,
+      result.project,
+      summary,
+      values.documents,
+      values.names,
+      up,
+      places,
+      Int32Array.from(take),
+      Int32Array.from(frame),
       rowsOf<{ candidates: number }>(parts.levels).map((one) => one.candidates),
-      { candidates: Int32Array.from(candidates), first: [...first], linkFirst: [...linkFirst], a: Int32Array.from(a), b: Int32Array.from(b), length: length as Float32Array, bridge: bridge as Uint8Array },
-      face, facingOf(face, up), gaps, parts.tau.data as never,
+      {
+        candidates: Int32Array.from(candidates),
+        first: [...first],
+        linkFirst: [...linkFirst],
+        a: Int32Array.from(a),
+        b: Int32Array.from(b),
+        length: length as Float32Array,
+        bridge: bridge as Uint8Array,
+      },
+      face,
+      facingOf(face, up),
+      gaps,
+      parts.tau.data as never,
     );
   }
 
@@ -79,7 +136,12 @@ export class Space {
     const { candidates, first, linkFirst, a, b, length, bridge } = this.arrays;
     const own = candidates.subarray(first[number], first[number + 1]);
     const [from, to] = [linkFirst[number], linkFirst[number + 1]];
-    const links = { a: a.subarray(from, to), b: b.subarray(from, to), length: length.subarray(from, to), bridge: bridge.subarray(from, to) };
+    const links = {
+      a: a.subarray(from, to),
+      b: b.subarray(from, to),
+      length: length.subarray(from, to),
+      bridge: bridge.subarray(from, to),
+    };
     const made = { number, candidates: own, links, neighbours: neighboursOf(own.length, links) };
     this.levels.set(number, made);
     return made;
@@ -88,8 +150,15 @@ export class Space {
   /** Those that a candidate is linked to. Of the finest level they are asked for: it lists no links. */
   async near(level: Level, candidate: number): Promise<Neighbour[]> {
     if (level.links.a.length || level.neighbours[candidate].length) return level.neighbours[candidate];
-    const done = await useResult<Schemas["ExpressionNeighbours"]>(this.id, "neighbours", { level: level.number, ...this.keyOf(level.candidates[candidate]) });
-    return (level.neighbours[candidate] = done.value.neighbours.map((one) => ({ to: one.id, length: one.length_mm, bridge: one.bridge })));
+    const done = await applyResult<Schemas["ExpressionNeighbours"]>(this.id, "neighbours", {
+      level: level.number,
+      ...this.keyOf(level.candidates[candidate]),
+    });
+    return (level.neighbours[candidate] = done.value.neighbours.map((one) => ({
+      to: one.id,
+      length: one.length_mm,
+      bridge: one.bridge,
+    })));
   }
 
   /** The way over links from one candidate to another, as candidates; null where there is none. */
@@ -97,15 +166,18 @@ export class Space {
     if (level.links.a.length) return shortestRoute(level.neighbours, from, to);
     const keys = [from, to].map((one) => this.keyOf(level.candidates[one]));
     try {
-      await useResult(this.id, "path", { level: level.number, keys });
+      await applyResult(this.id, "path", { level: level.number, keys });
       return null;
     } catch (error) {
       // The refusal says the way.
-      const way = (error instanceof ApiError && (error.problem.details?.suggestion as { document: string; frame: number }[])) || null;
+      const way =
+        (error instanceof ApiError && (error.problem.details?.suggestion as { document: string; frame: number }[])) ||
+        null;
       if (!way) throw error;
       const numbers = way.map((one) => level.candidates.indexOf(this.numberOf(one.document, one.frame)));
       let length = 0;
-      for (let at = 1; at < numbers.length; at++) length += (await this.near(level, numbers[at - 1])).find((one) => one.to === numbers[at])?.length ?? 0;
+      for (let at = 1; at < numbers.length; at++)
+        length += (await this.near(level, numbers[at - 1])).find((one) => one.to === numbers[at])?.length ?? 0;
       return { way: numbers, length };
     }
   }

@@ -11,25 +11,6 @@ const TALL = 214;
 const GAP = 14;
 const RUNNING = 12; // cards that move by themselves
 
-let anchor = -1;
-
-/** Pick, as file managers do; false: the click opens. */
-export function pickBy(event: MouseEvent, row: number, id: string): boolean {
-  if (event.shiftKey && anchor >= 0) {
-    const next = new Set(library.picked.peek());
-    for (let one = Math.min(anchor, row); one <= Math.max(anchor, row); one++) {
-      const card = library.cardAt(one);
-      if (card) next.add(card.id);
-    }
-    library.picked.value = next;
-    return true;
-  }
-  anchor = row;
-  if (!event.ctrlKey && !event.metaKey) return false;
-  library.pick(id);
-  return true;
-}
-
 export function CardGrid() {
   const box = useRef<HTMLDivElement>(null);
   const [wide, setWide] = useState(0);
@@ -46,7 +27,14 @@ export function CardGrid() {
   const rows = Math.ceil(total / columns);
 
   const onKey = (event: KeyboardEvent) => {
-    const step = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: -columns, ArrowDown: columns, Home: -focus, End: total - 1 - focus }[event.key];
+    const step = {
+      ArrowLeft: -1,
+      ArrowRight: 1,
+      ArrowUp: -columns,
+      ArrowDown: columns,
+      Home: -focus,
+      End: total - 1 - focus,
+    }[event.key];
     if (step === undefined) return;
     event.preventDefault();
     const next = Math.max(0, Math.min(total - 1, focus + step));
@@ -58,19 +46,37 @@ export function CardGrid() {
   return (
     <div ref={box} class="card-grid" onKeyDown={onKey}>
       {wide > 0 && (
-        <VirtualList rows={rows} height={TALL + GAP} label={w("library")} role="grid" at={Math.floor(focus / columns)}
-          onSeen={(from, to) => { setFirst(Math.max(0, from) * columns); library.look(from * columns, Math.min(total - 1, (to + 1) * columns - 1)); }}
+        <VirtualList
+          rows={rows}
+          height={TALL + GAP}
+          label={w("library")}
+          role="grid"
+          at={Math.floor(focus / columns)}
+          onSeen={(from, to) => {
+            setFirst(Math.max(0, from) * columns);
+            library.look(from * columns, Math.min(total - 1, (to + 1) * columns - 1));
+          }}
           render={(row) => (
             <div class="card-row" role="row" aria-rowindex={row + 1} style={{ gap: `${GAP}px`, padding: "8px 16px 0" }}>
               {Array.from({ length: Math.min(columns, total - row * columns) }, (_, column) => {
                 const index = row * columns + column;
                 return (
-                  <CardView key={index} row={index} card={library.cardAt(index)} runs={index >= first && index < first + RUNNING + columns} tabIndex={index === focus ? 0 : -1}
-                    onFocus={() => { setFocus(index); }} onOpen={(card) => go(`/clips/${card.id}`)} />
+                  <CardView
+                    key={index}
+                    row={index}
+                    card={library.cardAt(index)}
+                    runs={index >= first && index < first + RUNNING + columns}
+                    tabIndex={index === focus ? 0 : -1}
+                    onFocus={() => {
+                      setFocus(index);
+                    }}
+                    onOpen={(card) => go(`/clips/${card.id}`)}
+                  />
                 );
               })}
             </div>
-          )} />
+          )}
+        />
       )}
     </div>
   );

@@ -11,46 +11,108 @@ import { duration, number, w, type Word } from "../../words";
 
 const SHOWN = 8;
 
-interface Choice { value: string; text: string; count: number | null; colour?: string }
+interface Choice {
+  value: string;
+  text: string;
+  count: number | null;
+  colour?: string;
+}
 
 export function Facets() {
-  const facets = useAsync((signal) => get("/facets", { query: library.filter.value as never, signal }), [JSON.stringify(library.filter.value)], [library.version.value > 0, library.total.value]);
+  const facets = useAsync(
+    (signal) => get("/facets", { query: library.filter.value as never, signal }),
+    [JSON.stringify(library.filter.value)],
+    [library.version.value > 0, library.total.value],
+  );
   const collections = useCollections().value?.items ?? [];
   // While a filter is counted the facets before stay, dimmed: what is typed or dragged in them goes on.
   const found = facets.value ?? facets.before;
   const filtered = Object.keys(library.filter.value).length > 0;
   if (!found) return <Trouble error={facets.error} retry={facets.again} />;
-  const counts = (list: Schemas["Count"][]): Choice[] => list.map((one) => ({ value: one.value, text: one.value, count: one.documents }));
+  const counts = (list: Schemas["Count"][]): Choice[] =>
+    list.map((one) => ({ value: one.value, text: one.value, count: one.documents }));
   return (
     <div class={facets.value ? "" : "stale"} aria-busy={facets.busy}>
-      {filtered && <button type="button" class="button dense clear-filters" onClick={() => setParams(Object.fromEntries(library.FILTERS.map((name) => [name, null])), true)}>{w("clearFilters")}</button>}
+      {filtered && (
+        <button
+          type="button"
+          class="button dense clear-filters"
+          onClick={() => setParams(Object.fromEntries(library.FILTERS.map((name) => [name, null])), true)}
+        >
+          {w("clearFilters")}
+        </button>
+      )}
       <SavedFilters collections={collections} />
       <Group word="project" name="project" choices={counts(found.projects)} />
       <Collections collections={collections} />
-      <Group word="motionName" name="motion_name" choices={counts(found.motion_names).map((one) => ({ ...one, colour: nameColour(one.value) }))} />
-      <Group word="format" name="format" choices={counts(found.formats).map((one) => ({ ...one, text: one.text.toUpperCase().replace("-", "/") }))} />
+      <Group
+        word="motionName"
+        name="motion_name"
+        choices={counts(found.motion_names).map((one) => ({ ...one, colour: nameColour(one.value) }))}
+      />
+      <Group
+        word="format"
+        name="format"
+        choices={counts(found.formats).map((one) => ({ ...one, text: one.text.toUpperCase().replace("-", "/") }))}
+      />
       <Lengths found={found.lengths} />
-      <Group word="frameRate" name="rate" choices={found.rates.map((one) => ({ value: String(one.value), text: `${number(one.value)} Hz`, count: one.documents }))} />
-      <Group word="skeleton" name="skeleton" choices={found.skeletons.map((one) => ({ value: String(one.skeleton), text: `${one.skeleton} · ${w("jointCount", { n: one.joints })}`, count: one.documents }))} />
-      {found.properties.map((one) => <Property key={one.name} property={one} />)}
+      <Group
+        word="frameRate"
+        name="rate"
+        choices={found.rates.map((one) => ({
+          value: String(one.value),
+          text: `${number(one.value)} Hz`,
+          count: one.documents,
+        }))}
+      />
+      <Group
+        word="skeleton"
+        name="skeleton"
+        choices={found.skeletons.map((one) => ({
+          value: String(one.skeleton),
+          text: `${one.skeleton} · ${w("jointCount", { n: one.joints })}`,
+          count: one.documents,
+        }))}
+      />
+      {found.properties.map((one) => (
+        <Property key={one.name} property={one} />
+      ))}
     </div>
   );
 }
 
 function Group({ word, name, choices }: { word: Word; name: string; choices: Choice[] }) {
   const chosen = param(name);
-  const all = chosen && !choices.some((one) => one.value === chosen) ? [{ value: chosen, text: chosen, count: 0 }, ...choices] : choices;
+  const all =
+    chosen && !choices.some((one) => one.value === chosen)
+      ? [{ value: chosen, text: chosen, count: 0 }, ...choices]
+      : choices;
   if (!all.length || (all.length === 1 && !chosen && !["project", "collection"].includes(name))) return null;
   const item = (one: Choice) => (
-    <button key={one.value} type="button" class="facet-item" aria-pressed={chosen === one.value} onClick={() => setParams({ [name]: chosen === one.value ? null : one.value }, true)}>
-      {one.colour && <span class="swatch" style={{ background: one.colour }} />}<span class="cut">{one.text}</span>{one.count !== null && <span class="count">{number(one.count)}</span>}
+    <button
+      key={one.value}
+      type="button"
+      class="facet-item"
+      aria-pressed={chosen === one.value}
+      onClick={() => setParams({ [name]: chosen === one.value ? null : one.value }, true)}
+    >
+      {one.colour && <span class="swatch" style={{ background: one.colour }} />}
+      <span class="cut">{one.text}</span>
+      {one.count !== null && <span class="count">{number(one.count)}</span>}
     </button>
   );
   return (
     <section class="facet" aria-label={w(word)}>
       <h3>{w(word)}</h3>
       {all.slice(0, SHOWN).map(item)}
-      {all.length > SHOWN && <details><summary class="facet-item dim">{w("more")} ({number(all.length - SHOWN)})</summary>{all.slice(SHOWN).map(item)}</details>}
+      {all.length > SHOWN && (
+        <details>
+          <summary class="facet-item dim">
+            {w("more")} ({number(all.length - SHOWN)})
+          </summary>
+          {all.slice(SHOWN).map(item)}
+        </details>
+      )}
     </section>
   );
 }
@@ -72,9 +134,26 @@ function Property({ property }: { property: Schemas["PropertyCounts"] }) {
   return (
     <section class="facet" aria-label={property.name}>
       <h3>{property.name}</h3>
-      {property.numbers && <Histogram histogram={property.numbers} chosen={own?.slice(property.name.length + 1) ?? ""} label={property.name} onChoose={choose} text={(value) => number(value, 1)} />}
+      {property.numbers && (
+        <Histogram
+          histogram={property.numbers}
+          chosen={own?.slice(property.name.length + 1) ?? ""}
+          label={property.name}
+          onChoose={choose}
+          text={(value) => number(value, 1)}
+        />
+      )}
       {property.texts.slice(0, SHOWN).map((one) => (
-        <button key={one.value} type="button" class="facet-item" aria-pressed={own === `${property.name}:${one.value}`} onClick={() => choose(one.value)}><span class="cut">{one.value}</span><span class="count">{number(one.documents)}</span></button>
+        <button
+          key={one.value}
+          type="button"
+          class="facet-item"
+          aria-pressed={own === `${property.name}:${one.value}`}
+          onClick={() => choose(one.value)}
+        >
+          <span class="cut">{one.value}</span>
+          <span class="count">{number(one.documents)}</span>
+        </button>
       ))}
     </section>
   );
@@ -83,18 +162,35 @@ function Property({ property }: { property: Schemas["PropertyCounts"] }) {
 /** Of all lengths under the other filters: what is chosen can be chosen wider. */
 function Lengths({ found }: { found: Schemas["Histogram"] | null | undefined }) {
   const { length, ...others } = library.filter.value;
-  const wide = useAsync(async (signal) => (length === undefined ? null : (await get("/facets", { query: others as never, signal })).lengths), [JSON.stringify(library.filter.value)], [library.total.value]);
+  const wide = useAsync(
+    async (signal) =>
+      length === undefined ? null : (await get("/facets", { query: others as never, signal })).lengths,
+    [JSON.stringify(library.filter.value)],
+    [library.total.value],
+  );
   const histogram = length === undefined ? found : (wide.value ?? wide.before ?? found);
   if (!histogram) return null;
   return (
     <section class="facet" aria-label={w("length")}>
       <h3>{w("length")}</h3>
-      <Histogram histogram={histogram} label={w("lengthInSeconds")} chosen={param("length")} onChoose={(value) => setParams({ length: value }, true)} text={duration} />
+      <Histogram
+        histogram={histogram}
+        label={w("lengthInSeconds")}
+        chosen={param("length")}
+        onChoose={(value) => setParams({ length: value }, true)}
+        text={duration}
+      />
     </section>
   );
 }
 
 function Collections({ collections }: { collections: readonly Schemas["Collection"][] }) {
-  const choices = collections.filter((one) => !one.where).map((one) => ({ value: one.project === "default" ? one.name : `${one.project}/${one.name}`, text: one.name, count: null }));
+  const choices = collections
+    .filter((one) => !one.where)
+    .map((one) => ({
+      value: one.project === "default" ? one.name : `${one.project}/${one.name}`,
+      text: one.name,
+      count: null,
+    }));
   return <Group word="collections" name="collection" choices={choices} />;
 }

@@ -6,7 +6,13 @@ import { isInRange, rangeOfBins, readRange, writeRange } from "../../state/range
 import { NumberField } from "../../ui/NumberField";
 import { number, w } from "../../words";
 
-export function Histogram({ histogram, label, chosen, onChoose, text }: {
+export function Histogram({
+  histogram,
+  label,
+  chosen,
+  onChoose,
+  text,
+}: {
   histogram: Schemas["Histogram"];
   /** What the numbers are. */
   label: string;
@@ -23,40 +29,81 @@ export function Histogram({ histogram, label, chosen, onChoose, text }: {
   const any = brush.value !== null || chosen !== "";
   const binAt = (event: PointerEvent) => {
     const bounds = box.current!.getBoundingClientRect();
-    return Math.max(0, Math.min(counts.length - 1, Math.floor(((event.clientX - bounds.left) / bounds.width) * counts.length)));
+    return Math.max(
+      0,
+      Math.min(counts.length - 1, Math.floor(((event.clientX - bounds.left) / bounds.width) * counts.length)),
+    );
   };
   const choose = (from: number, to: number) => {
     const next = writeRange(rangeOfBins(edges, from, to));
     onChoose(next === chosen ? null : next);
   };
   const [least, greatest] = readRange(chosen);
-  const field = (word: "trimFrom" | "trimTo", value: number | null, end: number, set: (value: number | null) => string | null) => (
-    <NumberField label={`${label}, ${w(word)}`} placeholder={String(Number(end.toPrecision(3)))} value={value} onChange={(now) => onChoose(set(now))} />
+  const field = (
+    word: "trimFrom" | "trimTo",
+    value: number | null,
+    end: number,
+    set: (value: number | null) => string | null,
+  ) => (
+    <NumberField
+      label={`${label}, ${w(word)}`}
+      placeholder={String(Number(end.toPrecision(3)))}
+      value={value}
+      onChange={(now) => onChoose(set(now))}
+    />
   );
   return (
     <>
-      <div ref={box} class={`histogram ${any ? "chosen" : ""}`}
+      <div
+        ref={box}
+        class={`histogram ${any ? "chosen" : ""}`}
         onPointerDown={(event) => {
           if (event.button) return;
           event.currentTarget.setPointerCapture(event.pointerId);
           brush.value = [binAt(event), binAt(event)];
         }}
-        onPointerMove={(event) => { if (brush.value) brush.value = [brush.value[0], binAt(event)]; }}
-        onPointerUp={() => { const made = brush.value; brush.value = null; if (made) choose(...made); }}
-        onPointerCancel={() => (brush.value = null)}>
+        onPointerMove={(event) => {
+          if (brush.value) brush.value = [brush.value[0], binAt(event)];
+        }}
+        onPointerUp={() => {
+          const made = brush.value;
+          brush.value = null;
+          if (made) choose(...made);
+        }}
+        onPointerCancel={() => (brush.value = null)}
+      >
         {counts.map((count, bin) => {
           const words = `${text(edges[bin])} – ${text(edges[bin + 1])}: ${number(count)}`;
           return (
-            <button key={bin} type="button" class={count ? "" : "none"} disabled={!count} title={words} aria-label={words} aria-pressed={any && isInRange(edges, bin, range)}
-              style={{ height: `${count ? 4 + 40 * Math.sqrt(count / most) : 3}px` }} onClick={(event) => { if (!event.detail) choose(bin, bin); }} />
+            <button
+              key={bin}
+              type="button"
+              class={count ? "" : "none"}
+              disabled={!count}
+              title={words}
+              aria-label={words}
+              aria-pressed={any && isInRange(edges, bin, range)}
+              style={{ height: `${count ? 4 + 40 * Math.sqrt(count / most) : 3}px` }}
+              onClick={(event) => {
+                if (!event.detail) choose(bin, bin);
+              }}
+            />
           );
         })}
       </div>
-      <div class="histogram-ends"><span>{text(edges[0])}</span><span>{text(edges[edges.length - 1])}</span></div>
+      <div class="histogram-ends">
+        <span>{text(edges[0])}</span>
+        <span>{text(edges[edges.length - 1])}</span>
+      </div>
       <div class="histogram-fields row">
-        {field("trimFrom", least, edges[0], (value) => writeRange([value, greatest]))}<span class="dim">–</span>
+        {field("trimFrom", least, edges[0], (value) => writeRange([value, greatest]))}
+        <span class="dim">–</span>
         {field("trimTo", greatest, edges[edges.length - 1], (value) => writeRange([least, value]))}
-        {chosen && <button type="button" class="button quiet dense" onClick={() => onChoose(null)}>{w("clear")}</button>}
+        {chosen && (
+          <button type="button" class="button quiet dense" onClick={() => onChoose(null)}>
+            {w("clear")}
+          </button>
+        )}
       </div>
     </>
   );

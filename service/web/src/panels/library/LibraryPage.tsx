@@ -1,8 +1,8 @@
 /** Cards of all clips under a filter, facets beside them, a preview of the one that is looked at. */
 import { useEffect } from "preact/hooks";
 import { get } from "../../api/client";
-import { subject } from "../../shell/Bar";
-import { lazy } from "../../shell/lazy";
+import { subject } from "../../state/shell";
+import { lazy } from "../../ui/lazy";
 import { offer } from "../../state/keys";
 import { mayEdit } from "../../state/me";
 import * as library from "../../state/library";
@@ -32,24 +32,54 @@ export function LibraryPage() {
     subject.value = null;
     library.look(0, 23);
     return offer("library", [
-      { id: "open", word: "openClip", keys: ["Enter"], run: () => library.current.value && go(`/clips/${library.current.value}`), when: () => library.current.value !== null },
+      {
+        id: "open",
+        word: "openClip",
+        keys: ["Enter"],
+        run: () => library.current.value && go(`/clips/${library.current.value}`),
+        when: () => library.current.value !== null,
+      },
       { id: "preview", word: "preview", keys: ["Space"], run: () => (previewOpen.value = !previewOpen.value) },
-      { id: "delete", word: "delete", keys: ["Del"], run: () => void library.removeDocuments([...library.picked.value]), when: () => library.picked.value.size > 0 && mayEdit() },
-      { id: "compose", word: "moveToComposer", keys: ["M"], run: () => go(`/compose?s=${[...library.picked.value].join(",")}`), when: () => library.picked.value.size > 0 },
-      { id: "none", word: "pickNone", keys: ["Esc"], run: () => (library.picked.value = new Set()), when: () => library.picked.value.size > 0 },
+      {
+        id: "delete",
+        word: "delete",
+        keys: ["Del"],
+        run: () => void library.removeDocuments([...library.picked.value]),
+        when: () => library.picked.value.size > 0 && mayEdit(),
+      },
+      {
+        id: "compose",
+        word: "moveToComposer",
+        keys: ["M"],
+        run: () => go(`/compose?s=${[...library.picked.value].join(",")}`),
+        when: () => library.picked.value.size > 0,
+      },
+      {
+        id: "none",
+        word: "pickNone",
+        keys: ["Esc"],
+        run: () => (library.picked.value = new Set()),
+        when: () => library.picked.value.size > 0,
+      },
     ]);
   }, []);
   const filtered = Object.keys(library.filter.value).length > 0;
   const newProject = Object.keys(library.filter.value).join() === "project" && param("project");
   // Asked only where it may matter: until it was closed, and again when clips come.
   const asks = !welcomed.value && !filtered && total !== null && total > 0;
-  const projects = useAsync(async (signal) => (asks ? (await get("/projects", { signal })).items : null), [asks], [asks && total]);
+  const projects = useAsync(
+    async (signal) => (asks ? (await get("/projects", { signal })).items : null),
+    [asks],
+    [asks && total],
+  );
   const first = asks && projects.value && isDemoAlone(projects.value);
   return (
     <div class="library">
       {!leftFolded.value && (
         <>
-          <aside class="facets" style={{ width: `${facetsWide.value}px` }} aria-label={w("filters")}><Facets /></aside>
+          <aside class="facets" style={{ width: `${facetsWide.value}px` }} aria-label={w("filters")}>
+            <Facets />
+          </aside>
           <Splitter size={facetsWide} least={180} most={420} initial={240} label={w("filters")} from="start" />
         </>
       )}
@@ -57,31 +87,70 @@ export function LibraryPage() {
         <h1 class="unseen">{w("library")}</h1>
         <div class="toolbar row">
           <div class="segments" role="group" aria-label={w("view")}>
-            <button type="button" aria-pressed={view === "grid"} onClick={() => setParams({ view: null })}>{w("grid")}</button>
-            <button type="button" aria-pressed={view === "list"} onClick={() => setParams({ view: "list" })}>{w("list")}</button>
+            <button type="button" aria-pressed={view === "grid"} onClick={() => setParams({ view: null })}>
+              {w("grid")}
+            </button>
+            <button type="button" aria-pressed={view === "list"} onClick={() => setParams({ view: "list" })}>
+              {w("list")}
+            </button>
           </div>
           <SortMenu />
           <span class="grow" />
-          <span class="dim" role="status">{total === null ? "" : w("clips", { n: total })}</span>
-          <button type="button" class="button primary" onClick={() => chooseFiles()}><Icon name="upload" />{w("add")}</button>
+          <span class="dim" role="status">
+            {total === null ? "" : w("clips", { n: total })}
+          </span>
+          <button type="button" class="button primary" onClick={() => chooseFiles()}>
+            <Icon name="upload" />
+            {w("add")}
+          </button>
         </div>
         {first && <Welcome clips={total} />}
         <PickedBar />
         <Trouble error={library.trouble.value} retry={library.refresh} />
         {total === 0 && !library.trouble.value ? (
           newProject ? (
-            <div class="empty"><h2>{w("emptyProject", { name: newProject })}</h2><p>{w("emptyProjectHelp")}</p><p><button type="button" class="button primary" onClick={() => chooseFiles()}>{w("chooseFiles")}</button></p></div>
+            <div class="empty">
+              <h2>{w("emptyProject", { name: newProject })}</h2>
+              <p>{w("emptyProjectHelp")}</p>
+              <p>
+                <button type="button" class="button primary" onClick={() => chooseFiles()}>
+                  {w("chooseFiles")}
+                </button>
+              </p>
+            </div>
           ) : filtered ? (
-            <div class="empty"><h2>{w("noneMatch")}</h2><p>{w("noneMatchHelp")}</p><p><a class="button" href="/library">{w("clearFilters")}</a></p></div>
+            <div class="empty">
+              <h2>{w("noneMatch")}</h2>
+              <p>{w("noneMatchHelp")}</p>
+              <p>
+                <a class="button" href="/library">
+                  {w("clearFilters")}
+                </a>
+              </p>
+            </div>
           ) : (
-            <div class="empty"><h2>{w("emptyLibrary")}</h2><p>{w("emptyLibraryHelp")}</p><p><button type="button" class="button primary" onClick={() => chooseFiles()}>{w("chooseFiles")}</button></p></div>
+            <div class="empty">
+              <h2>{w("emptyLibrary")}</h2>
+              <p>{w("emptyLibraryHelp")}</p>
+              <p>
+                <button type="button" class="button primary" onClick={() => chooseFiles()}>
+                  {w("chooseFiles")}
+                </button>
+              </p>
+            </div>
           )
-        ) : view === "grid" ? <CardGrid /> : <CardList />}
+        ) : view === "grid" ? (
+          <CardGrid />
+        ) : (
+          <CardList />
+        )}
       </section>
       {previewOpen.value && (
         <>
           <Splitter size={previewWide} least={260} most={520} initial={320} label={w("preview")} />
-          <aside class="preview" style={{ width: `${previewWide.value}px` }} aria-label={w("preview")}><Preview /></aside>
+          <aside class="preview" style={{ width: `${previewWide.value}px` }} aria-label={w("preview")}>
+            <Preview />
+          </aside>
         </>
       )}
     </div>

@@ -30,7 +30,11 @@ export function PickedBar() {
   const edits = mayEdit();
   const exportAll = async (format: string) => {
     try {
-      const answer = await fetched(address("/exports"), { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ selection: { documents: ids }, format }) });
+      const answer = await fetched(address("/exports"), {
+        method: "POST",
+        headers: { "content-type": "application/json" },
+        body: JSON.stringify({ selection: { documents: ids }, format }),
+      });
       saveBlob(await answer.blob(), `clips ${format}.zip`);
     } catch (error) {
       refuse(error);
@@ -39,15 +43,67 @@ export function PickedBar() {
   return (
     <div class="picked-bar" role="toolbar" aria-label={w("picked", { n: ids.length })}>
       <strong>{w("picked", { n: ids.length })}</strong>
-      {edits && <button type="button" class="button dense" onClick={() => setNaming(true)}><Icon name="label" />{w("nameThese")}</button>}
-      <button type="button" class="button dense" onClick={() => go(`/compose?s=${ids.join(",")}`)}><Icon name="compose" />{w("composeThese")}</button>
-      <Menu label={w("exportWord")} className="button dense" items={() => { askWritable(); return FORMATS.filter((format) => !unwritable.value.has(format)).map((format) => ({ text: w("exportAs", { format }), run: () => void exportAll(format) })); }}><Icon name="export" />{w("exportWord")}<Icon name="down" /></Menu>
-      {edits && <button type="button" class="button dense" onClick={() => setCollecting(true)}><Icon name="list" />{w("collect")}</button>}
-      {edits && <button type="button" class="button dense" onClick={() => setSharing(true)}><Icon name="eye" />{w("shareLink")}</button>}
-      {edits && <Menu label={w("project")} className="button dense" items={[{ text: w("copyToProject"), run: () => setGoing("copy") }, { text: w("moveToProject"), run: () => setGoing("move") }]}><Icon name="layer" />{w("project")}<Icon name="down" /></Menu>}
-      {edits && <button type="button" class="button dense" onClick={() => void library.removeDocuments(ids)}><Icon name="trash" />{w("delete")}</button>}
+      {edits && (
+        <button type="button" class="button dense" onClick={() => setNaming(true)}>
+          <Icon name="label" />
+          {w("nameThese")}
+        </button>
+      )}
+      <button type="button" class="button dense" onClick={() => go(`/compose?s=${ids.join(",")}`)}>
+        <Icon name="compose" />
+        {w("composeThese")}
+      </button>
+      <Menu
+        label={w("exportWord")}
+        className="button dense"
+        items={() => {
+          askWritable();
+          return FORMATS.filter((format) => !unwritable.value.has(format)).map((format) => ({
+            text: w("exportAs", { format }),
+            run: () => void exportAll(format),
+          }));
+        }}
+      >
+        <Icon name="export" />
+        {w("exportWord")}
+        <Icon name="down" />
+      </Menu>
+      {edits && (
+        <button type="button" class="button dense" onClick={() => setCollecting(true)}>
+          <Icon name="list" />
+          {w("collect")}
+        </button>
+      )}
+      {edits && (
+        <button type="button" class="button dense" onClick={() => setSharing(true)}>
+          <Icon name="eye" />
+          {w("shareLink")}
+        </button>
+      )}
+      {edits && (
+        <Menu
+          label={w("project")}
+          className="button dense"
+          items={[
+            { text: w("copyToProject"), run: () => setGoing("copy") },
+            { text: w("moveToProject"), run: () => setGoing("move") },
+          ]}
+        >
+          <Icon name="layer" />
+          {w("project")}
+          <Icon name="down" />
+        </Menu>
+      )}
+      {edits && (
+        <button type="button" class="button dense" onClick={() => void library.removeDocuments(ids)}>
+          <Icon name="trash" />
+          {w("delete")}
+        </button>
+      )}
       <span class="grow" />
-      <button type="button" class="button quiet dense" onClick={() => (library.picked.value = new Set())}>{w("pickNone")}</button>
+      <button type="button" class="button quiet dense" onClick={() => (library.picked.value = new Set())}>
+        {w("pickNone")}
+      </button>
       {going && <ToProject ids={ids} move={going === "move"} onClose={() => setGoing("")} />}
       {sharing && <ShareDialog ids={ids} onClose={() => setSharing(false)} />}
       {collecting && <Collect ids={ids} onClose={() => setCollecting(false)} />}
@@ -60,7 +116,9 @@ function NameAll({ ids, onClose }: { ids: string[]; onClose: () => void }) {
   const [name, setName] = useState("");
   const done = async (chosen: string) => {
     try {
-      await ask("post", "/labels", { body: { name: chosen, xpath: "//frame", document: ids, remove: false, strict: false } });
+      await ask("post", "/labels", {
+        body: { name: chosen, xpath: "//frame", document: ids, remove: false, strict: false },
+      });
       note(w("labelled", { n: ids.length, name: chosen }));
       library.refresh();
       onClose();
@@ -70,11 +128,32 @@ function NameAll({ ids, onClose }: { ids: string[]; onClose: () => void }) {
   };
   return (
     <Dialog title={w("labelPicked")} onClose={onClose}>
-      <form onSubmit={(event) => { event.preventDefault(); if (name.trim()) void done(name.trim()); }}>
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          if (name.trim()) void done(name.trim());
+        }}
+      >
         <p class="dim">{w("labelPickedHelp")}</p>
-        <p class="row"><input class="field grow" autoFocus list="picked-names" aria-label={w("spanName")} placeholder={w("spanName")} value={name} onInput={(event) => setName(event.currentTarget.value)} />
-          <button type="submit" class="button primary" disabled={!name.trim()}>{w("nameThese")}</button></p>
-        <datalist id="picked-names">{namesLike(name, 12).map((one) => <option key={one} value={one} />)}</datalist>
+        <p class="row">
+          <input
+            class="field grow"
+            autoFocus
+            list="picked-names"
+            aria-label={w("spanName")}
+            placeholder={w("spanName")}
+            value={name}
+            onInput={(event) => setName(event.currentTarget.value)}
+          />
+          <button type="submit" class="button primary" disabled={!name.trim()}>
+            {w("nameThese")}
+          </button>
+        </p>
+        <datalist id="picked-names">
+          {namesLike(name, 12).map((one) => (
+            <option key={one} value={one} />
+          ))}
+        </datalist>
       </form>
     </Dialog>
   );
@@ -87,5 +166,9 @@ function Collect({ ids, onClose }: { ids: string[]; onClose: () => void }) {
     note(w("savedAs", { name }));
     collectionsChanged.value++;
   };
-  return <AskName title={w("collect")} onName={keep} onClose={onClose}><p class="dim">{w("collectHelp")}</p></AskName>;
+  return (
+    <AskName title={w("collect")} onName={keep} onClose={onClose}>
+      <p class="dim">{w("collectHelp")}</p>
+    </AskName>
+  );
 }

@@ -21,31 +21,88 @@ export function Preview() {
   const fact = (word: "unit" | "up", value: string | null | undefined) => (
     <dd>
       <span class={guessed.has(word) ? "guess" : ""}>{value ?? w(word === "unit" ? "unitUnknown" : "upUnknown")}</span>
-      {guessed.has(word) && value && !value.includes("/") && <button type="button" class="button quiet dense" onClick={() => void confirmFact([card.id], { [word]: value })}>{w("confirm")}</button>}
+      {guessed.has(word) && value && !value.includes("/") && (
+        <button type="button" class="button quiet dense" onClick={() => void confirmFact([card.id], { [word]: value })}>
+          {w("confirm")}
+        </button>
+      )}
     </dd>
   );
   return (
     <>
-      <div class="preview-figure"><ThumbnailView thumbnail={card.thumb} runs label={card.name} /></div>
+      <div class="preview-figure">
+        <ThumbnailView thumbnail={card.thumb} runs label={card.name} />
+      </div>
       <div>
-        <h2 class="cut" title={card.name}>{card.name}</h2>
-        <p class="dim">{[card.project, w("revision", { n: card.revision }), when(card.modified)].filter(Boolean).join(" · ")}</p>
+        <h2 class="cut" title={card.name}>
+          {card.name}
+        </h2>
+        <p class="dim">
+          {[card.project, w("revision", { n: card.revision }), when(card.modified)].filter(Boolean).join(" · ")}
+        </p>
       </div>
       <dl class="facts">
-        <dt>{w("unit")}</dt>{fact("unit", passport?.unit)}
-        <dt>{w("rateWord")}</dt><dd><span class={guessed.has("rate") ? "guess" : ""}>{rate(card.seconds_per_frame)}</span></dd>
-        <dt>{w("up")}</dt>{fact("up", passport?.up)}
-        <dt>{w("joints")}</dt><dd>{passport ? number(passport.joints) : "–"}</dd>
-        <dt>{w("length")}</dt><dd>{w("framesAndTime", { frames: w("frames", { n: card.frames }), time: duration(card.duration) })}</dd>
-        {names.length > 0 && <><dt>{w("names")}</dt><dd>{names.map((name) => <span key={name} class="name-chip"><span class="swatch" style={{ background: nameColour(name) }} />{name}</span>)}</dd></>}
+        <dt>{w("unit")}</dt>
+        {fact("unit", passport?.unit)}
+        <dt>{w("rateWord")}</dt>
+        <dd>
+          <span class={guessed.has("rate") ? "guess" : ""}>{rate(card.seconds_per_frame)}</span>
+        </dd>
+        <dt>{w("up")}</dt>
+        {fact("up", passport?.up)}
+        <dt>{w("joints")}</dt>
+        <dd>{passport ? number(passport.joints) : "–"}</dd>
+        <dt>{w("length")}</dt>
+        <dd>{w("framesAndTime", { frames: w("frames", { n: card.frames }), time: duration(card.duration) })}</dd>
+        {names.length > 0 && (
+          <>
+            <dt>{w("names")}</dt>
+            <dd>
+              {names.map((name) => (
+                <span key={name} class="name-chip">
+                  <span class="swatch" style={{ background: nameColour(name) }} />
+                  {name}
+                </span>
+              ))}
+            </dd>
+          </>
+        )}
       </dl>
       <div class="row wrap">
-        <a class="button primary" href={`/clips/${card.id}`}>{w("open")}</a>
-        <Menu label={w("exportWord")} items={() => exportItems({
-          id: card.id, markers: passport?.markers ?? false, original: true, format: card.format, hasRate: Boolean(card.seconds_per_frame),
-          ...(["unit", "up"] as const).reduce((all, name) => ({ ...all, [name]: guessed.has(name) ? null : (passport?.[name] ?? null), [name === "unit" ? "likelyUnit" : "likelyUp"]: passport?.[name] }), { unit: null, up: null }),
-        }, mayEdit() ? { confirm: (fact) => void confirmFact([card.id], fact), give: () => go(`/clips/${card.id}?tab=info`) } : {})}>{w("exportWord")}<Icon name="down" /></Menu>
-        <button type="button" class="button" onClick={() => go(`/compose?s=${card.id}`)}>{w("composeThese")}</button>
+        <a class="button primary" href={`/clips/${card.id}`}>
+          {w("open")}
+        </a>
+        <Menu
+          label={w("exportWord")}
+          items={() =>
+            exportItems(
+              {
+                id: card.id,
+                markers: passport?.markers ?? false,
+                original: true,
+                format: card.format,
+                hasRate: Boolean(card.seconds_per_frame),
+                ...(["unit", "up"] as const).reduce(
+                  (all, name) => ({
+                    ...all,
+                    [name]: guessed.has(name) ? null : (passport?.[name] ?? null),
+                    [name === "unit" ? "likelyUnit" : "likelyUp"]: passport?.[name],
+                  }),
+                  { unit: null, up: null },
+                ),
+              },
+              mayEdit()
+                ? { accept: (fact) => void confirmFact([card.id], fact), give: () => go(`/clips/${card.id}?tab=info`) }
+                : {},
+            )
+          }
+        >
+          {w("exportWord")}
+          <Icon name="down" />
+        </Menu>
+        <button type="button" class="button" onClick={() => go(`/compose?s=${card.id}`)}>
+          {w("composeThese")}
+        </button>
       </div>
     </>
   );

@@ -11,24 +11,54 @@ import { Icon } from "../../ui/icons";
 import { useAsync } from "../../ui/useAsync";
 import { w } from "../../words";
 
-interface Saved { kind: "collections" | "queries"; name: string; project: string; filter: Filter; version: number; body: object }
+interface Saved {
+  kind: "collections" | "queries";
+  name: string;
+  project: string;
+  filter: Filter;
+  version: number;
+  body: object;
+}
 
-export const useCollections = () => useAsync((signal) => get("/collections", { query: { limit: 500 }, signal }), [], [collectionsChanged.value]);
+export const useCollections = () =>
+  useAsync((signal) => get("/collections", { query: { limit: 500 }, signal }), [], [collectionsChanged.value]);
 
 export function SavedFilters({ collections }: { collections: readonly Schemas["Collection"][] }) {
   const [naming, setNaming] = useState(false);
-  const queries = useAsync((signal) => get("/queries", { query: { limit: 500 }, signal }), [], [collectionsChanged.value]);
+  const queries = useAsync(
+    (signal) => get("/queries", { query: { limit: 500 }, signal }),
+    [],
+    [collectionsChanged.value],
+  );
   const now = library.filter.value;
   const saved: Saved[] = [
-    ...collections.flatMap(({ where, name, project, version, description }) => (where ? [{ kind: "collections" as const, name, project, version, filter: asFilter(where), body: { where, description } }] : [])),
-    ...(queries.value?.items ?? []).flatMap(({ q, variables, name, project, version, description }) => (Object.keys(variables ?? {}).length ? [] : [{ kind: "queries" as const, name, project, version, filter: { xpath: q }, body: { q, description } }])),
+    ...collections.flatMap(({ where, name, project, version, description }) =>
+      where
+        ? [
+            {
+              kind: "collections" as const,
+              name,
+              project,
+              version,
+              filter: asFilter(where),
+              body: { where, description },
+            },
+          ]
+        : [],
+    ),
+    ...(queries.value?.items ?? []).flatMap(({ q, variables, name, project, version, description }) =>
+      Object.keys(variables ?? {}).length
+        ? []
+        : [{ kind: "queries" as const, name, project, version, filter: { xpath: q }, body: { q, description } }],
+    ),
   ];
   const filtered = Object.keys(now).length > 0;
   const known = saved.some((one) => sameFilter(one.filter, now));
   const conditions = asConditions(now);
   const question = typeof now.xpath === "string" && Object.keys(now).length === 1 ? now.xpath : null;
   const keep = async (name: string) => {
-    if (question !== null) await ask("put", "/queries/{name}", { path: { name }, body: { q: question, description: "" } });
+    if (question !== null)
+      await ask("put", "/queries/{name}", { path: { name }, body: { q: question, description: "" } });
     else await ask("put", "/collections/{name}", { path: { name }, body: { where: conditions, description: "" } });
     collectionsChanged.value++;
     note(w("savedAs", { name }));
@@ -41,18 +71,44 @@ export function SavedFilters({ collections }: { collections: readonly Schemas["C
         const chosen = sameFilter(one.filter, now);
         return (
           <div key={`${one.kind} ${one.project} ${one.name}`} class="row saved-filter">
-            <button type="button" class="facet-item" aria-pressed={chosen} title={Object.entries(one.filter).map(([name, value]) => `${name}: ${String(value)}`).join("\n")}
-              onClick={() => go(addressOf(chosen ? {} : one.filter, route.peek().params, library.FILTERS))}>
-              <Icon name={one.kind === "queries" ? "xpath" : "search"} /><span class="cut">{one.name}</span>
+            <button
+              type="button"
+              class="facet-item"
+              aria-pressed={chosen}
+              title={Object.entries(one.filter)
+                .map(([name, value]) => `${name}: ${String(value)}`)
+                .join("\n")}
+              onClick={() => go(addressOf(chosen ? {} : one.filter, route.peek().params, library.FILTERS))}
+            >
+              <Icon name={one.kind === "queries" ? "xpath" : "search"} />
+              <span class="cut">{one.name}</span>
             </button>
-            <button type="button" class="button quiet icon dense" aria-label={w("removeFilter", { name: one.name })} onClick={() => void remove(one)}><Icon name="close" /></button>
+            <button
+              type="button"
+              class="button quiet icon dense"
+              aria-label={w("removeFilter", { name: one.name })}
+              onClick={() => void remove(one)}
+            >
+              <Icon name="close" />
+            </button>
           </div>
         );
       })}
-      {filtered && !known && (conditions || question !== null
-        ? <button type="button" class="facet-item dim" onClick={() => setNaming(true)}><Icon name="plus" />{w("saveFilter")}</button>
-        : <p class="dim facet-note">{w("saveFilterNot")}</p>)}
-      {naming && <AskName title={w("saveFilter")} onName={keep} onClose={() => setNaming(false)}><p class="dim">{w("saveFilterHelp")}</p></AskName>}
+      {filtered &&
+        !known &&
+        (conditions || question !== null ? (
+          <button type="button" class="facet-item dim" onClick={() => setNaming(true)}>
+            <Icon name="plus" />
+            {w("saveFilter")}
+          </button>
+        ) : (
+          <p class="dim facet-note">{w("saveFilterNot")}</p>
+        ))}
+      {naming && (
+        <AskName title={w("saveFilter")} onName={keep} onClose={() => setNaming(false)}>
+          <p class="dim">{w("saveFilterHelp")}</p>
+        </AskName>
+      )}
     </section>
   );
 }
@@ -62,9 +118,17 @@ async function remove({ kind, name, project, version, body }: Saved): Promise<vo
   try {
     await ask("delete", path, { path: { name }, query: { project }, match: version });
     collectionsChanged.value++;
-    note(w("filterRemoved", { name }), { action: { text: w("undo"), run: () => {
-      ask("put", path, { path: { name }, query: { project }, body: body as never }).then(() => collectionsChanged.value++, refuse);
-    } } });
+    note(w("filterRemoved", { name }), {
+      action: {
+        text: w("undo"),
+        run: () => {
+          ask("put", path, { path: { name }, query: { project }, body: body as never }).then(
+            () => collectionsChanged.value++,
+            refuse,
+          );
+        },
+      },
+    });
   } catch (error) {
     refuse(error);
   }

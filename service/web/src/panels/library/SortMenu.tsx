@@ -16,13 +16,24 @@ export function SortMenu() {
   const items = (Object.keys(COLUMNS) as Column[]).map((column) => ({
     text: w(COLUMNS[column].word),
     checked: column === order.column,
-    run: () => { if (column !== order.column) sortBy(pressed(order, column)); },
+    run: () => {
+      if (column !== order.column) sortBy(pressed(order, column));
+    },
   }));
   const direction = w(order.down ? "descending" : "ascending");
   return (
     <span class="row sort">
-      <Menu label={w("sort")} className="button quiet" items={items}>{w(COLUMNS[order.column].word)}<Icon name="down" /></Menu>
-      <button type="button" class="button quiet icon" title={direction} aria-label={`${w("sort")}: ${direction}`} onClick={() => sortBy({ ...order, down: !order.down })}>
+      <Menu label={w("sort")} className="button quiet" items={items}>
+        {w(COLUMNS[order.column].word)}
+        <Icon name="down" />
+      </Menu>
+      <button
+        type="button"
+        class="button quiet icon"
+        title={direction}
+        aria-label={`${w("sort")}: ${direction}`}
+        onClick={() => sortBy({ ...order, down: !order.down })}
+      >
         <Arrow down={order.down} />
       </button>
     </span>
@@ -30,18 +41,37 @@ export function SortMenu() {
 }
 
 /** The heading of a column of the list. */
-export function SortHeading({ column, word = COLUMNS[column].word, numeric = false }: { column: Column; word?: Word; numeric?: boolean }) {
+export function SortHeading({
+  column,
+  word = COLUMNS[column].word,
+  numeric = false,
+}: {
+  column: Column;
+  word?: Word;
+  numeric?: boolean;
+}) {
   const order = library.order.value;
   const now = order.column === column ? (order.down ? "descending" : "ascending") : null;
   return (
     <span class={numeric ? "n" : ""}>
-      <button type="button" class={`sort-heading ${now ? "now" : ""}`} aria-label={`${w("sort")}: ${w(word)}${now ? `, ${w(now)}` : ""}`} aria-pressed={now !== null} onClick={() => sortBy(pressed(order, column))}>
-        <span class="cut">{w(word)}</span>{now && <Arrow down={order.down} />}
+      <button
+        type="button"
+        class={`sort-heading ${now ? "now" : ""}`}
+        aria-label={`${w("sort")}: ${w(word)}${now ? `, ${w(now)}` : ""}`}
+        aria-pressed={now !== null}
+        onClick={() => sortBy(pressed(order, column))}
+      >
+        <span class="cut">{w(word)}</span>
+        {now && <Arrow down={order.down} />}
       </button>
     </span>
   );
 }
 
 function Arrow({ down }: { down: boolean }) {
-  return <span class={down ? "arrow" : "arrow up"}><Icon name="arrow" /></span>;
+  return (
+    <span class={down ? "arrow" : "arrow up"}>
+      <Icon name="arrow" />
+    </span>
+  );
 }

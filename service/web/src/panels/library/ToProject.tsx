@@ -24,25 +24,53 @@ export function ToProject({ ids, move, onClose }: { ids: string[]; move: boolean
   };
   return (
     <Dialog title={w(move ? "moveToProject" : "copyToProject")} onClose={onClose}>
-      <form onSubmit={(event) => { event.preventDefault(); if (name.trim() && !busy) void act(); }}>
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          if (name.trim() && !busy) void act();
+        }}
+      >
         <p class="dim">{w(move ? "moveHelp" : "copyHelp")}</p>
-        <p class="row"><input class="field grow" autoFocus list="projects-there" maxLength={256} aria-label={w("project")} placeholder={w("projectOrNew")} value={name} onInput={(event) => setName(event.currentTarget.value)} />
-          <button type="submit" class="button primary" disabled={!name.trim() || busy}>{w(move ? "move" : "copy")}</button></p>
-        <datalist id="projects-there">{projects.value?.items.map((one) => <option key={one} value={one} />)}</datalist>
+        <p class="row">
+          <input
+            class="field grow"
+            autoFocus
+            list="projects-there"
+            maxLength={256}
+            aria-label={w("project")}
+            placeholder={w("projectOrNew")}
+            value={name}
+            onInput={(event) => setName(event.currentTarget.value)}
+          />
+          <button type="submit" class="button primary" disabled={!name.trim() || busy}>
+            {w(move ? "move" : "copy")}
+          </button>
+        </p>
+        <datalist id="projects-there">
+          {projects.value?.items.map((one) => (
+            <option key={one} value={one} />
+          ))}
+        </datalist>
       </form>
     </Dialog>
   );
 }
 
 async function copied(ids: string[], project: string): Promise<void> {
-  const { documents } = await ask("post", "/selections/copy", { body: { selection: { documents: ids, include_made: true, property: [] }, project } });
+  const { documents } = await ask("post", "/selections/copy", {
+    body: { selection: { documents: ids, include_made: true, property: [] }, project },
+  });
   library.refresh();
-  note(w("copiedTo", { n: documents.length, name: project }), { action: { text: w("undo"), run: () => void remove(documents) } });
+  note(w("copiedTo", { n: documents.length, name: project }), {
+    action: { text: w("undo"), run: () => void remove(documents) },
+  });
 }
 
 async function remove(documents: string[]): Promise<void> {
   try {
-    const { items } = await ask("post", "/selections/delete", { body: { documents, include_made: true, property: [] } });
+    const { items } = await ask("post", "/selections/delete", {
+      body: { documents, include_made: true, property: [] },
+    });
     note(w("deleted", { n: items.length }));
   } catch (error) {
     refuse(error);
@@ -52,17 +80,29 @@ async function remove(documents: string[]): Promise<void> {
 
 async function moved(ids: string[], project: string): Promise<void> {
   const before = new Map<string, string>();
-  for (const id of ids) before.set(id, library.cardOf(id)?.project ?? (await get("/documents/{id}", { path: { id } })).project);
+  for (const id of ids)
+    before.set(id, library.cardOf(id)?.project ?? (await get("/documents/{id}", { path: { id } })).project);
   const gone = await into(ids, project);
-  if (!gone.length) return note(w("allThere", { name: project }));
+  if (!gone.length) {
+    note(w("allThere", { name: project }));
+    return;
+  }
   // They may be no part of what the library shows now: what is done next must not be done to them unseen.
   library.picked.value = new Set();
-  note(w("movedTo", { n: gone.length, name: project }), { action: { text: w("undo"), run: () => void takeBack(gone, before) } });
+  note(w("movedTo", { n: gone.length, name: project }), {
+    action: { text: w("undo"), run: () => void takeBack(gone, before) },
+  });
 }
 
 /** Those that were elsewhere. */
 async function into(ids: string[], project: string): Promise<string[]> {
-  const { items } = await ask("post", "/selections/change", { body: { selection: { documents: ids, include_made: true, property: [] }, change: { project, message: "" }, labels: [] } });
+  const { items } = await ask("post", "/selections/change", {
+    body: {
+      selection: { documents: ids, include_made: true, property: [] },
+      change: { project, message: "" },
+      labels: [],
+    },
+  });
   library.refresh();
   return items.map((one) => one.id);
 }
@@ -71,7 +111,12 @@ async function takeBack(gone: string[], before: Map<string, string>): Promise<vo
   let done = 0;
   for (const project of new Set(gone.map((id) => before.get(id)!))) {
     try {
-      done += (await into(gone.filter((id) => before.get(id) === project), project)).length;
+      done += (
+        await into(
+          gone.filter((id) => before.get(id) === project),
+          project,
+        )
+      ).length;
     } catch (error) {
       refuse(error);
     }

@@ -2,11 +2,23 @@
 import { useState } from "preact/hooks";
 import { looked } from "../../state/inspect";
 import { timeLeft } from "../../state/pace";
-import { addFiles, cancel, cancelAll, confirmFact, filesDone, pace, retry, trayOpen, undoImport, uploads, type Upload } from "../../state/uploads";
+import {
+  addFiles,
+  cancel,
+  cancelAll,
+  confirmFact,
+  filesDone,
+  pace,
+  retry,
+  trayOpen,
+  undoImport,
+  uploads,
+  type Upload,
+} from "../../state/uploads";
 import { folderOf } from "../../state/dropped";
 import { FACTS, ORIGINS, shownValue, type Fact } from "../../motion/calibration";
 import type { Told } from "../../motion/preview";
-import { lazy } from "../../shell/lazy";
+import { lazy } from "../../ui/lazy";
 import { Dialog } from "../../ui/Dialog";
 import { Icon } from "../../ui/icons";
 import { useAsync } from "../../ui/useAsync";
@@ -29,10 +41,26 @@ export function UploadTray() {
             <strong>{w("queue")}</strong>
             {of > 1 && <span class="dim pace">{progressOf(done, of)}</span>}
             {/* What changes twice a second is not announced. */}
-            <span class="unseen" role="status">{done === of && w("uploads", { done, n: of })}</span>
+            <span class="unseen" role="status">
+              {done === of && w("uploads", { done, n: of })}
+            </span>
             <progress class="grow" value={done} max={of} aria-label={w("queue")} />
-            {done < of && <button type="button" class="button dense" onClick={cancelAll}>{w("cancel")}</button>}
-            <button type="button" class="button quiet icon dense" aria-label={w("hideQueue")} onClick={() => { trayOpen.value = false; if (done === of) uploads.value = []; }}><Icon name="close" /></button>
+            {done < of && (
+              <button type="button" class="button dense" onClick={cancelAll}>
+                {w("cancel")}
+              </button>
+            )}
+            <button
+              type="button"
+              class="button quiet icon dense"
+              aria-label={w("hideQueue")}
+              onClick={() => {
+                trayOpen.value = false;
+                if (done === of) uploads.value = [];
+              }}
+            >
+              <Icon name="close" />
+            </button>
           </header>
           <UploadRows all={all} />
         </section>
@@ -47,11 +75,21 @@ const ROWS = 200;
 function UploadRows({ all }: { all: Upload[] }) {
   const [most, setMost] = useState(ROWS);
   const newest = all.slice().reverse();
-  const rows = newest.every((one) => /stored|refused|cancelled/.test(one.state)) ? [...newest.filter((one) => one.problems.length), ...newest.filter((one) => !one.problems.length)] : newest;
+  const rows = newest.every((one) => /stored|refused|cancelled/.test(one.state))
+    ? [...newest.filter((one) => one.problems.length), ...newest.filter((one) => !one.problems.length)]
+    : newest;
   return (
     <ul>
-      {rows.slice(0, most).map((one) => <UploadRow key={one.id} upload={one} alone={all.length === 1} />)}
-      {rows.length > most && <li><button type="button" class="button dense" onClick={() => setMost(most + ROWS)}>{w("rowsMore", { n: rows.length - most })}</button></li>}
+      {rows.slice(0, most).map((one) => (
+        <UploadRow key={one.id} upload={one} alone={all.length === 1} />
+      ))}
+      {rows.length > most && (
+        <li>
+          <button type="button" class="button dense" onClick={() => setMost(most + ROWS)}>
+            {w("rowsMore", { n: rows.length - most })}
+          </button>
+        </li>
+      )}
     </ul>
   );
 }
@@ -69,7 +107,12 @@ function progressOf(done: number, of: number): string {
   const told = done < of ? pace.value : null;
   if (!told) return w("uploads", { done, n: of });
   const { rate, left } = told;
-  const speed = rate >= 10 ? w("filesASecond", { n: Math.round(rate) }) : rate >= 0.1 ? w("filesASecond", { n: Math.round(10 * rate) / 10 }) : w("filesAMinute", { n: Math.round(600 * rate) / 10 });
+  const speed =
+    rate >= 10
+      ? w("filesASecond", { n: Math.round(rate) })
+      : rate >= 0.1
+        ? w("filesASecond", { n: Math.round(10 * rate) / 10 })
+        : w("filesAMinute", { n: Math.round(600 * rate) / 10 });
   return w("uploadsPace", { done, of, speed, left: timeLeft(left) });
 }
 
@@ -83,27 +126,73 @@ function UploadRow({ upload, alone }: { upload: Upload; alone: boolean }) {
   return (
     <li>
       <div class="row">
-        <span class={`state ${upload.state}`}>{upload.state === "stored" ? <Icon name="check" /> : upload.state === "refused" ? <Icon name="warn" /> : null}</span>
-        <span class="cut grow" title={folder + upload.name}>{name} {folder && <span class="dim">{folder}</span>}</span>
+        <span class={`state ${upload.state}`}>
+          {upload.state === "stored" ? <Icon name="check" /> : upload.state === "refused" ? <Icon name="warn" /> : null}
+        </span>
+        <span class="cut grow" title={folder + upload.name}>
+          {name} {folder && <span class="dim">{folder}</span>}
+        </span>
         {hasTwin && <span class="dim">{w("twin")}</span>}
-        {upload.state === "sending" ? <progress value={upload.sent} max={1} aria-label={upload.name} /> : <span class="dim">{stateOf(upload)}</span>}
-        {/queued|sending|reading/.test(upload.state) && <button type="button" class="button quiet icon dense" aria-label={w("cancel")} onClick={() => cancel(upload.id)}><Icon name="close" /></button>}
-        {files.length > 0 && /refused|cancelled/.test(upload.state) && <button type="button" class="button dense" onClick={() => retry(upload.id)}>{w("retry")}</button>}
-        {documents.length === 1 && <a class="button dense" href={`/clips/${first!.id}`}>{w("open")}</a>}
-        {first && <button type="button" class="button quiet dense" aria-expanded={open} onClick={() => setOpen(!open)}>{w("receipts")}</button>}
+        {upload.state === "sending" ? (
+          <progress value={upload.sent} max={1} aria-label={upload.name} />
+        ) : (
+          <span class="dim">{stateOf(upload)}</span>
+        )}
+        {/queued|sending|reading/.test(upload.state) && (
+          <button
+            type="button"
+            class="button quiet icon dense"
+            aria-label={w("cancel")}
+            onClick={() => cancel(upload.id)}
+          >
+            <Icon name="close" />
+          </button>
+        )}
+        {files.length > 0 && /refused|cancelled/.test(upload.state) && (
+          <button type="button" class="button dense" onClick={() => retry(upload.id)}>
+            {w("retry")}
+          </button>
+        )}
+        {documents.length === 1 && (
+          <a class="button dense" href={`/clips/${first!.id}`}>
+            {w("open")}
+          </a>
+        )}
+        {first && (
+          <button type="button" class="button quiet dense" aria-expanded={open} onClick={() => setOpen(!open)}>
+            {w("receipts")}
+          </button>
+        )}
       </div>
       {upload.problems.map(({ file, problem }, at) => (
         <Refusal key={at} file={file} problem={problem} />
       ))}
-      {documents.length > 1 && <ul class="stored-clips">{documents.map((one) => <li key={one.id}><a href={`/clips/${one.id}`}>{one.name}</a> <span class="dim">{w(one.skipped ? "skippedTwin" : "stored")}</span></li>)}</ul>}
+      {documents.length > 1 && (
+        <ul class="stored-clips">
+          {documents.map((one) => (
+            <li key={one.id}>
+              <a href={`/clips/${one.id}`}>{one.name}</a>{" "}
+              <span class="dim">{w(one.skipped ? "skippedTwin" : "stored")}</span>
+            </li>
+          ))}
+        </ul>
+      )}
       {open && documents.map((one) => <ReceiptView key={one.id} receipt={one.receipt} documents={[one.id]} />)}
-      {open && first && !first.skipped && <p><button type="button" class="button dense" onClick={() => void undoImport(upload)}>{w("undoImport")}</button></p>}
+      {open && first && !first.skipped && (
+        <p>
+          <button type="button" class="button dense" onClick={() => void undoImport(upload)}>
+            {w("undoImport")}
+          </button>
+        </p>
+      )}
     </li>
   );
 }
 
 function Refusal({ file, problem }: { file: string; problem: Problem }) {
-  const place = [problem.where?.line && w("line", { n: problem.where.line }), problem.where?.element].filter(Boolean).join(", ");
+  const place = [problem.where?.line && w("line", { n: problem.where.line }), problem.where?.element]
+    .filter(Boolean)
+    .join(", ");
   return (
     <div class="refusal">
       <strong>{problem.title}</strong> <span class="dim">{[file, place].filter(Boolean).join(", ")}</span>
@@ -122,15 +211,31 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
   const choose = async (change: { unit?: string; up?: string }) => {
     if (await confirmFact(documents, change)) setSaid({ ...said, ...change });
   };
-  const fact = (name: "unit" | "up", one: { value?: string | null; stated: boolean; why: string }, options: string[]) => {
+  const fact = (
+    name: "unit" | "up",
+    one: { value?: string | null; stated: boolean; why: string },
+    options: string[],
+  ) => {
     const value = said[name] ?? one.value;
     return (
       <>
-        <dd>{value ? <span class={one.stated || said[name] ? "" : "guess"}>{value}</span> : <span class="guess">{w(name === "unit" ? "unitUnknown" : "upUnknown")}</span>} <span class="dim">{one.why}</span></dd>
+        <dd>
+          {value ? (
+            <span class={one.stated || said[name] ? "" : "guess"}>{value}</span>
+          ) : (
+            <span class="guess">{w(name === "unit" ? "unitUnknown" : "upUnknown")}</span>
+          )}{" "}
+          <span class="dim">{one.why}</span>
+        </dd>
         <dd class="row">
-          {!one.stated && !said[name] && documents.length > 0 && options.map((option) => (
-            <button key={option} type="button" class="button dense" onClick={() => void choose({ [name]: option })}>{option}</button>
-          ))}
+          {!one.stated &&
+            !said[name] &&
+            documents.length > 0 &&
+            options.map((option) => (
+              <button key={option} type="button" class="button dense" onClick={() => void choose({ [name]: option })}>
+                {option}
+              </button>
+            ))}
           {(one.stated || said[name]) && <Icon name="check" />}
         </dd>
       </>
@@ -139,24 +244,65 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
   const { naming } = receipt;
   return (
     <dl class="receipt">
-      <dt>{w("receiptUnit")}</dt>{fact("unit", receipt.unit, UNITS)}
+      <dt>{w("receiptUnit")}</dt>
+      {fact("unit", receipt.unit, UNITS)}
       <dt>{w("receiptRate")}</dt>
-      <dd>{receipt.frame_rate.frames_per_second ? `${number(receipt.frame_rate.frames_per_second, 4)} Hz` : w("rateUnknown")} <span class="dim">{receipt.frame_rate.why}</span></dd>
+      <dd>
+        {receipt.frame_rate.frames_per_second
+          ? `${number(receipt.frame_rate.frames_per_second, 4)} Hz`
+          : w("rateUnknown")}{" "}
+        <span class="dim">{receipt.frame_rate.why}</span>
+      </dd>
       <dd>{receipt.frame_rate.stated && <Icon name="check" />}</dd>
-      <dt>{w("receiptUp")}</dt>{fact("up", receipt.up_axis, AXES)}
+      <dt>{w("receiptUp")}</dt>
+      {fact("up", receipt.up_axis, AXES)}
       {documents.length > 0 && <CalibrationRow id={documents[0]} said={said} />}
       {naming && (
         <>
           <dt>{w("receiptJoints")}</dt>
-          <dd>{w("jointsMapped", { mapped: Object.keys(naming.mapped).length, n: receipt.joints, rig: naming.rig, own: naming.unmapped.length })}
-            {naming.unmapped.length > 0 && <details><summary>{w("show")}</summary><ul>{naming.unmapped.map((one) => <li key={one.source}><code>{one.source}</code> <span class="dim">{one.why}</span></li>)}</ul></details>}
-          </dd><dd />
+          <dd>
+            {w("jointsMapped", {
+              mapped: Object.keys(naming.mapped).length,
+              n: receipt.joints,
+              rig: naming.rig,
+              own: naming.unmapped.length,
+            })}
+            {naming.unmapped.length > 0 && (
+              <details>
+                <summary>{w("show")}</summary>
+                <ul>
+                  {naming.unmapped.map((one) => (
+                    <li key={one.source}>
+                      <code>{one.source}</code> <span class="dim">{one.why}</span>
+                    </li>
+                  ))}
+                </ul>
+              </details>
+            )}
+          </dd>
+          <dd />
         </>
       )}
       <dt>{w("receiptNumbers")}</dt>
-      <dd>{w("receiptNumbersText", { channels: receipt.channels, frames: receipt.frames })}{receipt.twins.length > 0 && <p class="dim">{w("twin")}</p>}</dd><dd />
+      <dd>
+        {w("receiptNumbersText", { channels: receipt.channels, frames: receipt.frames })}
+        {receipt.twins.length > 0 && <p class="dim">{w("twin")}</p>}
+      </dd>
+      <dd />
       {receipt.notices.length > 0 && (
-        <><dt>{w("notices")}</dt><dd><ul>{receipt.notices.slice(0, 20).map((one, index) => <li key={index}>{one.what} <span class="dim">{one.at}</span></li>)}</ul></dd><dd /></>
+        <>
+          <dt>{w("notices")}</dt>
+          <dd>
+            <ul>
+              {receipt.notices.slice(0, 20).map((one, index) => (
+                <li key={index}>
+                  {one.what} <span class="dim">{one.at}</span>
+                </li>
+              ))}
+            </ul>
+          </dd>
+          <dd />
+        </>
       )}
     </dl>
   );
@@ -172,9 +318,14 @@ function CalibrationRow({ id, said }: { id: string; said: object }) {
       <dt>{w("receiptBody")}</dt>
       <dd class="calibrated">
         {(Object.keys(FACTS) as Fact[]).map((name) => (
-          <span key={name} title={known[name].reason}>{w(FACTS[name])} <span class={/guessed|unknown/.test(known[name].origin) ? "guess" : ""}>{shownValue(known[name])}</span> <span class="dim">{w(ORIGINS[known[name].origin])}</span></span>
+          <span key={name} title={known[name].reason}>
+            {w(FACTS[name])}{" "}
+            <span class={/guessed|unknown/.test(known[name].origin) ? "guess" : ""}>{shownValue(known[name])}</span>{" "}
+            <span class="dim">{w(ORIGINS[known[name].origin])}</span>
+          </span>
         ))}
-      </dd><dd />
+      </dd>
+      <dd />
     </>
   );
 }
@@ -184,13 +335,30 @@ function LookedAt() {
   return (
     <Dialog title={w("lookedAt")} onClose={() => (looked.value = null)} wide>
       {(result.clips as { files: string[]; receipt: Receipt; motion?: Told | null }[]).map((clip, index) => (
-        <section key={index}><h3>{clip.files.join(" + ")}</h3>
-          {clip.motion && <LookedMotion told={clip.motion} />}<ReceiptView receipt={clip.receipt} documents={[]} /></section>
+        <section key={index}>
+          <h3>{clip.files.join(" + ")}</h3>
+          {clip.motion && <LookedMotion told={clip.motion} />}
+          <ReceiptView receipt={clip.receipt} documents={[]} />
+        </section>
       ))}
       {result.problems.map(({ file, problem }, at) => (
         <Refusal key={at} file={file} problem={problem} />
       ))}
-      <p class="row">{files.length > 0 && <button type="button" class="button primary" onClick={() => { looked.value = null; addFiles(files); }}>{w("keep")}</button>}<span class="dim">{w("notStored")}</span></p>
+      <p class="row">
+        {files.length > 0 && (
+          <button
+            type="button"
+            class="button primary"
+            onClick={() => {
+              looked.value = null;
+              addFiles(files);
+            }}
+          >
+            {w("keep")}
+          </button>
+        )}
+        <span class="dim">{w("notStored")}</span>
+      </p>
     </Dialog>
   );
 }

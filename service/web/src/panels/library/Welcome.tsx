@@ -14,10 +14,14 @@ import { w, type Word } from "../../words";
 const ASKED = "//frame[motion_name='wave']";
 
 export function Welcome({ clips }: { /** In the whole library. */ clips: number }) {
-  const demo = useAsync((signal) => get("/documents", { query: { project: "demo", limit: 100, sort: "name" }, signal }), []);
+  const demo = useAsync(
+    (signal) => get("/documents", { query: { project: "demo", limit: 100, sort: "name" }, signal }),
+    [],
+  );
   const called = (beginning: string) => demo.value?.items.find((one) => one.name.startsWith(beginning));
   const [dance, walk] = [called("dance"), called("walk")];
-  const make = walk && dance ? `/compose?s=${walk.id}:1-150,${dance.id}&name=${encodeURIComponent(w("welcomeMake"))}` : "/compose";
+  const make =
+    walk && dance ? `/compose?s=${walk.id}:1-150,${dance.id}&name=${encodeURIComponent(w("welcomeMake"))}` : "/compose";
   return (
     <section class="welcome" aria-label={w("welcome")}>
       <div class="welcome-figure">{dance && <Loop id={dance.id} />}</div>
@@ -25,18 +29,44 @@ export function Welcome({ clips }: { /** In the whole library. */ clips: number 
         <h2>{w("welcome")}</h2>
         <p>{w("welcomeHelp", { n: clips })}</p>
         <ul>
-          <li><button type="button" class="offer" onClick={() => chooseFiles()}><Offer icon="upload" word="welcomeDrop" help="welcomeDropHelp" /></button></li>
-          <li><a class="offer" href={`/xpath?q=${encodeURIComponent(ASKED)}`}><Offer icon="xpath" word="welcomeAsk" help="welcomeAskHelp" /></a></li>
-          <li><a class="offer" href={demo.busy ? undefined : make}><Offer icon="compose" word="welcomeMake" help="welcomeMakeHelp" /></a></li>
+          <li>
+            <button type="button" class="offer" onClick={() => chooseFiles()}>
+              <Offer icon="upload" word="welcomeDrop" help="welcomeDropHelp" />
+            </button>
+          </li>
+          <li>
+            <a class="offer" href={`/xpath?q=${encodeURIComponent(ASKED)}`}>
+              <Offer icon="xpath" word="welcomeAsk" help="welcomeAskHelp" />
+            </a>
+          </li>
+          <li>
+            <a class="offer" href={demo.busy ? undefined : make}>
+              <Offer icon="compose" word="welcomeMake" help="welcomeMakeHelp" />
+            </a>
+          </li>
         </ul>
       </div>
-      <button type="button" class="button quiet icon welcome-close" aria-label={w("welcomeGone")} title={w("welcomeGone")} onClick={() => (welcomed.value = true)}><Icon name="close" /></button>
+      <button
+        type="button"
+        class="button quiet icon welcome-close"
+        aria-label={w("welcomeGone")}
+        title={w("welcomeGone")}
+        onClick={() => (welcomed.value = true)}
+      >
+        <Icon name="close" />
+      </button>
     </section>
   );
 }
 
 const Offer = ({ icon, word, help }: { icon: IconName; word: Word; help: Word }) => (
-  <><Icon name={icon} /><span class="grow"><strong>{w(word)}</strong><span class="dim block">{w(help)}</span></span></>
+  <>
+    <Icon name={icon} />
+    <span class="grow">
+      <strong>{w(word)}</strong>
+      <span class="dim block">{w(help)}</span>
+    </span>
+  </>
 );
 
 function Loop({ id }: { id: string }) {
@@ -46,8 +76,26 @@ function Loop({ id }: { id: string }) {
     if (!motion || !player) return;
     const stop = player.frame.subscribe((frame) => motion.blocks.want(frame, 1, motion.perSecond));
     if (!reducedMotion.matches) player.play(1);
-    return () => { stop(); player.pause(); };
+    return () => {
+      stop();
+      player.pause();
+    };
   }, [player]);
-  const actors = useMemo<Actor[]>(() => (motion && player ? [{ skeleton: motion.skeleton, inPlace: true, positions: () => { motion.blocks.arrived.value; return motion.blocks.frame(player.frame.value); } }] : []), [motion, player]);
+  const actors = useMemo<Actor[]>(
+    () =>
+      motion && player
+        ? [
+            {
+              skeleton: motion.skeleton,
+              inPlace: true,
+              positions: () => {
+                motion.blocks.arrived.value;
+                return motion.blocks.frame(player.frame.value);
+              },
+            },
+          ]
+        : [],
+    [motion, player],
+  );
   return actors.length ? <MotionView actors={actors} label={w("welcomePlays", { name: motion!.name })} /> : null;
 }

@@ -10,12 +10,25 @@ import { useAsync } from "../../ui/useAsync";
 import { number, w } from "../../words";
 
 /** schemas/retarget.py: RetargetedOne. Streams have no types in the description. */
-interface Row { source: string; name: string; made?: Schemas["Retargeted"]; problem?: Problem }
+interface Row {
+  source: string;
+  name: string;
+  made?: Schemas["Retargeted"];
+  problem?: Problem;
+}
 type Kind = "picked" | "collection" | "xpath" | "project";
 const LARGE = 20; // degrees: a bone that points so far elsewhere is worth a look
 const WAIT = 400; // ms after the last letter
 
-export function Many({ body, request, onClose }: { body: { id: string; name: string }; /** Mapping and options. */ request: object; onClose: () => void }) {
+export function Many({
+  body,
+  request,
+  onClose,
+}: {
+  body: { id: string; name: string };
+  /** Mapping and options. */ request: object;
+  onClose: () => void;
+}) {
   const picked = [...library.picked.value];
   const [kind, setKind] = useState<Kind>(picked.length ? "picked" : "collection");
   const [texts, setTexts] = useState({ collection: "", xpath: "", project: "" });
@@ -28,14 +41,22 @@ export function Many({ body, request, onClose }: { body: { id: string; name: str
   useEffect(() => () => stop.current?.abort(), []);
 
   const text = kind === "picked" ? "" : texts[kind].trim();
-  const selection = kind === "picked" ? { documents: picked } : kind === "collection" ? { documents: [`collection:${text}`] } : { [kind]: text };
+  const selection =
+    kind === "picked"
+      ? { documents: picked }
+      : kind === "collection"
+        ? { documents: [`collection:${text}`] }
+        : { [kind]: text };
   const chosen = kind === "picked" ? picked.length > 0 : text !== "";
-  const count = useAsync(async (signal) => {
-    if (!chosen || kind === "picked") return chosen ? picked.length : null;
-    await new Promise((resolve) => setTimeout(resolve, kind === "xpath" ? WAIT : 0));
-    signal.throwIfAborted();
-    return (await get("/documents", { query: { [kind]: text, limit: 1 } as never, signal })).total ?? null;
-  }, [kind, text]);
+  const count = useAsync(
+    async (signal) => {
+      if (!chosen || kind === "picked") return chosen ? picked.length : null;
+      await new Promise((resolve) => setTimeout(resolve, kind === "xpath" ? WAIT : 0));
+      signal.throwIfAborted();
+      return (await get("/documents", { query: { [kind]: text, limit: 1 } as never, signal })).total ?? null;
+    },
+    [kind, text],
+  );
   const total = count.error ? null : (count.value ?? null);
 
   const run = async () => {
@@ -44,11 +65,19 @@ export function Many({ body, request, onClose }: { body: { id: string; name: str
     setError(null);
     setState("running");
     try {
-      const answer = await fetched(address("/retarget"), { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ ...request, selection }), signal: stop.current.signal });
+      const answer = await fetched(address("/retarget"), {
+        method: "POST",
+        headers: { "content-type": "application/json" },
+        body: JSON.stringify({ ...request, selection }),
+        signal: stop.current.signal,
+      });
       for await (const row of jsonLines<Row>(answer)) setRows((before) => [...before, row]);
       setState("done");
     } catch (problem) {
-      if ((problem as Error).name === "AbortError") return setState("stopped");
+      if ((problem as Error).name === "AbortError") {
+        setState("stopped");
+        return;
+      }
       setError(problem);
       setState("choosing");
     }
@@ -58,45 +87,142 @@ export function Many({ body, request, onClose }: { body: { id: string; name: str
   const running = state === "running";
   return (
     <Dialog title={w("applyMany", { name: body.name })} onClose={onClose} wide>
-      {(state === "choosing") && (
-        <form class="many-choose" onSubmit={(event) => { event.preventDefault(); if (chosen) void run(); }}>
+      {state === "choosing" && (
+        <form
+          class="many-choose"
+          onSubmit={(event) => {
+            event.preventDefault();
+            if (chosen) void run();
+          }}
+        >
           <div class="segments" role="group" aria-label={w("whichClips")}>
             {(["picked", "collection", "project", "xpath"] as const).map((one) => (
-              <button key={one} type="button" aria-pressed={kind === one} disabled={one === "picked" && !picked.length} onClick={() => setKind(one)}>{one === "picked" ? w("picked", { n: picked.length }) : w(one === "collection" ? "collections" : one)}</button>
+              <button
+                key={one}
+                type="button"
+                aria-pressed={kind === one}
+                disabled={one === "picked" && !picked.length}
+                onClick={() => setKind(one)}
+              >
+                {one === "picked" ? w("picked", { n: picked.length }) : w(one === "collection" ? "collections" : one)}
+              </button>
             ))}
           </div>
-          {kind === "collection" && <Choice label={w("collections")} value={text} options={(collections.value?.items ?? []).map((one) => (one.project === "default" ? one.name : `${one.project}/${one.name}`))} onChange={(collection) => setTexts({ ...texts, collection })} empty={w("noCollections")} />}
-          {kind === "project" && <Choice label={w("project")} value={text} options={projects.value?.items ?? []} onChange={(project) => setTexts({ ...texts, project })} empty={w("choose")} />}
-          {kind === "xpath" && <input class="field code" aria-label={w("xpath")} placeholder={w("queryPlaceholder")} value={texts.xpath} onInput={(event) => setTexts({ ...texts, xpath: event.currentTarget.value })} />}
+          {kind === "collection" && (
+            <Choice
+              label={w("collections")}
+              value={text}
+              options={(collections.value?.items ?? []).map((one) =>
+                one.project === "default" ? one.name : `${one.project}/${one.name}`,
+              )}
+              onChange={(collection) => setTexts({ ...texts, collection })}
+              empty={w("noCollections")}
+            />
+          )}
+          {kind === "project" && (
+            <Choice
+              label={w("project")}
+              value={text}
+              options={projects.value?.items ?? []}
+              onChange={(project) => setTexts({ ...texts, project })}
+              empty={w("choose")}
+            />
+          )}
+          {kind === "xpath" && (
+            <input
+              class="field code"
+              aria-label={w("xpath")}
+              placeholder={w("queryPlaceholder")}
+              value={texts.xpath}
+              onInput={(event) => setTexts({ ...texts, xpath: event.currentTarget.value })}
+            />
+          )}
           <Trouble error={error ?? (chosen ? count.error : null)} />
-          <p class="row"><span class="grow dim" role="status">{chosen && total !== null ? w("clips", { n: total }) : w("applyHelp")}</span>
-            <button type="submit" class="button primary" disabled={!chosen || total === 0 || Boolean(count.error)}>{w("applyNow")}</button></p>
+          <p class="row">
+            <span class="grow dim" role="status">
+              {chosen && total !== null ? w("clips", { n: total }) : w("applyHelp")}
+            </span>
+            <button type="submit" class="button primary" disabled={!chosen || total === 0 || Boolean(count.error)}>
+              {w("applyNow")}
+            </button>
+          </p>
         </form>
       )}
       {state !== "choosing" && (
         <>
           <div class="row many-progress">
-            <span role="status">{running ? w("manyRunning", { done: rows.length, n: total ?? 0 }) : w(state === "stopped" ? "manyStopped" : "manyDone", { n: made.length })}{failed > 0 && ` ${w("manyFailed", { n: failed })}`}</span>
-            <progress class="grow" value={running ? rows.length : 1} max={running ? Math.max(1, total ?? 1) : 1} aria-label={w("retargeting")} />
-            {running ? <button type="button" class="button" onClick={() => stop.current?.abort()}>{w("cancel")}</button> : (
+            <span role="status">
+              {running
+                ? w("manyRunning", { done: rows.length, n: total ?? 0 })
+                : w(state === "stopped" ? "manyStopped" : "manyDone", { n: made.length })}
+              {failed > 0 && ` ${w("manyFailed", { n: failed })}`}
+            </span>
+            <progress
+              class="grow"
+              value={running ? rows.length : 1}
+              max={running ? Math.max(1, total ?? 1) : 1}
+              aria-label={w("retargeting")}
+            />
+            {running ? (
+              <button type="button" class="button" onClick={() => stop.current?.abort()}>
+                {w("cancel")}
+              </button>
+            ) : (
               <>
-                {made.length > 0 && <button type="button" class="button" onClick={() => { void library.removeDocuments(made); setRows([]); setState("choosing"); }}>{w("undo")}</button>}
-                <button type="button" class="button" onClick={() => setState("choosing")}>{w("chooseAgain")}</button>
+                {made.length > 0 && (
+                  <button
+                    type="button"
+                    class="button"
+                    onClick={() => {
+                      void library.removeDocuments(made);
+                      setRows([]);
+                      setState("choosing");
+                    }}
+                  >
+                    {w("undo")}
+                  </button>
+                )}
+                <button type="button" class="button" onClick={() => setState("choosing")}>
+                  {w("chooseAgain")}
+                </button>
               </>
             )}
           </div>
-          <ul class="many-rows">{rows.slice().reverse().map((row) => <Result key={row.source} row={row} />)}</ul>
+          <ul class="many-rows">
+            {rows
+              .slice()
+              .reverse()
+              .map((row) => (
+                <Result key={row.source} row={row} />
+              ))}
+          </ul>
         </>
       )}
     </Dialog>
   );
 }
 
-function Choice({ label, value, options, empty, onChange }: { label: string; value: string; options: readonly string[]; empty: string; onChange: (value: string) => void }) {
+function Choice({
+  label,
+  value,
+  options,
+  empty,
+  onChange,
+}: {
+  label: string;
+  value: string;
+  options: readonly string[];
+  empty: string;
+  onChange: (value: string) => void;
+}) {
   return (
     <select class="field" aria-label={label} value={value} onChange={(event) => onChange(event.currentTarget.value)}>
       <option value="">{options.length ? w("choose") : empty}</option>
-      {options.map((one) => <option key={one} value={one}>{one}</option>)}
+      {options.map((one) => (
+        <option key={one} value={one}>
+          {one}
+        </option>
+      ))}
     </select>
   );
 }
@@ -107,13 +233,32 @@ function Result({ row }: { row: Row }) {
   return (
     <li>
       <div class="row">
-        <span class={`state ${problem ? "refused" : "stored"}`}><Icon name={problem ? "warn" : "check"} /></span>
+        <span class={`state ${problem ? "refused" : "stored"}`}>
+          <Icon name={problem ? "warn" : "check"} />
+        </span>
         <span class="cut grow">{row.name}</span>
         {row.made && <span class={worst > LARGE ? "guess" : "dim"}>{w("manyWorst", { value: number(worst, 1) })}</span>}
-        {row.made?.document && <a class="button dense" href={`/clips/${row.made.document}${row.made.worst_frame ? `?f=${row.made.worst_frame}` : ""}`}>{w("open")}</a>}
-        {problem && <a class="button quiet dense" href={`/clips/${row.source}`}>{w("open")}</a>}
+        {row.made?.document && (
+          <a
+            class="button dense"
+            href={`/clips/${row.made.document}${row.made.worst_frame ? `?f=${row.made.worst_frame}` : ""}`}
+          >
+            {w("open")}
+          </a>
+        )}
+        {problem && (
+          <a class="button quiet dense" href={`/clips/${row.source}`}>
+            {w("open")}
+          </a>
+        )}
       </div>
-      {problem && <div class="refusal"><strong>{problem.title}</strong>{problem.detail && problem.detail !== problem.title && <p>{problem.detail}</p>}{problem.remedy && <p>{problem.remedy}</p>}</div>}
+      {problem && (
+        <div class="refusal">
+          <strong>{problem.title}</strong>
+          {problem.detail && problem.detail !== problem.title && <p>{problem.detail}</p>}
+          {problem.remedy && <p>{problem.remedy}</p>}
+        </div>
+      )}
     </li>
   );
 }

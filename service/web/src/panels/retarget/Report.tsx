@@ -5,26 +5,75 @@ import { number, w } from "../../words";
 const WORST = 4;
 const CONTACTS = 12; // shown at once
 
-export function Report({ fit, onFrame }: { fit: Schemas["Retargeted"]; /** Show a frame, from 1; `last`: of a stretch that repeats. */ onFrame: (frame: number, last?: number) => void }) {
+export function Report({
+  fit,
+  onFrame,
+}: {
+  fit: Schemas["Retargeted"];
+  /** Show a frame, from 1; `last`: of a stretch that repeats. */ onFrame: (frame: number, last?: number) => void;
+}) {
   const worst = [...fit.bones].sort((a, b) => b.largest - a.largest).slice(0, WORST);
-  const frame = (at: number) => <button type="button" class="link" aria-label={w("goToFrame", { n: at })} onClick={() => onFrame(at)}>{number(at)}</button>;
+  const frame = (at: number) => (
+    <button type="button" class="link" aria-label={w("goToFrame", { n: at })} onClick={() => onFrame(at)}>
+      {number(at)}
+    </button>
+  );
   return (
     <details class="report" open>
-      <summary><h2>{w("report")}</h2></summary>
-      {fit.worst_frame && <p><button type="button" class="link" onClick={() => onFrame(fit.worst_frame!)}>{w("worstFrame", { n: fit.worst_frame })}</button></p>}
+      <summary>
+        <h2>{w("report")}</h2>
+      </summary>
+      {fit.worst_frame && (
+        <p>
+          <button type="button" class="link" onClick={() => onFrame(fit.worst_frame!)}>
+            {w("worstFrame", { n: fit.worst_frame })}
+          </button>
+        </p>
+      )}
       <table>
-        <thead><tr><th>{w("bone")}</th><th class="n">{w("mean")}</th><th class="n">{w("largest")}</th><th class="n">{w("atFrame")}</th></tr></thead>
+        <thead>
+          <tr>
+            <th>{w("bone")}</th>
+            <th class="n">{w("mean")}</th>
+            <th class="n">{w("largest")}</th>
+            <th class="n">{w("atFrame")}</th>
+          </tr>
+        </thead>
         <tbody>
-          {worst.map((one) => <tr key={one.bone + one.end}><td>{one.bone} → {one.end}</td><td class="n">{number(one.mean, 1)}°</td><td class="n">{number(one.largest, 1)}°</td><td class="n">{frame(one.frame)}</td></tr>)}
+          {worst.map((one) => (
+            <tr key={one.bone + one.end}>
+              <td>
+                {one.bone} → {one.end}
+              </td>
+              <td class="n">{number(one.mean, 1)}°</td>
+              <td class="n">{number(one.largest, 1)}°</td>
+              <td class="n">{frame(one.frame)}</td>
+            </tr>
+          ))}
         </tbody>
       </table>
       {fit.feet.map(({ contacts = [], ...one }) => (
-        <p key={one.foot}>{w("footSlides", { foot: one.foot, before: number(one.before, 1), after: number(one.after, 1) })}{" "}
-          {contacts.slice(0, CONTACTS).map((span) => <button key={span.first} type="button" class="chip contact" aria-label={w("contactOf", { foot: one.foot, first: span.first, last: span.last })} onClick={() => onFrame(span.first, span.last)}>{number(span.first)}–{number(span.last)}</button>)}
+        <p key={one.foot}>
+          {w("footSlides", { foot: one.foot, before: number(one.before, 1), after: number(one.after, 1) })}{" "}
+          {contacts.slice(0, CONTACTS).map((span) => (
+            <button
+              key={span.first}
+              type="button"
+              class="chip contact"
+              aria-label={w("contactOf", { foot: one.foot, first: span.first, last: span.last })}
+              onClick={() => onFrame(span.first, span.last)}
+            >
+              {number(span.first)}–{number(span.last)}
+            </button>
+          ))}
           {contacts.length > CONTACTS && <span class="dim"> {w("andMore", { n: contacts.length - CONTACTS })}</span>}
         </p>
       ))}
-      {fit.notices.map((one) => <p key={one} class="dim">{one}</p>)}
+      {fit.notices.map((one) => (
+        <p key={one} class="dim">
+          {one}
+        </p>
+      ))}
     </details>
   );
 }

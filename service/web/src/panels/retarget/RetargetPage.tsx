@@ -2,7 +2,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
-import { subject } from "../../shell/Bar";
+import { subject } from "../../state/shell";
 import { previewOf, stepFor } from "../../motion/preview";
 import { motionOf } from "../../motion/source";
 import { note, refuse } from "../../state/notes";
@@ -27,19 +27,38 @@ const APART = 1.3; // metres between the two bodies
 
 export function RetargetPage() {
   const [from, to] = [param("from"), param("to")];
-  useEffect(() => { subject.value = null; }, []);
+  useEffect(() => {
+    subject.value = null;
+  }, []);
   const source = useAsync(async () => (from ? motionOf(from) : null), [from]);
   const target = useAsync(async () => (to ? motionOf(to) : null), [to]);
   return (
     <div class="retarget">
       <h1 class="unseen">{w("retarget")}</h1>
       <div class="retarget-choose row wrap">
-        <ClipChooser label={w("sourceClip")} chosen={source.value?.name} onChoose={(id) => setParams({ from: id }, true)} />
+        <ClipChooser
+          label={w("sourceClip")}
+          chosen={source.value?.name}
+          onChoose={(id) => setParams({ from: id }, true)}
+        />
         <Icon name="right" />
-        <ClipChooser label={w("targetClip")} chosen={target.value?.name} onChoose={(id) => setParams({ to: id }, true)} />
+        <ClipChooser
+          label={w("targetClip")}
+          chosen={target.value?.name}
+          onChoose={(id) => setParams({ to: id }, true)}
+        />
       </div>
       <Trouble error={source.error ?? target.error} />
-      {source.value && target.value ? <Fitting key={`${from} ${to}`} source={source.value} target={target.value} /> : from && to ? (!source.error && !target.error && <div class="busy" />) : <div class="empty"><h2>{w("retargetEmpty")}</h2><p>{w("retargetHelp")}</p></div>}
+      {source.value && target.value ? (
+        <Fitting key={`${from} ${to}`} source={source.value} target={target.value} />
+      ) : from && to ? (
+        !source.error && !target.error && <div class="busy" />
+      ) : (
+        <div class="empty">
+          <h2>{w("retargetEmpty")}</h2>
+          <p>{w("retargetHelp")}</p>
+        </div>
+      )}
     </div>
   );
 }
@@ -56,35 +75,89 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   const [saving, setSaving] = useState(false);
   const selected = useSignal<string | null>(null);
   const step = stepFor(source.frames, target.skeleton.points);
-  const request = useMemo(() => ({ skeleton: target.id, mapping: pairs.value?.length ? pairs.value : null, ...choices }), [pairs.value, choices]);
+  const request = useMemo(
+    () => ({ skeleton: target.id, mapping: pairs.value?.length ? pairs.value : null, ...choices }),
+    [pairs.value, choices],
+  );
   const mappings = useAsync((signal) => get("/mappings", { signal }), []);
-  const fit = useAsync(async (signal) => {
-    await new Promise((resolve) => setTimeout(resolve, 150));
-    signal.throwIfAborted();
-    return ask("post", "/documents/{id}/retarget", { path: { id: source.id }, body: { ...request, preview: true } as Schemas["RetargetRequest"], query: { positions: "f4", step }, signal });
-  }, [request, source.id]);
+  const fit = useAsync(
+    async (signal) => {
+      await new Promise((resolve) => setTimeout(resolve, 150));
+      signal.throwIfAborted();
+      return ask("post", "/documents/{id}/retarget", {
+        path: { id: source.id },
+        body: { ...request, preview: true } as Schemas["RetargetRequest"],
+        query: { positions: "f4", step },
+        signal,
+      });
+    },
+    [request, source.id],
+  );
   /** While a change is worked out the fit before stays, dimmed. */
   const seen = fit.value ?? fit.before;
-  const moved = useMemo(() => (seen?.motion ? previewOf(seen.motion, target.skeleton, source.frames, source.perSecond, step) : null), [seen]);
+  const moved = useMemo(
+    () => (seen?.motion ? previewOf(seen.motion, target.skeleton, source.frames, source.perSecond, step) : null),
+    [seen],
+  );
   const player = useMemo(() => new Player(source.frames, source.perSecond), [source]);
   useEffect(() => {
-    const stop = player.frame.subscribe((frame) => source.blocks.want(frame, player.playing.peek() ? 1 : 0, source.perSecond));
+    const stop = player.frame.subscribe((frame) =>
+      source.blocks.want(frame, player.playing.peek() ? 1 : 0, source.perSecond),
+    );
     const first = Number(param("f"));
     if (first >= 1) player.seek(first - 1);
     else player.play(1);
-    return () => { stop(); player.pause(); };
+    return () => {
+      stop();
+      player.pause();
+    };
   }, [player]);
-  const actors = useMemo<Actor[]>(() => [
-    { skeleton: source.skeleton, inPlace: true, shift: -APART / 2, positions: () => { source.blocks.arrived.value; return source.blocks.frame(player.frame.value); } },
-    ...(moved ? [{ skeleton: target.skeleton, inPlace: true, shift: APART / 2, positions: () => moved.frame(player.frame.value) }] : []),
-  ], [source, target, moved]);
-  const marked = useMemo(() => ({ get value() { const point = selected.value === null ? undefined : source.skeleton.byName.get(selected.value); return point === undefined ? [] : [point]; } }), [source]);
-  const shown: Pair[] = pairs.value ?? (seen?.matches ?? []).map(({ source: one, target: other }) => ({ source: one, target: other }));
-  const change = (next: Pair[] | null) => { before.value = [...before.peek(), pairs.peek()]; pairs.value = next; };
+  const actors = useMemo<Actor[]>(
+    () => [
+      {
+        skeleton: source.skeleton,
+        inPlace: true,
+        shift: -APART / 2,
+        positions: () => {
+          source.blocks.arrived.value;
+          return source.blocks.frame(player.frame.value);
+        },
+      },
+      ...(moved
+        ? [
+            {
+              skeleton: target.skeleton,
+              inPlace: true,
+              shift: APART / 2,
+              positions: () => moved.frame(player.frame.value),
+            },
+          ]
+        : []),
+    ],
+    [source, target, moved],
+  );
+  const marked = useMemo(
+    () => ({
+      get value() {
+        const point = selected.value === null ? undefined : source.skeleton.byName.get(selected.value);
+        return point === undefined ? [] : [point];
+      },
+    }),
+    [source],
+  );
+  const shown: Pair[] =
+    pairs.value ?? (seen?.matches ?? []).map(({ source: one, target: other }) => ({ source: one, target: other }));
+  const change = (next: Pair[] | null) => {
+    before.value = [...before.peek(), pairs.peek()];
+    pairs.value = next;
+  };
   const save = async () => {
     setSaving(true);
     try {
-      const made = await ask("post", "/documents/{id}/retarget", { path: { id: source.id }, body: { ...request, name: `${source.name} on ${target.name}` } as Schemas["RetargetRequest"] });
+      const made = await ask("post", "/documents/{id}/retarget", {
+        path: { id: source.id },
+        body: { ...request, name: `${source.name} on ${target.name}` } as Schemas["RetargetRequest"],
+      });
       note(w("retargeted", { name: `${source.name} on ${target.name}` }));
       go(`/clips/${made.document}`);
     } catch (error) {
@@ -100,7 +173,11 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
   };
   const choose = (next: Choices) => {
     setChoices(next);
-    setParams({ feet: next.clean_feet ? "1" : null, rest: next.match_rest ? "1" : null, scale: next.scale === null ? null : String(next.scale) });
+    setParams({
+      feet: next.clean_feet ? "1" : null,
+      rest: next.match_rest ? "1" : null,
+      scale: next.scale === null ? null : String(next.scale),
+    });
   };
   /** Stand at a frame, or play a stretch again and again. */
   const goTo = (first: number, last?: number) => {
@@ -114,35 +191,105 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
     <div class="retarget-work">
       <section class={`retarget-view ${fit.value ? "" : "stale"}`} aria-busy={fit.busy}>
         {fit.busy && <div class="busy" />}
-        <MotionView actors={actors} selected={marked as never} label={`${source.name}, ${target.name}`} onPick={(actor, point) => (selected.value = actor === 0 ? source.skeleton.view.bones[point]?.name ?? null : shown.find((one) => one.target === target.skeleton.view.bones[point]?.name)?.source ?? null)} />
+        <MotionView
+          actors={actors}
+          selected={marked as never}
+          label={`${source.name}, ${target.name}`}
+          onPick={(actor, point) =>
+            (selected.value =
+              actor === 0
+                ? (source.skeleton.view.bones[point]?.name ?? null)
+                : (shown.find((one) => one.target === target.skeleton.view.bones[point]?.name)?.source ?? null))
+          }
+        />
         <div class="transport row">
-          <button type="button" class="button quiet icon play" aria-label={w(player.playing.value ? "pause" : "play")} onClick={() => { player.loop.value = null; player.toggle(); }}><Icon name={player.playing.value ? "pause" : "play"} /></button>
+          <button
+            type="button"
+            class="button quiet icon play"
+            aria-label={w(player.playing.value ? "pause" : "play")}
+            onClick={() => {
+              player.loop.value = null;
+              player.toggle();
+            }}
+          >
+            <Icon name={player.playing.value ? "pause" : "play"} />
+          </button>
           <Scrubber player={player} />
         </div>
       </section>
       <aside class="retarget-map" aria-label={w("mapping")}>
         <div class="row wrap map-tools">
-          <strong>{w("mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</strong><span class="grow" />
-          <button type="button" class="button quiet icon dense" aria-label={w("undo")} disabled={!before.value.length} onClick={() => { pairs.value = before.peek().at(-1) ?? null; before.value = before.peek().slice(0, -1); }}><Icon name="undo" /></button>
-          <Menu label={w("mapping")} className="button dense" side="right" items={[
-            { text: w("mappingName"), icon: "plus", run: () => setNaming(true) },
-            ...(mappings.value?.items ?? []).map((one) => ({ text: one.name, detail: one.project, run: () => change(one.pairs) })),
-          ]}>{w("mapping")}<Icon name="down" /></Menu>
+          <strong>{w("mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</strong>
+          <span class="grow" />
+          <button
+            type="button"
+            class="button quiet icon dense"
+            aria-label={w("undo")}
+            disabled={!before.value.length}
+            onClick={() => {
+              pairs.value = before.peek().at(-1) ?? null;
+              before.value = before.peek().slice(0, -1);
+            }}
+          >
+            <Icon name="undo" />
+          </button>
+          <Menu
+            label={w("mapping")}
+            className="button dense"
+            side="right"
+            items={[
+              { text: w("mappingName"), icon: "plus", run: () => setNaming(true) },
+              ...(mappings.value?.items ?? []).map((one) => ({
+                text: one.name,
+                detail: one.project,
+                run: () => change(one.pairs),
+              })),
+            ]}
+          >
+            {w("mapping")}
+            <Icon name="down" />
+          </Menu>
         </div>
         <Trouble error={fit.error} retry={fit.again} />
-        <MappingTable source={source.skeleton} target={target.skeleton} pairs={shown} matches={seen?.matches ?? []} selected={selected.value} onSelect={(name) => (selected.value = name)} onChange={change} />
+        <MappingTable
+          source={source.skeleton}
+          target={target.skeleton}
+          pairs={shown}
+          matches={seen?.matches ?? []}
+          selected={selected.value}
+          onSelect={(name) => (selected.value = name)}
+          onChange={change}
+        />
         <Options choices={choices} fitted={seen?.scale} onChange={choose} />
         {fit.value && <Report fit={fit.value} onFrame={goTo} />}
         <div class="row wrap map-tools">
-          <button type="button" class="button" disabled={!fit.value} onClick={() => setMany(true)}>{w("applyToMany")}</button>
+          <button type="button" class="button" disabled={!fit.value} onClick={() => setMany(true)}>
+            {w("applyToMany")}
+          </button>
           <span class="grow" />
-          <button type="button" class="button primary" disabled={!fit.value || saving} onClick={() => void save()}>{saving ? w("retargeting") : w("retargetNow")}</button>
+          <button type="button" class="button primary" disabled={!fit.value || saving} onClick={() => void save()}>
+            {saving ? w("retargeting") : w("retargetNow")}
+          </button>
         </div>
       </aside>
-      {naming && <AskName title={w("mappingName")} initial={`${source.name} to ${target.name}`} onName={keep} onClose={() => setNaming(false)}><p class="dim">{w("mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</p></AskName>}
+      {naming && (
+        <AskName
+          title={w("mappingName")}
+          initial={`${source.name} to ${target.name}`}
+          onName={keep}
+          onClose={() => setNaming(false)}
+        >
+          <p class="dim">{w("mappedOf", { n: shown.length, total: target.skeleton.view.bones.length })}</p>
+        </AskName>
+      )}
       {many && <Many body={target} request={request} onClose={() => setMany(false)} />}
     </div>
   );
 }
 
-const readChoices = (): Choices => ({ ...USUAL, clean_feet: param("feet") === "1", match_rest: param("rest") === "1", scale: Number(param("scale")) > 0 ? Number(param("scale")) : null });
+const readChoices = (): Choices => ({
+  ...USUAL,
+  clean_feet: param("feet") === "1",
+  match_rest: param("rest") === "1",
+  scale: Number(param("scale")) > 0 ? Number(param("scale")) : null,
+});

@@ -22,9 +22,18 @@ export function Account() {
   return (
     <>
       <h2>{w("account")}</h2>
-      <p class="row wrap"><span>{role ? w("signedIn", { name, role: w(ROLE_WORDS[role]) }) : w("noAccount", { name })}</span>{role && <button type="button" class="button" onClick={leave}>{w("signOut")}</button>}</p>
+      <p class="row wrap">
+        <span>{role ? w("signedIn", { name, role: w(ROLE_WORDS[role]) }) : w("noAccount", { name })}</span>
+        {role && (
+          <button type="button" class="button" onClick={leave}>
+            {w("signOut")}
+          </button>
+        )}
+      </p>
       {role && <Password />}
-      {projects.length > 0 && <p class="dim">{projects.map((one) => `${one.project}: ${w(ROLE_WORDS[one.role])}`).join(" · ")}</p>}
+      {projects.length > 0 && (
+        <p class="dim">{projects.map((one) => `${one.project}: ${w(ROLE_WORDS[one.role])}`).join(" · ")}</p>
+      )}
       {!owned && <FirstOwner />}
       <Tokens owned={owned} scopes={SCOPES.filter((scope) => rights.includes(scope))} />
       {owned && rights.includes("operate") && <People me={name} />}
@@ -44,10 +53,33 @@ function Password() {
     }
   };
   return (
-    <details class="account-part"><summary>{w("changePassword")}</summary>
+    <details class="account-part">
+      <summary>{w("changePassword")}</summary>
       <form class="row wrap" onSubmit={(event) => void change(event)}>
-        <label>{w("currentPassword")} <input class="field" type="password" autocomplete="current-password" required value={given.current} onInput={(event) => setGiven({ ...given, current: event.currentTarget.value })} /></label>
-        <label>{w("newPassword")} <input class="field" type="password" autocomplete="new-password" minLength={10} maxLength={256} required value={given.next} onInput={(event) => setGiven({ ...given, next: event.currentTarget.value })} /></label>
+        <label>
+          {w("currentPassword")}{" "}
+          <input
+            class="field"
+            type="password"
+            autocomplete="current-password"
+            required
+            value={given.current}
+            onInput={(event) => setGiven({ ...given, current: event.currentTarget.value })}
+          />
+        </label>
+        <label>
+          {w("newPassword")}{" "}
+          <input
+            class="field"
+            type="password"
+            autocomplete="new-password"
+            minLength={10}
+            maxLength={256}
+            required
+            value={given.next}
+            onInput={(event) => setGiven({ ...given, next: event.currentTarget.value })}
+          />
+        </label>
         <button class="button primary">{w("change")}</button>
         <span class="dim">{w("passwordHelp")}</span>
       </form>
@@ -74,14 +106,53 @@ function Tokens({ scopes, owned }: { scopes: (typeof SCOPES)[number][]; owned: b
       <h3>{w("tokens")}</h3>
       <p class="dim">{w("tokensHelp")}</p>
       {made && <Secret text={made.token} label={w("tokenMade", { name: made.name })} />}
-      <Table head={[w("name"), w("mayDo"), w("expires"), w("lastUsed"), ""]} rows={(tokens.value?.items ?? []).map((one) => [
-        <span key="n">{one.name} <span class="dim">{one.hint}…{one.account && ` · ${one.account}`}</span></span>, <span key="s">{w(SCOPE_WORDS[one.scope])}{one.projects?.length ? <span class="dim"> · {one.projects.join(", ")}</span> : null}</span>, one.expires ? day(one.expires) : w("never"), one.used ? when(one.used) : w("never"),
-        <button key="b" type="button" class="button dense" onClick={() => end(one.name)}>{w("revoke")}</button>,
-      ])} />
+      <Table
+        head={[w("name"), w("mayDo"), w("expires"), w("lastUsed"), ""]}
+        rows={(tokens.value?.items ?? []).map((one) => [
+          <span key="n">
+            {one.name}{" "}
+            <span class="dim">
+              {one.hint}…{one.account && ` · ${one.account}`}
+            </span>
+          </span>,
+          <span key="s">
+            {w(SCOPE_WORDS[one.scope])}
+            {one.projects?.length ? <span class="dim"> · {one.projects.join(", ")}</span> : null}
+          </span>,
+          one.expires ? day(one.expires) : w("never"),
+          one.used ? when(one.used) : w("never"),
+          <button key="b" type="button" class="button dense" onClick={() => end(one.name)}>
+            {w("revoke")}
+          </button>,
+        ])}
+      />
       <p class="row wrap">
-        <select class="field" aria-label={w("mayDo")} value={scope} onChange={(event) => setScope(event.currentTarget.value as typeof scope)}>{scopes.map((one) => <option key={one} value={one}>{w(SCOPE_WORDS[one])}</option>)}</select>
-        <select class="field" aria-label={w("project")} value={project} onChange={(event) => setProject(event.currentTarget.value)}><option value="">{w("allProjects")}</option>{(all.value?.items ?? []).map((one) => <option key={one}>{one}</option>)}</select>
-        <button type="button" class="button" onClick={() => setAsked(true)}>{w("makeToken")}</button>
+        <select
+          class="field"
+          aria-label={w("mayDo")}
+          value={scope}
+          onChange={(event) => setScope(event.currentTarget.value as typeof scope)}
+        >
+          {scopes.map((one) => (
+            <option key={one} value={one}>
+              {w(SCOPE_WORDS[one])}
+            </option>
+          ))}
+        </select>
+        <select
+          class="field"
+          aria-label={w("project")}
+          value={project}
+          onChange={(event) => setProject(event.currentTarget.value)}
+        >
+          <option value="">{w("allProjects")}</option>
+          {(all.value?.items ?? []).map((one) => (
+            <option key={one}>{one}</option>
+          ))}
+        </select>
+        <button type="button" class="button" onClick={() => setAsked(true)}>
+          {w("makeToken")}
+        </button>
       </p>
       {asked && <AskName title={w("makeToken")} onName={add} onClose={() => setAsked(false)} />}
     </section>
@@ -111,23 +182,70 @@ function People({ me }: { me: string }) {
       refuse(error);
     }
   };
-  const takeBack = (number: number) => void ask("delete", "/invitations/{number}", { path: { number } }).then(open.again, refuse);
+  const takeBack = (number: number) =>
+    void ask("delete", "/invitations/{number}", { path: { number } }).then(open.again, refuse);
   const roles = (label: string, value: string, set: (next: (typeof ROLES)[number]) => void) => (
-    <select class="field" aria-label={label} value={value} onChange={(event) => set(event.currentTarget.value as (typeof ROLES)[number])}>{ROLES.map((one) => <option key={one} value={one}>{w(ROLE_WORDS[one])}</option>)}</select>
+    <select
+      class="field"
+      aria-label={label}
+      value={value}
+      onChange={(event) => set(event.currentTarget.value as (typeof ROLES)[number])}
+    >
+      {ROLES.map((one) => (
+        <option key={one} value={one}>
+          {w(ROLE_WORDS[one])}
+        </option>
+      ))}
+    </select>
   );
   return (
     <section>
       <h3>{w("people")}</h3>
       <Trouble error={people.error} retry={people.again} />
-      <Table head={[w("name"), w("role"), w("since"), ""]} rows={(people.value?.items ?? []).map((one) => [
-        <span key="n" class={one.closed ? "dim" : ""}>{one.name}{one.closed && ` · ${w("accountClosed")}`}</span>, roles(w("roleOf", { name: one.name }), one.role, (next) => void change(one.name, { role: next })), when(one.created),
-        one.name === me ? "" : <button key="b" type="button" class="button dense" onClick={() => void change(one.name, { closed: !one.closed })}>{w(one.closed ? "reopenAccount" : "closeAccount")}</button>,
-      ])} />
-      <p class="row wrap">{roles(w("role"), role, setRole)}<button type="button" class="button" onClick={() => void invite()}>{w("invite")}</button><span class="dim">{w("inviteHelp")}</span></p>
+      <Table
+        head={[w("name"), w("role"), w("since"), ""]}
+        rows={(people.value?.items ?? []).map((one) => [
+          <span key="n" class={one.closed ? "dim" : ""}>
+            {one.name}
+            {one.closed && ` · ${w("accountClosed")}`}
+          </span>,
+          roles(w("roleOf", { name: one.name }), one.role, (next) => void change(one.name, { role: next })),
+          when(one.created),
+          one.name === me ? (
+            ""
+          ) : (
+            <button
+              key="b"
+              type="button"
+              class="button dense"
+              onClick={() => void change(one.name, { closed: !one.closed })}
+            >
+              {w(one.closed ? "reopenAccount" : "closeAccount")}
+            </button>
+          ),
+        ])}
+      />
+      <p class="row wrap">
+        {roles(w("role"), role, setRole)}
+        <button type="button" class="button" onClick={() => void invite()}>
+          {w("invite")}
+        </button>
+        <span class="dim">{w("inviteHelp")}</span>
+      </p>
       {link && <Secret text={link} label={w("invitationMade")} />}
-      {(open.value?.items ?? []).length > 0 && <Table head={[w("invitations"), w("role"), w("expires"), ""]} rows={(open.value?.items ?? []).map((one) => [
-        w("invitedBy", { name: one.author }), one.project ? `${one.project}: ${w(ROLE_WORDS[one.role])}` : w(ROLE_WORDS[one.role]), day(one.expires), <button key="b" type="button" class="button dense" onClick={() => takeBack(one.number)}>{w("revoke")}</button>,
-      ])} />}
+      {(open.value?.items ?? []).length > 0 && (
+        <Table
+          head={[w("invitations"), w("role"), w("expires"), ""]}
+          rows={(open.value?.items ?? []).map((one) => [
+            w("invitedBy", { name: one.author }),
+            one.project ? `${one.project}: ${w(ROLE_WORDS[one.role])}` : w(ROLE_WORDS[one.role]),
+            day(one.expires),
+            <button key="b" type="button" class="button dense" onClick={() => takeBack(one.number)}>
+              {w("revoke")}
+            </button>,
+          ])}
+        />
+      )}
     </section>
   );
 }

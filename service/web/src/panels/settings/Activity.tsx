@@ -13,7 +13,17 @@ import { s } from "./words";
 
 type Event = Schemas["ActivityEvent"];
 /** What events are about. */
-export const KINDS = ["document", "comment", "project", "job", "member", "share", "webhook", "account", "token"] as const;
+export const KINDS = [
+  "document",
+  "comment",
+  "project",
+  "job",
+  "member",
+  "share",
+  "webhook",
+  "account",
+  "token",
+] as const;
 const SPANS = [1, 7, 30] as const; // days
 const PAGE = 50;
 const BURST = 400; // ms: several things done at once are asked for once
@@ -23,7 +33,13 @@ function wanted() {
   const days = Number(param("days"));
   const since = days > 0 ? `${new Date(Date.now() - days * 86_400_000).toISOString().slice(0, 19)}Z` : undefined;
   const kind = KINDS.find((one) => one === param("kind"));
-  return { author: param("author") || undefined, project: param("project") || undefined, document: param("document") || undefined, kind, since };
+  return {
+    author: param("author") || undefined,
+    project: param("project") || undefined,
+    document: param("document") || undefined,
+    kind,
+    since,
+  };
 }
 
 export function Activity() {
@@ -92,17 +108,74 @@ export function Activity() {
   return (
     <>
       <p class="row wrap activity-filters" role="search">
-        <input class="field" list="activity-people" key={param("author")} aria-label={s("person")} placeholder={s("anybody")} defaultValue={param("author")} onChange={(event) => set("author", event.currentTarget.value.trim())} />
-        <datalist id="activity-people">{people.map((one) => <option key={one} value={one} />)}</datalist>
-        <select class="field" aria-label={s("kind")} value={param("kind")} onChange={(event) => set("kind", event.currentTarget.value)}><option value="">{s("anyKind")}</option>{KINDS.map((one) => <option key={one} value={one}>{s(`kind_${one}`)}</option>)}</select>
-        <select class="field" aria-label={w("project")} value={param("project")} onChange={(event) => set("project", event.currentTarget.value)}><option value="">{w("allProjects")}</option>{projects.value?.items.map((one) => <option key={one}>{one}</option>)}</select>
-        <select class="field" aria-label={s("span")} value={param("days")} onChange={(event) => set("days", event.currentTarget.value)}><option value="">{s("anyTime")}</option>{SPANS.map((one) => <option key={one} value={one}>{s("lastDays", { n: one })}</option>)}</select>
-        {param("document") && <button type="button" class="chip" onClick={() => set("document", "")}>{s("oneClip")}<Icon name="close" /></button>}
+        <input
+          class="field"
+          list="activity-people"
+          key={param("author")}
+          aria-label={s("person")}
+          placeholder={s("anybody")}
+          defaultValue={param("author")}
+          onChange={(event) => set("author", event.currentTarget.value.trim())}
+        />
+        <datalist id="activity-people">
+          {people.map((one) => (
+            <option key={one} value={one} />
+          ))}
+        </datalist>
+        <select
+          class="field"
+          aria-label={s("kind")}
+          value={param("kind")}
+          onChange={(event) => set("kind", event.currentTarget.value)}
+        >
+          <option value="">{s("anyKind")}</option>
+          {KINDS.map((one) => (
+            <option key={one} value={one}>
+              {s(`kind_${one}`)}
+            </option>
+          ))}
+        </select>
+        <select
+          class="field"
+          aria-label={w("project")}
+          value={param("project")}
+          onChange={(event) => set("project", event.currentTarget.value)}
+        >
+          <option value="">{w("allProjects")}</option>
+          {projects.value?.items.map((one) => (
+            <option key={one}>{one}</option>
+          ))}
+        </select>
+        <select
+          class="field"
+          aria-label={s("span")}
+          value={param("days")}
+          onChange={(event) => set("days", event.currentTarget.value)}
+        >
+          <option value="">{s("anyTime")}</option>
+          {SPANS.map((one) => (
+            <option key={one} value={one}>
+              {s("lastDays", { n: one })}
+            </option>
+          ))}
+        </select>
+        {param("document") && (
+          <button type="button" class="chip" onClick={() => set("document", "")}>
+            {s("oneClip")}
+            <Icon name="close" />
+          </button>
+        )}
       </p>
       <Trouble error={error} retry={() => void page(cursor && items ? cursor : null)} />
       {items?.length === 0 && <p class="dim">{s(filtered ? "nothingSo" : "nothingDone")}</p>}
       {items && <Days items={items} />}
-      {cursor && <p><button type="button" class="button" disabled={busy} onClick={() => void page(cursor)}>{w("more")}</button></p>}
+      {cursor && (
+        <p>
+          <button type="button" class="button" disabled={busy} onClick={() => void page(cursor)}>
+            {w("more")}
+          </button>
+        </p>
+      )}
     </>
   );
 }
@@ -110,7 +183,20 @@ export function Activity() {
 function Days({ items }: { items: Event[] }) {
   const days = new Map<string, Event[]>();
   for (const one of items) days.set(day(one.time), [...(days.get(day(one.time)) ?? []), one]);
-  return <>{[...days].map(([date, some]) => <section key={date}><h3>{date}</h3><ol class="activity">{some.map((one) => <Row key={one.id} event={one} />)}</ol></section>)}</>;
+  return (
+    <>
+      {[...days].map(([date, some]) => (
+        <section key={date}>
+          <h3>{date}</h3>
+          <ol class="activity">
+            {some.map((one) => (
+              <Row key={one.id} event={one} />
+            ))}
+          </ol>
+        </section>
+      ))}
+    </>
+  );
 }
 
 function Row({ event }: { event: Event }) {
@@ -119,10 +205,24 @@ function Row({ event }: { event: Event }) {
   const did = word in s.en ? s(word as keyof typeof s.en) : `${s(`kind_${event.kind}`)}: ${event.what}`;
   return (
     <li>
-      <time class="dim" dateTime={event.time} title={at.toLocaleString(language.value)}>{at.toLocaleTimeString(language.value, { hour: "2-digit", minute: "2-digit", hourCycle: "h23" })}</time>
-      <span class="cut" title={event.origin ? s("from", { origin: event.origin }) : undefined}>{event.author}</span>
+      <time class="dim" dateTime={event.time} title={at.toLocaleString(language.value)}>
+        {at.toLocaleTimeString(language.value, { hour: "2-digit", minute: "2-digit", hourCycle: "h23" })}
+      </time>
+      <span class="cut" title={event.origin ? s("from", { origin: event.origin }) : undefined}>
+        {event.author}
+      </span>
       {/* Korean says what it was done to first. */}
-      <span class="activity-what">{language.value === "ko" ? <><About event={event} /> {did}</> : <>{did} <About event={event} /></>}</span>
+      <span class="activity-what">
+        {language.value === "ko" ? (
+          <>
+            <About event={event} /> {did}
+          </>
+        ) : (
+          <>
+            {did} <About event={event} />
+          </>
+        )}
+      </span>
       <span class="dim cut">{event.kind === "project" ? "" : event.project}</span>
     </li>
   );
@@ -131,9 +231,14 @@ function Row({ event }: { event: Event }) {
 /** What it was done to: a way to the clip as it was then, where it is there. */
 function About({ event }: { event: Event }) {
   const { document: id, name, revision, kind, what, subject } = event;
-  if (!id) return <>{kind === "project" ? event.project ?? subject : subject}</>;
+  if (!id) return <>{kind === "project" ? (event.project ?? subject) : subject}</>;
   if (!name || what === "purge") return <span class="dim">{s("goneClip")}</span>;
   if (kind === "document" && what === "delete") return <>{name}</>;
   const view = kind === "comment" ? "?tab=comments" : revision ? `?rev=${revision}` : "";
-  return <><a href={`/clips/${id}${view}`}>{name}</a>{revision !== null && kind === "document" && <span class="dim"> {w("revision", { n: revision })}</span>}</>;
+  return (
+    <>
+      <a href={`/clips/${id}${view}`}>{name}</a>
+      {revision !== null && kind === "document" && <span class="dim"> {w("revision", { n: revision })}</span>}
+    </>
+  );
 }

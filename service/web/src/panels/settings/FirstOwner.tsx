@@ -28,9 +28,33 @@ export function FirstOwner() {
       <p class="dim">{s("ownerFirstHelp")}</p>
       <Trouble error={failed} />
       <form class="row wrap" onSubmit={(event) => void make(event)}>
-        <label>{w("name")} <input class="field" autocomplete="username" maxLength={64} required value={given.name} onInput={(event) => setGiven({ ...given, name: event.currentTarget.value })} /></label>
-        <label>{s("newPassword")} <input class="field" type="password" autocomplete="new-password" minLength={10} maxLength={256} required value={given.password} onInput={(event) => setGiven({ ...given, password: event.currentTarget.value })} /></label>
-        <button class="button primary" disabled={busy}>{s("createAccount")}</button>
+        <label>
+          {w("name")}{" "}
+          <input
+            class="field"
+            autocomplete="username"
+            maxLength={64}
+            required
+            value={given.name}
+            onInput={(event) => setGiven({ ...given, name: event.currentTarget.value })}
+          />
+        </label>
+        <label>
+          {s("newPassword")}{" "}
+          <input
+            class="field"
+            type="password"
+            autocomplete="new-password"
+            minLength={10}
+            maxLength={256}
+            required
+            value={given.password}
+            onInput={(event) => setGiven({ ...given, password: event.currentTarget.value })}
+          />
+        </label>
+        <button class="button primary" disabled={busy}>
+          {s("createAccount")}
+        </button>
       </form>
     </section>
   );

@@ -22,7 +22,10 @@ export function ImportProject({ onDone }: { onDone: (project: string) => void })
   const input = useRef<HTMLInputElement>(null);
   const take = (files: File[]) => {
     if (!files[0] || going.current) return;
-    if (files.length > 1 || !/\.zip$/i.test(files[0].name)) return note(s("oneFile"), { bad: true });
+    if (files.length > 1 || !/\.zip$/i.test(files[0].name)) {
+      note(s("oneFile"), { bad: true });
+      return;
+    }
     setFile(files[0]);
     setName("");
     setTrouble(null);
@@ -57,20 +60,77 @@ export function ImportProject({ onDone }: { onDone: (project: string) => void })
     <section>
       <h3>{s("importTitle")}</h3>
       <p class="dim">{s("importHelp")}</p>
-      <input ref={input} type="file" hidden accept=".zip" aria-label={s("chooseFile")} onChange={(event) => { take([...(event.currentTarget.files ?? [])]); event.currentTarget.value = ""; }} />
-      {made && <p class="row wrap import-made" role="status"><Icon name="check" /><span>{s("imported", { name: made.project, n: made.documents })}</span><a href={`/library?project=${encodeURIComponent(made.project)}`}>{s("openClips")}</a></p>}
+      <input
+        ref={input}
+        type="file"
+        hidden
+        accept=".zip"
+        aria-label={s("chooseFile")}
+        onChange={(event) => {
+          take([...(event.currentTarget.files ?? [])]);
+          event.currentTarget.value = "";
+        }}
+      />
+      {made && (
+        <p class="row wrap import-made" role="status">
+          <Icon name="check" />
+          <span>{s("imported", { name: made.project, n: made.documents })}</span>
+          <a href={`/library?project=${encodeURIComponent(made.project)}`}>{s("openClips")}</a>
+        </p>
+      )}
       {file ? (
-        <form class="import-file" onSubmit={(event) => { event.preventDefault(); void start(); }}>
-          <p class="row wrap"><strong class="cut">{file.name}</strong><span class="dim">{size(file.size)}</span></p>
+        <form
+          class="import-file"
+          onSubmit={(event) => {
+            event.preventDefault();
+            void start();
+          }}
+        >
           <p class="row wrap">
-            <input class="field grow" aria-label={s("importName")} placeholder={s("importName")} maxLength={256} disabled={sent !== null} value={name} onInput={(event) => setName(event.currentTarget.value)} />
-            {sent === null && <button type="submit" class="button primary">{s("importIt")}</button>}
-            <button type="button" class="button" onClick={() => (going.current ? going.current.abort() : setFile(null))}>{w("cancel")}</button>
+            <strong class="cut">{file.name}</strong>
+            <span class="dim">{size(file.size)}</span>
           </p>
-          {sent !== null && <p class="row"><progress class="grow" max={1} value={sent === 1 ? undefined : sent} aria-label={s("importTitle")} /><span class="dim" role="status">{sent === 1 ? s("importReading") : s("importSending", { share: number(Math.floor(sent * 100)) })}</span></p>}
+          <p class="row wrap">
+            <input
+              class="field grow"
+              aria-label={s("importName")}
+              placeholder={s("importName")}
+              maxLength={256}
+              disabled={sent !== null}
+              value={name}
+              onInput={(event) => setName(event.currentTarget.value)}
+            />
+            {sent === null && (
+              <button type="submit" class="button primary">
+                {s("importIt")}
+              </button>
+            )}
+            <button
+              type="button"
+              class="button"
+              onClick={() => (going.current ? going.current.abort() : setFile(null))}
+            >
+              {w("cancel")}
+            </button>
+          </p>
+          {sent !== null && (
+            <p class="row">
+              <progress class="grow" max={1} value={sent === 1 ? undefined : sent} aria-label={s("importTitle")} />
+              <span class="dim" role="status">
+                {sent === 1 ? s("importReading") : s("importSending", { share: number(Math.floor(sent * 100)) })}
+              </span>
+            </p>
+          )}
           <Trouble error={trouble} />
         </form>
-      ) : <p><button type="button" class="button" onClick={() => input.current?.click()}><Icon name="upload" />{s("chooseFile")}</button></p>}
+      ) : (
+        <p>
+          <button type="button" class="button" onClick={() => input.current?.click()}>
+            <Icon name="upload" />
+            {s("chooseFile")}
+          </button>
+        </p>
+      )}
     </section>
   );
 }

@@ -29,29 +29,87 @@ export function Members({ project, decides }: { project: string; decides: boolea
   };
   const invite = async () => {
     try {
-      setLink(location.origin + (await ask("post", "/invitations", { body: { role: "editor", project, hours: 72 } })).path);
+      setLink(
+        location.origin + (await ask("post", "/invitations", { body: { role: "editor", project, hours: 72 } })).path,
+      );
     } catch (error) {
       refuse(error);
     }
   };
-  const remove = (who: string) => void ask("delete", "/members/{name}", { path: { name: who }, query: { project } }).then(members.again, refuse);
-  const role = (one: Schemas["MemberView"]) => decides && !one.everywhere
-    ? <select class="field" aria-label={w("roleOf", { name: one.name })} value={one.role} onChange={(event) => void put(one.name, event.currentTarget.value as Role)}>{ROLES.map((each) => <option key={each} value={each}>{w(ROLE_WORDS[each])}</option>)}</select>
-    : w(ROLE_WORDS[one.role]);
+  const remove = (who: string) =>
+    void ask("delete", "/members/{name}", { path: { name: who }, query: { project } }).then(members.again, refuse);
+  const role = (one: Schemas["MemberView"]) =>
+    decides && !one.everywhere ? (
+      <select
+        class="field"
+        aria-label={w("roleOf", { name: one.name })}
+        value={one.role}
+        onChange={(event) => void put(one.name, event.currentTarget.value as Role)}
+      >
+        {ROLES.map((each) => (
+          <option key={each} value={each}>
+            {w(ROLE_WORDS[each])}
+          </option>
+        ))}
+      </select>
+    ) : (
+      w(ROLE_WORDS[one.role])
+    );
   const items = members.value?.items ?? [];
   return (
     <section>
       <h3>{w("projectMembers")}</h3>
       <Trouble error={members.error} retry={members.again} />
       {members.value && !items.length && <p class="dim">{w("noMembers")}</p>}
-      <Table head={[w("name"), w("role"), ""]} rows={items.map((one) => [
-        one.name, role(one), one.everywhere ? <span key="e" class="dim">{w("inAllProjects")}</span> : decides && <button key="b" type="button" class="button dense" onClick={() => remove(one.name)}>{w("removeMember")}</button>,
-      ])} />
-      {decides && !owned && <p class="row wrap"><span class="dim">{s("ownerFirstWhere")}</span><a class="button" href="/settings">{s("createAccount")}</a></p>}
+      <Table
+        head={[w("name"), w("role"), ""]}
+        rows={items.map((one) => [
+          one.name,
+          role(one),
+          one.everywhere ? (
+            <span key="e" class="dim">
+              {w("inAllProjects")}
+            </span>
+          ) : (
+            decides && (
+              <button key="b" type="button" class="button dense" onClick={() => remove(one.name)}>
+                {w("removeMember")}
+              </button>
+            )
+          ),
+        ])}
+      />
+      {decides && !owned && (
+        <p class="row wrap">
+          <span class="dim">{s("ownerFirstWhere")}</span>
+          <a class="button" href="/settings">
+            {s("createAccount")}
+          </a>
+        </p>
+      )}
       {decides && owned && (
-        <form class="row wrap" aria-label={w("projectMembers")} onSubmit={(event) => { event.preventDefault(); if (name.trim()) void put(name.trim(), "editor"); }}>
-          <input class="field" aria-label={w("accountName")} placeholder={w("accountName")} value={name} onInput={(event) => setName(event.currentTarget.value)} />
-          <button class="button" disabled={!name.trim()}>{w("addMember")}</button><button type="button" class="button" onClick={() => void invite()}>{w("inviteHere")}</button><span class="dim">{w("addMemberHelp")}</span>
+        <form
+          class="row wrap"
+          aria-label={w("projectMembers")}
+          onSubmit={(event) => {
+            event.preventDefault();
+            if (name.trim()) void put(name.trim(), "editor");
+          }}
+        >
+          <input
+            class="field"
+            aria-label={w("accountName")}
+            placeholder={w("accountName")}
+            value={name}
+            onInput={(event) => setName(event.currentTarget.value)}
+          />
+          <button class="button" disabled={!name.trim()}>
+            {w("addMember")}
+          </button>
+          <button type="button" class="button" onClick={() => void invite()}>
+            {w("inviteHere")}
+          </button>
+          <span class="dim">{w("addMemberHelp")}</span>
         </form>
       )}
       {link && <Secret text={link} label={w("invitationMade")} />}
@@ -63,15 +121,28 @@ export function Links({ project }: { project: string }) {
   const links = useAsync((signal) => get("/shares", { query: { project }, signal }), [project]);
   const items = links.value?.items ?? [];
   if (!items.length) return <Trouble error={links.error} retry={links.again} />;
-  const end = (number: number) => void ask("delete", "/shares/{number}", { path: { number } }).then(links.again, refuse);
+  const end = (number: number) =>
+    void ask("delete", "/shares/{number}", { path: { number } }).then(links.again, refuse);
   return (
     <section>
       <h3>{w("links")}</h3>
       <p class="dim">{w("linksHelp")}</p>
-      <Table head={[w("name"), w("since"), w("expires"), ""]} rows={items.map((one) => [
-        <span key="n">{one.name} <span class="dim">{w("sharedCount", { n: one.documents.length })} · {one.author}</span></span>, when(one.created), day(one.expires),
-        <button key="b" type="button" class="button dense" onClick={() => end(one.number)}>{w("revoke")}</button>,
-      ])} />
+      <Table
+        head={[w("name"), w("since"), w("expires"), ""]}
+        rows={items.map((one) => [
+          <span key="n">
+            {one.name}{" "}
+            <span class="dim">
+              {w("sharedCount", { n: one.documents.length })} · {one.author}
+            </span>
+          </span>,
+          when(one.created),
+          day(one.expires),
+          <button key="b" type="button" class="button dense" onClick={() => end(one.number)}>
+            {w("revoke")}
+          </button>,
+        ])}
+      />
     </section>
   );
 }

@@ -29,13 +29,44 @@ export function ProjectPage() {
   return (
     <>
       <p class="row wrap">
-        {names.length > 0 && <select class="field" aria-label={w("project")} value={project} onChange={(event) => setParams({ project: event.currentTarget.value }, true)}>{names.map((one) => <option key={one}>{one}</option>)}</select>}
-        {may("edit") && <button type="button" class="button" onClick={() => setNaming(true)}><Icon name="plus" />{s("newProject")}</button>}
+        {names.length > 0 && (
+          <select
+            class="field"
+            aria-label={w("project")}
+            value={project}
+            onChange={(event) => setParams({ project: event.currentTarget.value }, true)}
+          >
+            {names.map((one) => (
+              <option key={one}>{one}</option>
+            ))}
+          </select>
+        )}
+        {may("edit") && (
+          <button type="button" class="button" onClick={() => setNaming(true)}>
+            <Icon name="plus" />
+            {s("newProject")}
+          </button>
+        )}
       </p>
       <Trouble error={me.error ?? projects.error} retry={projects.again} />
       {me.value && project && <Chosen key={project} me={me.value} project={project} />}
-      {may("operate") && <ImportProject onDone={(name) => { projects.again(); setParams({ project: name }, true); }} />}
-      {naming && <AskName title={s("newProject")} onName={async (name) => go(`/library?project=${encodeURIComponent(name)}`)} onClose={() => setNaming(false)}><p class="dim">{s("newProjectHelp")}</p></AskName>}
+      {may("operate") && (
+        <ImportProject
+          onDone={(name) => {
+            projects.again();
+            setParams({ project: name }, true);
+          }}
+        />
+      )}
+      {naming && (
+        <AskName
+          title={s("newProject")}
+          onName={async (name) => go(`/library?project=${encodeURIComponent(name)}`)}
+          onClose={() => setNaming(false)}
+        >
+          <p class="dim">{s("newProjectHelp")}</p>
+        </AskName>
+      )}
     </>
   );
 }
@@ -53,23 +84,66 @@ function Chosen({ me, project }: { me: Schemas["Me"]; project: string }) {
   return (
     <>
       <Trouble error={found.error} retry={found.again} />
-      {one?.archived && <div class="banner warn settings-banner"><Icon name="warn" /><div class="grow"><strong>{s("archivedSince", { day: day(one.archived) })}</strong><p>{s("archivedHelp")}</p></div></div>}
+      {one?.archived && (
+        <div class="banner warn settings-banner">
+          <Icon name="warn" />
+          <div class="grow">
+            <strong>{s("archivedSince", { day: day(one.archived) })}</strong>
+            <p>{s("archivedHelp")}</p>
+          </div>
+        </div>
+      )}
       {one && <Amounts project={one} />}
       <p class="row wrap project-acts">
-        <a class="button" href={`/library?project=${encodeURIComponent(project)}`}><Icon name="library" />{s("openClips")}</a>
-        <a class="button" href={`/settings/activity?project=${encodeURIComponent(project)}`}><Icon name="list" />{w("activity")}</a>
-        {decides
-          ? <a class="button" href={address("/projects/export", {}, { project })} download><Icon name="export" />{s("exportFile")}</a>
-          : <><button type="button" class="button" disabled aria-describedby="why-no-export"><Icon name="export" />{s("exportFile")}</button><span id="why-no-export" class="dim">{s("ownersExport")}</span></>}
-        {one && me.rights.includes("operate") && <button type="button" class="button" onClick={() => setAsked("bounds")}>{s("changeBounds")}</button>}
-        {one && decides && <button type="button" class="button" onClick={() => setAsked("archive")}>{s(one.archived ? "openAgain" : "archive")}</button>}
+        <a class="button" href={`/library?project=${encodeURIComponent(project)}`}>
+          <Icon name="library" />
+          {s("openClips")}
+        </a>
+        <a class="button" href={`/settings/activity?project=${encodeURIComponent(project)}`}>
+          <Icon name="list" />
+          {w("activity")}
+        </a>
+        {decides ? (
+          <a class="button" href={address("/projects/export", {}, { project })} download>
+            <Icon name="export" />
+            {s("exportFile")}
+          </a>
+        ) : (
+          <>
+            <button type="button" class="button" disabled aria-describedby="why-no-export">
+              <Icon name="export" />
+              {s("exportFile")}
+            </button>
+            <span id="why-no-export" class="dim">
+              {s("ownersExport")}
+            </span>
+          </>
+        )}
+        {one && me.rights.includes("operate") && (
+          <button type="button" class="button" onClick={() => setAsked("bounds")}>
+            {s("changeBounds")}
+          </button>
+        )}
+        {one && decides && (
+          <button type="button" class="button" onClick={() => setAsked("archive")}>
+            {s(one.archived ? "openAgain" : "archive")}
+          </button>
+        )}
       </p>
       {decides && <p class="dim">{s("exportHelp")}</p>}
       <Vocabulary project={project} edits={one !== undefined && !one.archived && editsIn(me, project)} />
       <Members project={project} decides={decides} />
       {me.rights.includes("edit") && <Links project={project} />}
-      {one && asked === "bounds" && <Bounds project={one} onSave={(body) => change(body, s("boundsChanged"))} onClose={() => setAsked("")} />}
-      {one && asked === "archive" && <Archive project={one} onDo={(archived) => change({ archived }, s(archived ? "archived" : "opened", { name: project }))} onClose={() => setAsked("")} />}
+      {one && asked === "bounds" && (
+        <Bounds project={one} onSave={(body) => change(body, s("boundsChanged"))} onClose={() => setAsked("")} />
+      )}
+      {one && asked === "archive" && (
+        <Archive
+          project={one}
+          onDo={(archived) => change({ archived }, s(archived ? "archived" : "opened", { name: project }))}
+          onClose={() => setAsked("")}
+        />
+      )}
     </>
   );
 }
@@ -78,8 +152,32 @@ function Amounts({ project }: { project: Project }) {
   const row = (label: string, held: number, most: number | null | undefined, text: (value: number) => string) => (
     <>
       <dt>{label}</dt>
-      <dd>{typeof most === "number" && <meter min={0} max={Math.max(1, most)} value={Math.min(held, most)} class={held >= most ? "full" : ""} aria-label={label} />}
-        <span>{typeof most === "number" ? s("heldOf", { held: text(held), most: text(most) }) : <>{text(held)} <span class="dim">· {s("noBound")}</span></>}{typeof most === "number" && held > most && <span class="amount-over"><Icon name="warn" />{s("overBound")}</span>}</span></dd>
+      <dd>
+        {typeof most === "number" && (
+          <meter
+            min={0}
+            max={Math.max(1, most)}
+            value={Math.min(held, most)}
+            class={held >= most ? "full" : ""}
+            aria-label={label}
+          />
+        )}
+        <span>
+          {typeof most === "number" ? (
+            s("heldOf", { held: text(held), most: text(most) })
+          ) : (
+            <>
+              {text(held)} <span class="dim">· {s("noBound")}</span>
+            </>
+          )}
+          {typeof most === "number" && held > most && (
+            <span class="amount-over">
+              <Icon name="warn" />
+              {s("overBound")}
+            </span>
+          )}
+        </span>
+      </dd>
     </>
   );
   return (
@@ -90,7 +188,15 @@ function Amounts({ project }: { project: Project }) {
   );
 }
 
-function Bounds({ project, onSave, onClose }: { project: Project; onSave: (body: Schemas["ProjectChange"]) => Promise<void>; onClose: () => void }) {
+function Bounds({
+  project,
+  onSave,
+  onClose,
+}: {
+  project: Project;
+  onSave: (body: Schemas["ProjectChange"]) => Promise<void>;
+  onClose: () => void;
+}) {
   const first = project.most_bytes ? unitOf(project.most_bytes) : "gigabyte";
   const [documents, setDocuments] = useState(project.most_documents ? String(project.most_documents) : "");
   const [bytes, setBytes] = useState(project.most_bytes ? String(project.most_bytes / UNITS[first]) : "");
@@ -98,7 +204,10 @@ function Bounds({ project, onSave, onClose }: { project: Project; onSave: (body:
   const save = async (event: Event) => {
     event.preventDefault();
     try {
-      await onSave({ most_documents: Number(documents) || 0, most_bytes: Math.round((Number(bytes) || 0) * UNITS[unit]) });
+      await onSave({
+        most_documents: Number(documents) || 0,
+        most_bytes: Math.round((Number(bytes) || 0) * UNITS[unit]),
+      });
       onClose();
     } catch (error) {
       refuse(error);
@@ -109,23 +218,79 @@ function Bounds({ project, onSave, onClose }: { project: Project; onSave: (body:
       <form class="bounds" onSubmit={(event) => void save(event)}>
         <p class="dim">{s("boundsHelp")}</p>
         <label for="most-documents">{s("mostDocuments")}</label>
-        <input id="most-documents" class="field" type="number" min={1} step={1} autoFocus placeholder={s("noBound")} value={documents} onInput={(event) => setDocuments(event.currentTarget.value)} />
+        <input
+          id="most-documents"
+          class="field"
+          type="number"
+          min={1}
+          step={1}
+          autoFocus
+          placeholder={s("noBound")}
+          value={documents}
+          onInput={(event) => setDocuments(event.currentTarget.value)}
+        />
         <label for="most-bytes">{s("mostBytes")}</label>
-        <span class="row"><input id="most-bytes" class="field grow" type="number" min={0} step="any" placeholder={s("noBound")} value={bytes} onInput={(event) => setBytes(event.currentTarget.value)} />
-          <select class="field" aria-label={w("unit")} value={unit} onChange={(event) => setUnit(event.currentTarget.value as Unit)}>{(Object.keys(UNITS) as Unit[]).map((one) => <option key={one} value={one}>{unitName(one)}</option>)}</select></span>
-        <p class="row"><span class="grow" /><button type="button" class="button" onClick={onClose}>{w("cancel")}</button><button type="submit" class="button primary">{w("save")}</button></p>
+        <span class="row">
+          <input
+            id="most-bytes"
+            class="field grow"
+            type="number"
+            min={0}
+            step="any"
+            placeholder={s("noBound")}
+            value={bytes}
+            onInput={(event) => setBytes(event.currentTarget.value)}
+          />
+          <select
+            class="field"
+            aria-label={w("unit")}
+            value={unit}
+            onChange={(event) => setUnit(event.currentTarget.value as Unit)}
+          >
+            {(Object.keys(UNITS) as Unit[]).map((one) => (
+              <option key={one} value={one}>
+                {unitName(one)}
+              </option>
+            ))}
+          </select>
+        </span>
+        <p class="row">
+          <span class="grow" />
+          <button type="button" class="button" onClick={onClose}>
+            {w("cancel")}
+          </button>
+          <button type="submit" class="button primary">
+            {w("save")}
+          </button>
+        </p>
       </form>
     </Dialog>
   );
 }
 
-function Archive({ project, onDo, onClose }: { project: Project; onDo: (archived: boolean) => Promise<void>; onClose: () => void }) {
+function Archive({
+  project,
+  onDo,
+  onClose,
+}: {
+  project: Project;
+  onDo: (archived: boolean) => Promise<void>;
+  onClose: () => void;
+}) {
   const archive = !project.archived;
   const act = () => void onDo(archive).then(onClose, refuse);
   return (
     <Dialog title={s(archive ? "archiveIt" : "openIt", { name: project.name })} onClose={onClose}>
       <p>{s(archive ? "archiveMeans" : "openMeans")}</p>
-      <p class="row dialog-end"><span class="grow" /><button type="button" class="button" onClick={onClose}>{w("cancel")}</button><button type="button" class="button primary" autoFocus onClick={act}>{s(archive ? "archive" : "openAgain")}</button></p>
+      <p class="row dialog-end">
+        <span class="grow" />
+        <button type="button" class="button" onClick={onClose}>
+          {w("cancel")}
+        </button>
+        <button type="button" class="button primary" autoFocus onClick={act}>
+          {s(archive ? "archive" : "openAgain")}
+        </button>
+      </p>
     </Dialog>
   );
 }

@@ -2,8 +2,8 @@
 import type { Signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { get } from "../../api/client";
-import { subject } from "../../shell/Bar";
-import { lazy } from "../../shell/lazy";
+import { subject } from "../../state/shell";
+import { lazy } from "../../ui/lazy";
 import { route } from "../../state/route";
 import { language, singleKeys, swapSides, theme, timeAs } from "../../state/settings";
 import { useAsync } from "../../ui/useAsync";
@@ -16,21 +16,36 @@ const Activity = lazy(async () => (await import("./Activity")).Activity);
 const Webhooks = lazy(async () => (await import("./Webhooks")).Webhooks);
 
 const PAGES: { id: string; word: Word; right?: string }[] = [
-  { id: "", word: "general" }, { id: "projects", word: "projects" }, { id: "activity", word: "activity" }, { id: "webhooks", word: "webhooks", right: "own" },
+  { id: "", word: "general" },
+  { id: "projects", word: "projects" },
+  { id: "activity", word: "activity" },
+  { id: "webhooks", word: "webhooks", right: "own" },
 ];
 
-export function Segments<T extends string | boolean>({ value, options, label }: { value: Signal<T>; options: [T, string][]; label: string }) {
+export function Segments<T extends string | boolean>({
+  value,
+  options,
+  label,
+}: {
+  value: Signal<T>;
+  options: [T, string][];
+  label: string;
+}) {
   return (
     <div class="segments" role="group" aria-label={label}>
       {options.map(([one, text]) => (
-        <button key={String(one)} type="button" aria-pressed={value.value === one} onClick={() => (value.value = one)}>{text}</button>
+        <button key={String(one)} type="button" aria-pressed={value.value === one} onClick={() => (value.value = one)}>
+          {text}
+        </button>
       ))}
     </div>
   );
 }
 
 export function SettingsPage() {
-  useEffect(() => { subject.value = null; }, []);
+  useEffect(() => {
+    subject.value = null;
+  }, []);
   const me = useAsync((signal) => get("/account", { signal }), []);
   const open = PAGES.find((one) => one.id === route.value.id)?.id ?? "";
   return (
@@ -38,11 +53,30 @@ export function SettingsPage() {
       <h1>{w("settings")}</h1>
       <nav class="tabs settings-pages" aria-label={w("settings")}>
         {PAGES.filter((one) => !one.right || one.id === open || me.value?.rights.includes(one.right)).map((one) => (
-          <a key={one.id} href={`/settings${one.id && "/"}${one.id}`} aria-current={one.id === open ? "page" : undefined}>{w(one.word)}</a>
+          <a
+            key={one.id}
+            href={`/settings${one.id && "/"}${one.id}`}
+            aria-current={one.id === open ? "page" : undefined}
+          >
+            {w(one.word)}
+          </a>
         ))}
       </nav>
-      {PAGES.map((one) => one.id !== "" && one.id === open && <h2 key={one.id} class="unseen">{w(one.word)}</h2>)}
-      {open === "" && <><Browser /><Account /></>}
+      {PAGES.map(
+        (one) =>
+          one.id !== "" &&
+          one.id === open && (
+            <h2 key={one.id} class="unseen">
+              {w(one.word)}
+            </h2>
+          ),
+      )}
+      {open === "" && (
+        <>
+          <Browser />
+          <Account />
+        </>
+      )}
       {open === "projects" && <ProjectPage />}
       {open === "activity" && <Activity />}
       {open === "webhooks" && <Webhooks />}
@@ -55,15 +89,53 @@ function Browser() {
   return (
     <div class="form">
       <span>{w("theme")}</span>
-      <Segments label={w("theme")} value={theme} options={[["dark", w("dark")], ["light", w("light")], ["system", w("system")]]} />
+      <Segments
+        label={w("theme")}
+        value={theme}
+        options={[
+          ["dark", w("dark")],
+          ["light", w("light")],
+          ["system", w("system")],
+        ]}
+      />
       <span>{w("language")}</span>
-      <Segments label={w("language")} value={language} options={[["en", "English"], ["ko", "한국어"]]} />
+      <Segments
+        label={w("language")}
+        value={language}
+        options={[
+          ["en", "English"],
+          ["ko", "한국어"],
+        ]}
+      />
       <span>{w("sides")}</span>
-      <Segments label={w("sides")} value={swapSides} options={[[false, w("sidesUsual")], [true, w("sidesSwapped")]]} />
+      <Segments
+        label={w("sides")}
+        value={swapSides}
+        options={[
+          [false, w("sidesUsual")],
+          [true, w("sidesSwapped")],
+        ]}
+      />
       <span>{w("timeAs")}</span>
-      <Segments label={w("timeAs")} value={timeAs} options={[["frame", w("frameNumbers")], ["seconds", w("seconds")], ["timecode", w("timecode")]]} />
+      <Segments
+        label={w("timeAs")}
+        value={timeAs}
+        options={[
+          ["frame", w("frameNumbers")],
+          ["seconds", w("seconds")],
+          ["timecode", w("timecode")],
+        ]}
+      />
       <label for="single">{w("singleKeys")}</label>
-      <span class="row"><input id="single" type="checkbox" checked={singleKeys.value} onChange={(event) => (singleKeys.value = event.currentTarget.checked)} /><span class="dim">{w("singleKeysHelp")}</span></span>
+      <span class="row">
+        <input
+          id="single"
+          type="checkbox"
+          checked={singleKeys.value}
+          onChange={(event) => (singleKeys.value = event.currentTarget.checked)}
+        />
+        <span class="dim">{w("singleKeysHelp")}</span>
+      </span>
     </div>
   );
 }

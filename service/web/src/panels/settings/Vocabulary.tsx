@@ -30,7 +30,8 @@ export function Vocabulary({ project, edits }: { project: string; edits: boolean
         const next = edit(before.items);
         const match = before.version ? { match: before.version } : {};
         let kept = { ...before, items: next, version: 0 };
-        if (next.length) kept = await ask("put", "/vocabulary", { query: { project }, body: { items: next }, ...match });
+        if (next.length)
+          kept = await ask("put", "/vocabulary", { query: { project }, body: { items: next }, ...match });
         else if (before.version) await ask("delete", "/vocabulary", { query: { project }, ...match });
         found.set(kept);
         return kept;
@@ -47,24 +48,100 @@ export function Vocabulary({ project, edits }: { project: string; edits: boolean
     setName("");
     setDescription("");
   };
-  const change = (name: string, change: Partial<Agreed>) => void save((held) => held.map((one) => (one.name === name ? { ...one, ...change } : one)));
-  const swatch = (one: Agreed) => <span class="swatch" style={{ background: one.colour === null || one.colour === undefined ? nameColour(one.name) : `var(--name${one.colour})` }} />;
+  const change = (name: string, change: Partial<Agreed>) =>
+    void save((held) => held.map((one) => (one.name === name ? { ...one, ...change } : one)));
+  const swatch = (one: Agreed) => (
+    <span
+      class="swatch"
+      style={{
+        background: one.colour === null || one.colour === undefined ? nameColour(one.name) : `var(--name${one.colour})`,
+      }}
+    />
+  );
   return (
     <section>
       <h3>{s("vocabulary")}</h3>
       <p class="dim">{s("vocabularyHelp")}</p>
       <Trouble error={found.error} retry={found.again} />
-      <Table head={[w("name"), s("meaning"), s("colour"), ""]} rows={items.map((one) => [
-        <span key="n" class="row">{swatch(one)}{one.name}</span>,
-        edits ? <input key={`d ${one.name}`} class="field grow" aria-label={s("meaningOf", { name: one.name })} defaultValue={one.description} onChange={(event) => change(one.name, { description: event.currentTarget.value.trim() })} /> : one.description,
-        edits && <select key="c" class="field" aria-label={s("colourOf", { name: one.name })} value={one.colour ?? ""} onChange={(event) => change(one.name, { colour: event.currentTarget.value === "" ? null : Number(event.currentTarget.value) })}><option value="">{s("anyColour")}</option>{COLOURS.map((colour) => <option key={colour} value={colour}>{number(colour + 1)}</option>)}</select>,
-        edits && <button key="r" type="button" class="button dense" aria-label={s("removeName", { name: one.name })} onClick={() => void save((held) => held.filter((other) => other.name !== one.name))}><Icon name="close" /></button>,
-      ])} />
+      <Table
+        head={[w("name"), s("meaning"), s("colour"), ""]}
+        rows={items.map((one) => [
+          <span key="n" class="row">
+            {swatch(one)}
+            {one.name}
+          </span>,
+          edits ? (
+            <input
+              key={`d ${one.name}`}
+              class="field grow"
+              aria-label={s("meaningOf", { name: one.name })}
+              defaultValue={one.description}
+              onChange={(event) => change(one.name, { description: event.currentTarget.value.trim() })}
+            />
+          ) : (
+            one.description
+          ),
+          edits && (
+            <select
+              key="c"
+              class="field"
+              aria-label={s("colourOf", { name: one.name })}
+              value={one.colour ?? ""}
+              onChange={(event) =>
+                change(one.name, {
+                  colour: event.currentTarget.value === "" ? null : Number(event.currentTarget.value),
+                })
+              }
+            >
+              <option value="">{s("anyColour")}</option>
+              {COLOURS.map((colour) => (
+                <option key={colour} value={colour}>
+                  {number(colour + 1)}
+                </option>
+              ))}
+            </select>
+          ),
+          edits && (
+            <button
+              key="r"
+              type="button"
+              class="button dense"
+              aria-label={s("removeName", { name: one.name })}
+              onClick={() => void save((held) => held.filter((other) => other.name !== one.name))}
+            >
+              <Icon name="close" />
+            </button>
+          ),
+        ])}
+      />
       {edits && found.value && (
-        <form class="row wrap vocabulary-add" aria-label={s("vocabulary")} onSubmit={(event) => { event.preventDefault(); if (name.trim()) void add(); }}>
-          <input class="field" aria-label={s("newName")} placeholder={s("newName")} maxLength={1024} value={name} onInput={(event) => setName(event.currentTarget.value)} />
-          <input class="field grow" aria-label={s("meaning")} placeholder={s("meaning")} maxLength={4096} value={description} onInput={(event) => setDescription(event.currentTarget.value)} />
-          <button class="button" disabled={!name.trim()}>{w("add")}</button>
+        <form
+          class="row wrap vocabulary-add"
+          aria-label={s("vocabulary")}
+          onSubmit={(event) => {
+            event.preventDefault();
+            if (name.trim()) void add();
+          }}
+        >
+          <input
+            class="field"
+            aria-label={s("newName")}
+            placeholder={s("newName")}
+            maxLength={1024}
+            value={name}
+            onInput={(event) => setName(event.currentTarget.value)}
+          />
+          <input
+            class="field grow"
+            aria-label={s("meaning")}
+            placeholder={s("meaning")}
+            maxLength={4096}
+            value={description}
+            onInput={(event) => setDescription(event.currentTarget.value)}
+          />
+          <button class="button" disabled={!name.trim()}>
+            {w("add")}
+          </button>
         </form>
       )}
     </section>

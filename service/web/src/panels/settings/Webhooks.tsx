@@ -19,7 +19,10 @@ const PAGE = 20;
 
 export function Webhooks() {
   const me = useAsync((signal) => get("/account", { signal }), []);
-  const hooks = useAsync(async (signal) => (me.value?.rights.includes("own") ? (await get("/webhooks", { signal })).items : null), [me.value]);
+  const hooks = useAsync(
+    async (signal) => (me.value?.rights.includes("own") ? (await get("/webhooks", { signal })).items : null),
+    [me.value],
+  );
   const [made, setMade] = useState<Schemas["WebhookMade"] | null>(null);
   const [ending, setEnding] = useState<Webhook | null>(null);
   if (me.value && !me.value.rights.includes("own")) return <p class="dim">{s("ownersHooks")}</p>;
@@ -39,12 +42,33 @@ export function Webhooks() {
       <Trouble error={me.error ?? hooks.error} retry={me.error ? me.again : hooks.again} />
       {made && <Secret text={made.secret} label={s("hookMade")} />}
       {hooks.value?.length === 0 && <p class="dim">{s("noHooks")}</p>}
-      <ul class="hooks">{hooks.value?.map((one) => <Hook key={one.number} hook={one} ending={ending === one} onEnd={() => setEnding(one)} />)}</ul>
-      {me.value && <AddHook me={me.value} onMade={(one) => { setMade(one); hooks.again(); }} />}
+      <ul class="hooks">
+        {hooks.value?.map((one) => (
+          <Hook key={one.number} hook={one} ending={ending === one} onEnd={() => setEnding(one)} />
+        ))}
+      </ul>
+      {me.value && (
+        <AddHook
+          me={me.value}
+          onMade={(one) => {
+            setMade(one);
+            hooks.again();
+          }}
+        />
+      )}
       {ending && (
         <Dialog title={s("endHook")} onClose={() => setEnding(null)}>
-          <p class="hook-url">{ending.url}</p><p>{s("endHookMeans")}</p>
-          <p class="row dialog-end"><span class="grow" /><button type="button" class="button" onClick={() => setEnding(null)}>{w("cancel")}</button><button type="button" class="button danger" autoFocus onClick={() => void end(ending)}>{w("delete")}</button></p>
+          <p class="hook-url">{ending.url}</p>
+          <p>{s("endHookMeans")}</p>
+          <p class="row dialog-end">
+            <span class="grow" />
+            <button type="button" class="button" onClick={() => setEnding(null)}>
+              {w("cancel")}
+            </button>
+            <button type="button" class="button danger" autoFocus onClick={() => void end(ending)}>
+              {w("delete")}
+            </button>
+          </p>
         </Dialog>
       )}
     </>
@@ -53,14 +77,31 @@ export function Webhooks() {
 
 function Hook({ hook, ending, onEnd }: { hook: Webhook; ending: boolean; onEnd: () => void }) {
   const [open, setOpen] = useState(false);
-  const about = [hook.project ?? w("allProjects"), hook.kinds.length ? hook.kinds.map((one) => s(`kind_${one}`)).join(", ") : s("anyKind"), hook.author, when(hook.created)];
+  const about = [
+    hook.project ?? w("allProjects"),
+    hook.kinds.length ? hook.kinds.map((one) => s(`kind_${one}`)).join(", ") : s("anyKind"),
+    hook.author,
+    when(hook.created),
+  ];
   return (
     <li>
       <div class="row wrap">
-        <div class="grow"><div class="hook-url">{hook.url}</div><div class="dim">{about.join(" · ")}</div>
-          {hook.ended && <div class="hook-ended"><Icon name="warn" />{s("hookEnded", { day: day(hook.ended) })}</div>}</div>
-        <button type="button" class="button dense" aria-expanded={open} onClick={() => setOpen(!open)}>{s("sentLog")}</button>
-        <button type="button" class="button dense" onClick={onEnd}>{w("delete")}</button>
+        <div class="grow">
+          <div class="hook-url">{hook.url}</div>
+          <div class="dim">{about.join(" · ")}</div>
+          {hook.ended && (
+            <div class="hook-ended">
+              <Icon name="warn" />
+              {s("hookEnded", { day: day(hook.ended) })}
+            </div>
+          )}
+        </div>
+        <button type="button" class="button dense" aria-expanded={open} onClick={() => setOpen(!open)}>
+          {s("sentLog")}
+        </button>
+        <button type="button" class="button dense" onClick={onEnd}>
+          {w("delete")}
+        </button>
       </div>
       {/* One that is about to go is not asked for its log any more. */}
       {open && !ending && <Log number={hook.number} />}
@@ -72,7 +113,11 @@ const STATES: Record<Delivery["state"], IconName> = { waiting: "loop", sent: "ch
 
 function Log({ number }: { number: number }) {
   const [pages, setPages] = useState(1);
-  const found = useAsync((signal) => get("/webhooks/{number}/messages", { path: { number }, query: { limit: PAGE * pages }, signal }), [number], [pages]);
+  const found = useAsync(
+    (signal) => get("/webhooks/{number}/messages", { path: { number }, query: { limit: PAGE * pages }, signal }),
+    [number],
+    [pages],
+  );
   const items = found.value?.items ?? [];
   useEffect(() => {
     const timer = window.setInterval(() => void (document.hidden || found.again()), LOOK_AGAIN);
@@ -92,17 +137,39 @@ function Log({ number }: { number: number }) {
       <Trouble error={found.error} retry={found.again} />
       {found.value && !items.length && <p class="dim">{s("nothingSent")}</p>}
       {items.length > 0 && (
-        <ol>{items.map((one) => (
-          <li key={one.number}>
-            <code title={one.message}>{one.type}</code>
-            <time class="dim" dateTime={one.created}>{when(one.created)}</time>
-            <span class={`hook-state ${one.state}`}><Icon name={STATES[one.state]} />{s(`state_${one.state}`)}</span>
-            <span class="dim grow">{[one.attempts > 0 && s("attempts", { n: one.attempts }), one.problem ?? (one.status ? String(one.status) : "")].filter(Boolean).join(" · ")}</span>
-            <button type="button" class="button dense" onClick={() => void again(one)}>{s("sendAgain")}</button>
-          </li>
-        ))}</ol>
+        <ol>
+          {items.map((one) => (
+            <li key={one.number}>
+              <code title={one.message}>{one.type}</code>
+              <time class="dim" dateTime={one.created}>
+                {when(one.created)}
+              </time>
+              <span class={`hook-state ${one.state}`}>
+                <Icon name={STATES[one.state]} />
+                {s(`state_${one.state}`)}
+              </span>
+              <span class="dim grow">
+                {[
+                  one.attempts > 0 && s("attempts", { n: one.attempts }),
+                  one.problem ?? (one.status ? String(one.status) : ""),
+                ]
+                  .filter(Boolean)
+                  .join(" · ")}
+              </span>
+              <button type="button" class="button dense" onClick={() => void again(one)}>
+                {s("sendAgain")}
+              </button>
+            </li>
+          ))}
+        </ol>
       )}
-      {found.value?.next_cursor && PAGE * pages < 1000 && <p><button type="button" class="button dense" onClick={() => setPages(pages + 1)}>{w("more")}</button></p>}
+      {found.value?.next_cursor && PAGE * pages < 1000 && (
+        <p>
+          <button type="button" class="button dense" onClick={() => setPages(pages + 1)}>
+            {w("more")}
+          </button>
+        </p>
+      )}
     </div>
   );
 }
@@ -133,13 +200,49 @@ function AddHook({ me, onMade }: { me: Schemas["Me"]; onMade: (made: Schemas["We
       <h3>{s("addHook")}</h3>
       <form class="hook-form" onSubmit={(event) => void add(event)}>
         <div class="row wrap">
-          <input class="field grow" type="url" required minLength={8} maxLength={2000} aria-label={s("hookAddress")} placeholder="https://" value={url} onInput={(event) => setUrl(event.currentTarget.value)} />
-          <select class="field" aria-label={w("project")} value={chosen} onChange={(event) => setProject(event.currentTarget.value)}>{all && <option value="">{w("allProjects")}</option>}{own.map((one) => <option key={one}>{one}</option>)}</select>
-          <button type="submit" class="button" disabled={!url.trim()}>{w("addMember")}</button>
+          <input
+            class="field grow"
+            type="url"
+            required
+            minLength={8}
+            maxLength={2000}
+            aria-label={s("hookAddress")}
+            placeholder="https://"
+            value={url}
+            onInput={(event) => setUrl(event.currentTarget.value)}
+          />
+          <select
+            class="field"
+            aria-label={w("project")}
+            value={chosen}
+            onChange={(event) => setProject(event.currentTarget.value)}
+          >
+            {all && <option value="">{w("allProjects")}</option>}
+            {own.map((one) => (
+              <option key={one}>{one}</option>
+            ))}
+          </select>
+          <button type="submit" class="button" disabled={!url.trim()}>
+            {w("addMember")}
+          </button>
         </div>
-        <fieldset><legend class="dim">{s("hookKinds")}</legend><div class="row wrap">{KINDS.filter((one) => one !== "token" || all).map((one) => (
-          <label key={one} class="row"><input type="checkbox" checked={kinds.includes(one)} onChange={(event) => setKinds(event.currentTarget.checked ? [...kinds, one] : kinds.filter((each) => each !== one))} /> {s(`kind_${one}`)}</label>
-        ))}</div></fieldset>
+        <fieldset>
+          <legend class="dim">{s("hookKinds")}</legend>
+          <div class="row wrap">
+            {KINDS.filter((one) => one !== "token" || all).map((one) => (
+              <label key={one} class="row">
+                <input
+                  type="checkbox"
+                  checked={kinds.includes(one)}
+                  onChange={(event) =>
+                    setKinds(event.currentTarget.checked ? [...kinds, one] : kinds.filter((each) => each !== one))
+                  }
+                />{" "}
+                {s(`kind_${one}`)}
+              </label>
+            ))}
+          </div>
+        </fieldset>
         <Trouble error={trouble} />
       </form>
     </section>

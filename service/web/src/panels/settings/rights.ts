@@ -3,7 +3,8 @@ import { get, type Schemas } from "../../api/client";
 
 /** Whether somebody decides about a project. */
 export const ownsIn = (me: Schemas["Me"], project: string): boolean =>
-  me.rights.includes("operate") || (me.rights.includes("own") && me.projects.some((one) => one.project === project && one.role === "owner"));
+  me.rights.includes("operate") ||
+  (me.rights.includes("own") && me.projects.some((one) => one.project === project && one.role === "owner"));
 
 /** Whether somebody may change what is in a project. Who has no account has the same right in all. */
 export function editsIn(me: Schemas["Me"], project: string): boolean {

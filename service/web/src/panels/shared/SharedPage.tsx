@@ -21,7 +21,15 @@ export function SharedPage({ secret }: { secret: string }) {
   useEffect(() => {
     if (shared) document.title = `${shared.name} · MCML Repository`;
   }, [shared]);
-  if (opened.error) return <main class="shared-page"><div class="empty"><h1>MCML Repository</h1><Trouble error={opened.error} /></div></main>;
+  if (opened.error)
+    return (
+      <main class="shared-page">
+        <div class="empty">
+          <h1>MCML Repository</h1>
+          <Trouble error={opened.error} />
+        </div>
+      </main>
+    );
   if (!shared) return null;
   const one = shared.documents[at];
   const until = new Intl.DateTimeFormat(language.value, { dateStyle: "long" }).format(new Date(shared.expires));
@@ -31,11 +39,40 @@ export function SharedPage({ secret }: { secret: string }) {
         <h1 class="cut">{one?.name ?? shared.name}</h1>
         <span class="dim grow">{one && duration(one.frames * (one.seconds_per_frame ?? 0))}</span>
         <span class="dim">{w("sharedUntil", { day: until })}</span>
-        {one && shared.formats.length > 0 && <Menu label={w("saveAs")} side="right" items={shared.formats.map((format) => ({ text: format.toUpperCase(), href: address("/documents/{id}/export", { id: one.id }, { format }), download: true }))}>{w("saveAs")}<Icon name="down" /></Menu>}
+        {one && shared.formats.length > 0 && (
+          <Menu
+            label={w("saveAs")}
+            side="right"
+            items={shared.formats.map((format) => ({
+              text: format.toUpperCase(),
+              href: address("/documents/{id}/export", { id: one.id }, { format }),
+              download: true,
+            }))}
+          >
+            {w("saveAs")}
+            <Icon name="down" />
+          </Menu>
+        )}
       </header>
-      {one ? <Playing key={one.id} id={one.id} revision={one.revision} /> : <div class="empty dim">{w("sharedGone")}</div>}
+      {one ? (
+        <Playing key={one.id} id={one.id} revision={one.revision} />
+      ) : (
+        <div class="empty dim">{w("sharedGone")}</div>
+      )}
       {shared.documents.length > 1 && (
-        <nav class="shared-list row" aria-label={w("sharedClips")}>{shared.documents.map((each, index) => <button key={each.id} type="button" class={index === at ? "button primary" : "button"} aria-current={index === at} onClick={() => setAt(index)}>{each.name}</button>)}</nav>
+        <nav class="shared-list row" aria-label={w("sharedClips")}>
+          {shared.documents.map((each, index) => (
+            <button
+              key={each.id}
+              type="button"
+              class={index === at ? "button primary" : "button"}
+              aria-current={index === at}
+              onClick={() => setAt(index)}
+            >
+              {each.name}
+            </button>
+          ))}
+        </nav>
       )}
     </main>
   );
@@ -55,11 +92,30 @@ function Playing({ id, revision }: { id: string; revision: number }) {
 
 function Moving({ motion }: { motion: Motion }) {
   const player = useMemo(() => new Player(motion.frames, motion.perSecond), [motion]);
-  const actors = useMemo<Actor[]>(() => [{ skeleton: motion.skeleton, positions: () => { motion.blocks.arrived.value; return motion.blocks.frame(player.frame.value); } }], [motion]);
+  const actors = useMemo<Actor[]>(
+    () => [
+      {
+        skeleton: motion.skeleton,
+        positions: () => {
+          motion.blocks.arrived.value;
+          return motion.blocks.frame(player.frame.value);
+        },
+      },
+    ],
+    [motion],
+  );
   useEffect(() => {
     const stop = effect(() => motion.blocks.want(player.frame.value, 1, motion.perSecond));
     player.play(1);
-    return () => { stop(); player.pause(); };
+    return () => {
+      stop();
+      player.pause();
+    };
   }, [player]);
-  return <div class="shared-stage"><MotionView actors={actors} label={motion.name} /><PlayBar player={player} /></div>;
+  return (
+    <div class="shared-stage">
+      <MotionView actors={actors} label={motion.name} />
+      <PlayBar player={player} />
+    </div>
+  );
 }

@@ -1,7 +1,7 @@
 /** Answers that are no runs: one value, values, nodes; each with the document that it is of. */
 import { useEffect, useState } from "preact/hooks";
+import { copyText } from "../../state/notes";
 import { get, type Schemas } from "../../api/client";
-import { copyText } from "../../shell/App";
 import { number, w } from "../../words";
 
 /** A node, a value of a document, or one of several values. */
@@ -17,8 +17,12 @@ export function OneValue({ item }: { item: Item }) {
   const text = textOf(item);
   return (
     <div class="xpath-value" role="region" aria-label={w("value")} tabIndex={0}>
-      <output class={text.length > LONG || !text ? "long" : ""}>{text ? <Shortened text={text} /> : <Nothing />}</output>
-      <button type="button" class="button dense" onClick={() => void copyText(text, w("copied"))}>{w("copyValue")}</button>
+      <output class={text.length > LONG || !text ? "long" : ""}>
+        {text ? <Shortened text={text} /> : <Nothing />}
+      </output>
+      <button type="button" class="button dense" onClick={() => void copyText(text, w("copied"))}>
+        {w("copyValue")}
+      </button>
     </div>
   );
 }
@@ -31,17 +35,32 @@ export function shapeOf(items: Item[]): "nodes" | "scalars" | "values" {
 
 export function ItemHead({ shape }: { shape: ReturnType<typeof shapeOf> }) {
   return (
-    <div class={`run-row run-head of-${shape}`} aria-hidden="true"><span class="n">#</span><span>{w("value")}</span>
-      {shape === "nodes" && <span class="place">{w("addressWord")}</span>}{shape !== "values" && <span>{w("document")}</span>}</div>
+    <div class={`run-row run-head of-${shape}`} aria-hidden="true">
+      <span class="n">#</span>
+      <span>{w("value")}</span>
+      {shape === "nodes" && <span class="place">{w("addressWord")}</span>}
+      {shape !== "values" && <span>{w("document")}</span>}
+    </div>
   );
 }
 
 export function ItemCells({ item, row }: { item: Item; row: number }) {
   const text = textOf(item);
   return (
-    <><span class="n dim">{number(row + 1)}</span><code class="cut">{text || <Nothing />}</code>
-      {item.address !== undefined && <span class="cut dim place" title={item.address}>{item.address}</span>}
-      {item.document !== undefined && <span class="cut dim"><DocumentName id={item.document} /></span>}</>
+    <>
+      <span class="n dim">{number(row + 1)}</span>
+      <code class="cut">{text || <Nothing />}</code>
+      {item.address !== undefined && (
+        <span class="cut dim place" title={item.address}>
+          {item.address}
+        </span>
+      )}
+      {item.document !== undefined && (
+        <span class="cut dim">
+          <DocumentName id={item.document} />
+        </span>
+      )}
+    </>
   );
 }
 
@@ -51,14 +70,28 @@ export function WholeValue({ item }: { item: Item }) {
   if (text.length <= LONG) return null;
   return (
     <aside class="xpath-whole" aria-label={w("value")} tabIndex={0}>
-      <div class="row">{item.document !== undefined && <a class="cut" href={`/clips/${item.document}`}><DocumentName id={item.document} /></a>}<span class="grow" /><button type="button" class="button dense" onClick={() => void copyText(text, w("copied"))}>{w("copyValue")}</button></div>
+      <div class="row">
+        {item.document !== undefined && (
+          <a class="cut" href={`/clips/${item.document}`}>
+            <DocumentName id={item.document} />
+          </a>
+        )}
+        <span class="grow" />
+        <button type="button" class="button dense" onClick={() => void copyText(text, w("copied"))}>
+          {w("copyValue")}
+        </button>
+      </div>
       {item.address !== undefined && <p class="dim">{item.address}</p>}
-      <pre><Shortened text={text} /></pre>
+      <pre>
+        <Shortened text={text} />
+      </pre>
     </aside>
   );
 }
 
-const Shortened = ({ text }: { text: string }) => <>{text.length > MOST_SHOWN ? `${text.slice(0, MOST_SHOWN)}…` : text}</>;
+const Shortened = ({ text }: { text: string }) => (
+  <>{text.length > MOST_SHOWN ? `${text.slice(0, MOST_SHOWN)}…` : text}</>
+);
 const Nothing = () => <span class="dim">{w("emptyText")}</span>;
 
 const named = new Map<string, Promise<string>>();
@@ -69,11 +102,24 @@ function DocumentName({ id }: { id: string }) {
   useEffect(() => {
     let alive = true;
     // A row that is only scrolled past asks nothing.
-    const timer = window.setTimeout(() => {
-      if (!named.has(id)) named.set(id, get("/documents/{id}", { path: { id } }).then((one) => one.name, () => (named.delete(id), id)));
-      void named.get(id)!.then((found) => alive && setName(found));
-    }, named.has(id) ? 0 : 100);
-    return () => { alive = false; window.clearTimeout(timer); };
+    const timer = window.setTimeout(
+      () => {
+        if (!named.has(id))
+          named.set(
+            id,
+            get("/documents/{id}", { path: { id } }).then(
+              (one) => one.name,
+              () => (named.delete(id), id),
+            ),
+          );
+        void named.get(id)!.then((found) => alive && setName(found));
+      },
+      named.has(id) ? 0 : 100,
+    );
+    return () => {
+      alive = false;
+      window.clearTimeout(timer);
+    };
   }, [id]);
   return <>{name || "…"}</>;
 }

@@ -22,9 +22,16 @@ export function Examples({ onChoose }: { onChoose: (query: string) => void }) {
     <div class="empty examples-page">
       <h2>{w("xpathStart")}</h2>
       <p class="dim">{w("xpathExamples")}</p>
-      <ul class="examples">{examples.map(([word, query]) => (
-        <li key={word}><button type="button" class="example" onClick={() => onChoose(query)}><span>{w(word)}</span><code>{query}</code></button></li>
-      ))}</ul>
+      <ul class="examples">
+        {examples.map(([word, query]) => (
+          <li key={word}>
+            <button type="button" class="example" onClick={() => onChoose(query)}>
+              <span>{w(word)}</span>
+              <code>{query}</code>
+            </button>
+          </li>
+        ))}
+      </ul>
     </div>
   );
 }

@@ -18,11 +18,29 @@ export function SavedQueries({ text, onChoose }: { text: string; onChoose: (quer
   };
   return (
     <>
-      <Menu label={w("savedQueries")} className="button quiet" side="right" items={[
-        { text: w("saveQuery"), icon: "plus", disabled: !text.trim(), run: () => setSaving(true) },
-        ...(saved.value?.items ?? []).map((one) => ({ text: one.name, detail: one.q.length > 40 ? `${one.q.slice(0, 40)}…` : one.q, run: () => onChoose(one.q) })),
-      ]}>{w("savedQueries")}<Icon name="down" /></Menu>
-      {saving && <AskName title={w("saveQuery")} onName={save} onClose={() => setSaving(false)}><p><code>{text}</code></p></AskName>}
+      <Menu
+        label={w("savedQueries")}
+        className="button quiet"
+        side="right"
+        items={[
+          { text: w("saveQuery"), icon: "plus", disabled: !text.trim(), run: () => setSaving(true) },
+          ...(saved.value?.items ?? []).map((one) => ({
+            text: one.name,
+            detail: one.q.length > 40 ? `${one.q.slice(0, 40)}…` : one.q,
+            run: () => onChoose(one.q),
+          })),
+        ]}
+      >
+        {w("savedQueries")}
+        <Icon name="down" />
+      </Menu>
+      {saving && (
+        <AskName title={w("saveQuery")} onName={save} onClose={() => setSaving(false)}>
+          <p>
+            <code>{text}</code>
+          </p>
+        </AskName>
+      )}
     </>
   );
 }

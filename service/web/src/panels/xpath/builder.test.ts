@@ -16,12 +16,18 @@ describe("a question of rows", () => {
   });
 
   it("keeps together what belongs together where any row will do", () => {
-    expect(expressionOf({ rows: [NAME, FRAMES], all: false })).toBe("//frame[motion_name = 'walk' or (position() >= 10 and position() <= 20)]");
-    expect(expressionOf({ rows: [{ ...NAME, name: "a and b" }, VALUE], all: false })).toBe("//frame[motion_name = 'a and b' or frame_bone[@name = 'left_up_arm']/@Rx > 45]");
+    expect(expressionOf({ rows: [NAME, FRAMES], all: false })).toBe(
+      "//frame[motion_name = 'walk' or (position() >= 10 and position() <= 20)]",
+    );
+    expect(expressionOf({ rows: [{ ...NAME, name: "a and b" }, VALUE], all: false })).toBe(
+      "//frame[motion_name = 'a and b' or frame_bone[@name = 'left_up_arm']/@Rx > 45]",
+    );
   });
 
   it("leaves out rows that say nothing yet", () => {
-    expect(all({ ...NAME, name: "" }, { ...VALUE, value: Number.NaN }, { ...FRAMES, first: Number.NaN }, VALUE)).toBe("//frame[frame_bone[@name = 'left_up_arm']/@Rx > 45]");
+    expect(all({ ...NAME, name: "" }, { ...VALUE, value: Number.NaN }, { ...FRAMES, first: Number.NaN }, VALUE)).toBe(
+      "//frame[frame_bone[@name = 'left_up_arm']/@Rx > 45]",
+    );
   });
 
   it("begins with what there is", () => {

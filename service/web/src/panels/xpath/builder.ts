@@ -4,25 +4,43 @@ export const COMPARISONS = [">", "<", ">=", "<=", "=", "!="] as const;
 
 export type Row =
   | { kind: "name"; is: "is" | "not" | "contains"; name: string }
-  | { kind: "value"; bone: string; channel: (typeof CHANNELS)[number]; than: (typeof COMPARISONS)[number]; value: number }
+  | {
+      kind: "value";
+      bone: string;
+      channel: (typeof CHANNELS)[number];
+      than: (typeof COMPARISONS)[number];
+      value: number;
+    }
   | { kind: "frames"; first: number; last: number };
 export type RowKind = Row["kind"];
 
-export interface Question { rows: readonly Row[]; /** Every row, or any one. */ all: boolean }
+export interface Question {
+  rows: readonly Row[];
+  /** Every row, or any one. */ all: boolean;
+}
 export const NO_QUESTION: Question = { rows: [], all: true };
 
 /** A row of a kind, with what is likely. */
 export function rowOf(kind: RowKind, names: readonly string[], bones: readonly string[]): Row {
   if (kind === "name") return { kind, is: "is", name: names[0] ?? "" };
   if (kind === "frames") return { kind, first: 1, last: 100 };
-  return { kind, bone: bones.find((one) => /left_(up|low)_arm/.test(one)) ?? bones[0] ?? "", channel: "Rx", than: ">", value: 45 };
+  return {
+    kind,
+    bone: bones.find((one) => /left_(up|low)_arm/.test(one)) ?? bones[0] ?? "",
+    channel: "Rx",
+    than: ">",
+    value: 45,
+  };
 }
 
 /** A text as XPath writes it, whatever quotes are in it. */
 export function literal(text: string): string {
   if (!text.includes("'")) return `'${text}'`;
   if (!text.includes('"')) return `"${text}"`;
-  return `concat(${text.split("'").map((part) => `'${part}'`).join(`, "'", `)})`;
+  return `concat(${text
+    .split("'")
+    .map((part) => `'${part}'`)
+    .join(`, "'", `)})`;
 }
 
 /** The frames that a question asks for. Rows that say nothing yet are left out. */

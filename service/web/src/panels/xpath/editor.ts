@@ -1,5 +1,12 @@
 /** The XPath editor: CodeMirror with colours, completion from the server, Ctrl+Enter. */
-import { autocompletion, completionKeymap, closeBrackets, closeBracketsKeymap, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
+import {
+  autocompletion,
+  completionKeymap,
+  closeBrackets,
+  closeBracketsKeymap,
+  type CompletionContext,
+  type CompletionResult,
+} from "@codemirror/autocomplete";
 import { defaultKeymap, history, historyKeymap } from "@codemirror/commands";
 import { HighlightStyle, StreamLanguage, syntaxHighlighting } from "@codemirror/language";
 import { EditorState, Prec } from "@codemirror/state";
@@ -9,10 +16,12 @@ import { get } from "../../api/client";
 import { editorTheme } from "../../ui/editorTheme";
 import { w } from "../../words";
 
-const AXES = /^(ancestor-or-self|ancestor|attribute|child|descendant-or-self|descendant|following-sibling|following|namespace|parent|preceding-sibling|preceding|self)(?=::)/;
+const AXES =
+  /^(ancestor-or-self|ancestor|attribute|child|descendant-or-self|descendant|following-sibling|following|namespace|parent|preceding-sibling|preceding|self)(?=::)/;
 
 /** Words of XPath 2.0 where no name may stand: behind a value, or before a variable. */
-const BETWEEN = /^(and|or|div|idiv|mod|to|in|return|satisfies|then|else|union|except|intersect|is|eq|ne|lt|le|gt|ge|instance|treat|castable|cast|of|as)(?![\w.-])/;
+const BETWEEN =
+  /^(and|or|div|idiv|mod|to|in|return|satisfies|then|else|union|except|intersect|is|eq|ne|lt|le|gt|ge|instance|treat|castable|cast|of|as)(?![\w.-])/;
 const BEFORE_VARIABLE = /^(for|let|some|every)(?=\s+\$)/;
 const isBehindValue = (before: string) => /[\w.\])"'*]\s+$|[\])"']$/.test(before);
 
@@ -51,14 +60,27 @@ async function complete(context: CompletionContext): Promise<CompletionResult | 
   try {
     const answer = await get("/xpath/complete", { query: { q: text, at: context.pos } });
     if (!answer.items.length) return null;
-    return { from: answer.first, options: answer.items.map((one) => ({ label: one.text, detail: typeof one.documents === "number" ? w("clips", { n: one.documents }) : one.detail, type: one.kind.includes("name") ? "constant" : one.kind })), validFor: /^[\w.-]*$/ };
+    return {
+      from: answer.first,
+      options: answer.items.map((one) => ({
+        label: one.text,
+        detail: typeof one.documents === "number" ? w("clips", { n: one.documents }) : one.detail,
+        type: one.kind.includes("name") ? "constant" : one.kind,
+      })),
+      validFor: /^[\w.-]*$/,
+    };
   } catch {
     return null; // Completion is help; trouble is told when the question is asked.
   }
 }
 
 /** Mounted in a shadow root: the editor's styles are adopted sheets there, which a strict policy allows. */
-export function mountXPath(host: HTMLElement, text: string, onChange: (text: string) => void, onRun: () => void): EditorView {
+export function mountXPath(
+  host: HTMLElement,
+  text: string,
+  onChange: (text: string) => void,
+  onRun: () => void,
+): EditorView {
   const shadow = host.shadowRoot ?? host.attachShadow({ mode: "open" });
   const inner = document.createElement("div");
   shadow.replaceChildren(inner);
@@ -70,8 +92,14 @@ export function mountXPath(host: HTMLElement, text: string, onChange: (text: str
       extensions: [
         Prec.highest(keymap.of([{ key: "Mod-Enter", run: () => (onRun(), true) }])),
         keymap.of([...closeBracketsKeymap, ...completionKeymap, ...historyKeymap, ...defaultKeymap]),
-        history(), closeBrackets(), autocompletion({ override: [complete], activateOnTyping: true }),
-        xpath, syntaxHighlighting(colours), EditorView.lineWrapping, editorTheme, placeholder(w("queryPlaceholder")),
+        history(),
+        closeBrackets(),
+        autocompletion({ override: [complete], activateOnTyping: true }),
+        xpath,
+        syntaxHighlighting(colours),
+        EditorView.lineWrapping,
+        editorTheme,
+        placeholder(w("queryPlaceholder")),
         EditorView.contentAttributes.of({ "aria-label": w("xpath") }),
         EditorView.updateListener.of((update) => update.docChanged && onChange(update.state.doc.toString())),
       ],

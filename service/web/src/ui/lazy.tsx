@@ -1,7 +1,7 @@
 /** Pages that are loaded when they are opened first. */
 import type { ComponentType } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { Trouble } from "../ui/Trouble";
+import { Trouble } from "./Trouble";
 
 export function lazy<P extends object>(load: () => Promise<ComponentType<P>>): ComponentType<P> {
   let ready: ComponentType<P> | null = null;
@@ -10,13 +10,10 @@ export function lazy<P extends object>(load: () => Promise<ComponentType<P>>): C
     const [error, setError] = useState<unknown>(null);
     useEffect(() => {
       if (ready) return;
-      load().then(
-        (found) => {
-          ready = found;
-          setTurn((turn) => turn + 1);
-        },
-        setError,
-      );
+      load().then((found) => {
+        ready = found;
+        setTurn((turn) => turn + 1);
+      }, setError);
     }, []);
     if (error) return <Trouble error={error} retry={() => location.reload()} />;
     const Ready = ready;

@@ -1,0 +1,21 @@
+/** Picking cards with Ctrl and Shift, as in file managers. */
+import * as library from "../../state/library";
+
+let anchor = -1;
+
+/** Pick a card, or the range up to it; false: the click opens it. */
+export function pickBy(event: MouseEvent, row: number, id: string): boolean {
+  if (event.shiftKey && anchor >= 0) {
+    const next = new Set(library.picked.peek());
+    for (let one = Math.min(anchor, row); one <= Math.max(anchor, row); one++) {
+      const card = library.cardAt(one);
+      if (card) next.add(card.id);
+    }
+    library.picked.value = next;
+    return true;
+  }
+  anchor = row;
+  if (!event.ctrlKey && !event.metaKey) return false;
+  library.pick(id);
+  return true;
+}

@@ -1,0 +1,130 @@
+/** What was found and how fast; copies, exports, a new clip of all frame ranges. */
+import { useState } from "preact/hooks";
+import { address, ask, type Schemas } from "../../api/client";
+import { needsToken } from "../../state/me";
+import { copyText, note, refuse } from "../../state/notes";
+import { go } from "../../state/route";
+import { Icon } from "../../ui/icons";
+import { Menu } from "../../ui/Menu";
+import { w } from "../../words";
+import type { Answered, Run } from "./answered";
+import { Explain } from "./Explain";
+import { asCommand, asCurl, asPython } from "./scripts";
+
+const PIECES = 40; // that an address to the composer holds
+
+/** A question as a name: its words. */
+const slug = (q: string, between = "-"): string =>
+  q
+    .replace(/[^\p{L}\p{N}]+/gu, " ")
+    .trim()
+    .slice(0, 60)
+    .trim()
+    .replaceAll(" ", between) || w("untitled");
+
+/** runs: those of the answer; none where it is of another kind. */
+export function AnswerStatus({ answer, runs }: { answer: Answered; runs: Run[] }) {
+  const [saving, setSaving] = useState(false);
+  const { q, project, per } = answer;
+  const totals = answer.totals ?? { frames: runs.reduce((sum, one) => sum + one.frames, 0), runs: runs.length };
+  /** All runs, one after the other, as a new clip. */
+  const saveAsClip = async () => {
+    setSaving(true);
+    try {
+      const name = slug(q, " ");
+      const made = await ask("post", "/compose", {
+        body: { segments: [{ xpath: q, project: project || null, first: 1 }], name } as Schemas["ComposeRequest"],
+      });
+      note(w("composed", { name }), { action: { text: w("open"), run: () => go(`/clips/${made.document}`) } });
+    } catch (problem) {
+      refuse(problem);
+    } finally {
+      setSaving(false);
+    }
+  };
+  return (
+    <div class="xpath-status row wrap" role="status">
+      <span>
+        {answer.as === "runs"
+          ? w("resultRuns", {
+              frames: w("frames", { n: totals.frames }),
+              runs: w("runCount", { n: totals.runs }),
+              ms: answer.ms,
+            })
+          : w(answer.type === "nodes" ? "resultNodes" : "resultValues", {
+              n: answer.total ?? answer.items.length,
+              ms: answer.ms,
+            })}
+      </span>
+      {answer.per && (
+        <span class="dim" title={w("perDocumentHelp")}>
+          {w("perDocumentAsked")}
+        </span>
+      )}
+      {answer.cursor && <span class="dim">{w("firstShown", { n: answer.items.length })}</span>}
+      {!answer.complete && (
+        <span class="cut-off">
+          <Icon name="warn" />
+          {w("cutOff")}
+        </span>
+      )}
+      {answer.warnings.map((one) => (
+        <span key={one} class="dim">
+          {one}
+        </span>
+      ))}
+      <span class="grow" />
+      <Explain explain={answer.explain} />
+      <Copies answer={answer} />
+      <Menu
+        label={w("exportAll")}
+        className="button quiet dense"
+        side="right"
+        items={(["xml", "ndjson", "csv"] as const).map((one) => ({
+          text: one.toUpperCase(),
+          href: address("/xpath", {}, { q, project, as: one, per: per ? "document" : undefined }),
+          download: `${slug(q)}.${one}`,
+        }))}
+      >
+        {w("exportAll")}
+        <Icon name="down" />
+      </Menu>
+      {runs.length > 0 && !answer.per && (
+        <button type="button" class="button dense" disabled={saving} onClick={() => void saveAsClip()}>
+          {w("saveAsClip")}
+        </button>
+      )}
+      {runs.length > 0 && (
+        <button type="button" class="button dense" onClick={() => go(`/compose?s=${piecesOf(runs)}`)}>
+          {runs.length > PIECES ? w("toComposerFirst", { n: PIECES }) : w("toComposer")}
+        </button>
+      )}
+    </div>
+  );
+}
+
+/** Frame ranges as the composer's address has them. */
+const piecesOf = (runs: Run[]): string =>
+  runs
+    .slice(0, PIECES)
+    .map((one) => `${one.document}:${one.first}-${one.last}`)
+    .join(",");
+
+/** The query as a line for a shell or for Python. */
+function Copies({ answer }: { answer: Answered }) {
+  const { q, project, per } = answer;
+  const values = answer.as === "json" && answer.type !== "nodes";
+  const question = { q, project, per, form: answer.as, values, token: needsToken() };
+  const copied = question.token ? w("copiedToken") : w("copied");
+  const copies = [
+    { text: w("asCurl"), run: () => void copyText(asCurl(question, location.origin), copied) },
+    { text: w("asCommand"), run: () => void copyText(asCommand(question, location.origin), copied) },
+    { text: w("asPython"), run: () => void copyText(asPython(question, location.origin), copied) },
+  ];
+  return (
+    <Menu label={w("copy")} className="button quiet dense" side="right" items={copies}>
+      {w("copy")}
+      <Icon name="down" />
+    </Menu>
+  );
+}

@@ -1,0 +1,102 @@
+/** The answer as a table: frame ranges or items; what is picked is played or read beside it. */
+import type { HTMLAttributes } from "preact";
+import { useMemo, useState } from "preact/hooks";
+import { go } from "../../state/route";
+import { RunPlayer } from "../../ui/RunPlayer";
+import { VirtualList } from "../../ui/VirtualList";
+import { number, w } from "../../words";
+import { ItemCells, ItemHead, OneValue, shapeOf, WholeValue, type Item } from "./Answer";
+import type { Answered, Run } from "./answered";
+
+/** Open a frame range or the document of an item. */
+function open(one: Run | Item | undefined): void {
+  if (!one?.document) return;
+  if ("frames" in one) go(`/clips/${one.document}?f=${one.first}&in=${one.first}&out=${one.last}`);
+  else go(`/clips/${one.document}`);
+}
+
+/** runs: those of the answer; none where it is of another kind. onEnd: its last rows are in sight. */
+export function AnswerTable({ answer, runs, onEnd }: { answer: Answered; runs: Run[]; onEnd: () => void }) {
+  const [picked, setPicked] = useState(0);
+  const items = useMemo(() => (answer.as === "json" ? (answer.items as Item[]) : []), [answer]);
+  const shape = useMemo(() => shapeOf(items), [items]);
+  if (!answer.items.length) {
+    return (
+      <div class="empty">
+        <h2>{w("noAnswer")}</h2>
+        <p>{w("noAnswerHelp")}</p>
+      </div>
+    );
+  }
+  if (answer.single && items[0]) return <OneValue item={items[0]} />;
+  return (
+    <div class="xpath-answer">
+      <div class="xpath-table">
+        {answer.as === "json" && <ItemHead shape={shape} />}
+        {answer.as === "runs" && <RunHead />}
+        <VirtualList
+          rows={answer.items.length}
+          height={28}
+          label={w("results")}
+          role="listbox"
+          at={picked}
+          onSeen={(_, last) => {
+            if (last >= answer.items.length - 5) onEnd();
+          }}
+          onKeyDown={(event) => {
+            const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+            if (step) {
+              setPicked(Math.max(0, Math.min(answer.items.length - 1, picked + step)));
+              event.preventDefault();
+            }
+            if (event.key === "Enter") open(answer.items[picked]);
+          }}
+          render={(row) => {
+            const item = answer.items[row];
+            if (!item) return null;
+            const props = {
+              role: "option",
+              "aria-selected": row === picked,
+              tabIndex: row === picked ? 0 : -1,
+              onClick: () => setPicked(row),
+              onDblClick: () => open(item),
+            } as const;
+            return answer.as === "runs" ? (
+              <RunRow run={item as Run} row={row} {...props} />
+            ) : (
+              <div class={`run-row of-${shape}`} {...props}>
+                <ItemCells item={item as Item} row={row} />
+              </div>
+            );
+          }}
+        />
+      </div>
+      {items[picked] && <WholeValue item={items[picked]} />}
+      {runs.length > 0 && <RunPlayer runs={runs} at={picked} onAt={setPicked} />}
+    </div>
+  );
+}
+
+function RunHead() {
+  return (
+    <div class="run-row run-head" aria-hidden="true">
+      <span class="n">#</span>
+      <span>{w("document")}</span>
+      <span class="n">{w("from")}</span>
+      <span class="n">{w("last")}</span>
+      <span class="n">{w("length")}</span>
+    </div>
+  );
+}
+
+function RunRow({ run, row, ...props }: { run: Run; row: number } & HTMLAttributes<HTMLDivElement>) {
+  return (
+    <div class="run-row" {...props}>
+      <span class="n dim">{number(row + 1)}</span>
+      <span class="cut">{run.name}</span>
+      <span class="n">{number(run.first)}</span>
+      <span class="n">{number(run.last)}</span>
+      <span class="n dim">{w("frames", { n: run.frames })}</span>
+    </div>
+  );
+}

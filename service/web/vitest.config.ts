@@ -1,0 +1,9 @@
+import { defineConfig } from "vitest/config";
+
+export default defineConfig({
+  test: {
+    // pytest ends a run that hangs: a busy machine takes longer than the usual five seconds.
+    testTimeout: 120_000,
+    hookTimeout: 120_000,
+  },
+});
