@@ -12,18 +12,10 @@ from fastapi.responses import Response
 from service.api.page import page
 from service.api.policy import page_policy
 from service.errors import NotFoundError
-from service.web import STATIC
+from service.web import STATIC, addresses
 
 router = APIRouter(include_in_schema=False)
 
-PAGES = (
-    *("/", "/library", "/clips/{id}", "/xpath", "/compose", "/retarget"),
-    *(
-        f"/{page}{rest}"
-        for page in ("reach", "dance", "faces", "analyses", "results", "settings")
-        for rest in ("", "/{id}")
-    ),
-)
 OTHERS = ("/api/", "/assets/", "/docs/")
 """Below these nothing is a page of the studio."""
 POLICY = {
@@ -65,7 +57,7 @@ def unknown_page(request: Request) -> Response | None:
     return shown
 
 
-for address in PAGES:
+for address in addresses():
     router.get(address)(studio_page)
 
 

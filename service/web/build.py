@@ -30,7 +30,7 @@ STATIC = WEB / "static"
 STAMP = STATIC / ".sources"
 PAGES = ("index.html", "shared.html")
 MADE_FROM = (
-    *("src", "public", *PAGES, "package.json", "package-lock.json"),
+    *("src", "public", *PAGES, "pages.json", "package.json", "package-lock.json"),
     *("tsconfig.json", "tsconfig.build.json", "vite.config.ts"),
 )
 TOOL = "node_modules/eslint"

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import gzip
+import json
 import re
+from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
 
+from service import web
 from service.web import STATIC
 from service.web.build import WEB, fingerprint, is_current
 from tests.web.types import TYPES, types
@@ -32,9 +35,18 @@ def test_what_is_built_is_built_of_these_sources() -> None:
     assert fingerprint() == before
 
 
-@pytest.mark.parametrize(
-    "path", ["/", "/library", "/clips/0", "/xpath", "/compose", "/reach/0", "/faces", "/results/0", "/settings"]
-)
+def test_a_row_of_pages_is_an_address(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A page is added by a row and its component: a unit test of the studio holds the rows against words and files."""
+    rows = json.loads((WEB / "pages.json").read_text(encoding="utf-8"))
+    assert {"/", "/library", "/clips/{id}", "/settings", "/settings/{id}"} < set(web.addresses())
+    added = {"name": "floor", "path": "/floor", "about": "any", "title": "floor", "file": "floor/FloorPage"}
+    (tmp_path / "pages.json").write_text(json.dumps([*rows, added]))
+    before = set(web.addresses())
+    monkeypatch.setattr(web, "PAGES", tmp_path / "pages.json")
+    assert set(web.addresses()) - before == {"/floor", "/floor/{id}"}
+
+
+@pytest.mark.parametrize("path", [address.replace("{id}", "0") for address in web.addresses()])
 def test_pages_are_strict_and_asked_for_anew(client: TestClient, path: str) -> None:
     answer = client.get(path)
     assert answer.status_code == 200

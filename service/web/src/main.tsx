@@ -5,6 +5,7 @@ import "./styles/shell.css";
 import { App } from "./shell/App";
 import { effect } from "@preact/signals";
 import { forget } from "./motion/source";
+import { PAGES } from "./pages";
 import { followEvents, news } from "./state/events";
 import { followHistory } from "./state/route";
 import { followKeys } from "./state/keys";
@@ -12,7 +13,7 @@ import { followKept } from "./state/jobs";
 import { followSettings } from "./state/settings";
 
 followSettings();
-followHistory();
+followHistory(PAGES);
 followKeys();
 followEvents();
 followKept();

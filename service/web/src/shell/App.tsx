@@ -1,15 +1,15 @@
 /** The frame around every page: rail, bar, toasts, palette, what is dropped, keys that work everywhere. */
 import { useEffect } from "preact/hooks";
-import { LibraryPage } from "../panels/library/LibraryPage";
-import { SettingsPage } from "../panels/settings/SettingsPage";
-import { go, loadedBy, page, route } from "../state/route";
+import { load, PAGES, rowOf, type PageRow } from "../pages";
+import { followPrefetch } from "../state/prefetch";
+import { go, page, route } from "../state/route";
 import { copyText } from "../state/notes";
 import { drawerOpen, keysOpen, paletteOpen } from "../state/shell";
-import { offer } from "../state/keys";
+import { offer, type Command } from "../state/keys";
 import { leftFolded, rightFolded } from "../state/panes";
 import { railWide } from "../state/settings";
-import { Icon, type IconName } from "../ui/icons";
-import { w, type Word } from "../words";
+import { Icon } from "../ui/icons";
+import { w } from "../words";
 import { Bar } from "./Bar";
 import { DropTarget } from "./DropTarget";
 import { Keys } from "./Keys";
@@ -19,28 +19,18 @@ import { Toasts } from "./Toasts";
 import { Connection } from "./Connection";
 import { UploadTray } from "../panels/library/UploadTray";
 
-const clipPage = async () => (await import("../panels/clip/ClipPage")).ClipPage;
-const ClipPage = lazy(clipPage);
-loadedBy("clip", clipPage);
-const XPathPage = lazy(async () => (await import("../panels/xpath/XPathPage")).XPathPage);
-const ComposerPage = lazy(async () => (await import("../panels/composer/ComposerPage")).ComposerPage);
-const RetargetPage = lazy(async () => (await import("../panels/retarget/RetargetPage")).RetargetPage);
-const BlenderPage = lazy(async () => (await import("../panels/blender/BlenderPage")).BlenderPage);
-const DancePage = lazy(async () => (await import("../panels/dance/DancePage")).DancePage);
-const FacesPage = lazy(async () => (await import("../panels/faces/FacesPage")).FacesPage);
-const AnalysesPage = lazy(async () => (await import("../panels/analyses/AnalysesPage")).AnalysesPage);
-const ResultPage = lazy(async () => (await import("../panels/analyses/ResultPage")).ResultPage);
+followPrefetch(async (name) => {
+  const row = rowOf(name);
+  if (row) await load(row);
+});
 
-const RAIL: { page: string; icon: IconName; word: Word; path: string }[] = [
-  { page: "library", icon: "library", word: "library", path: "/library" },
-  { page: "xpath", icon: "xpath", word: "xpath", path: "/xpath" },
-  { page: "compose", icon: "compose", word: "compose", path: "/compose" },
-  { page: "retarget", icon: "retarget", word: "retarget", path: "/retarget" },
-  { page: "reach", icon: "blender", word: "blender", path: "/reach" },
-  { page: "dance", icon: "beat", word: "dance", path: "/dance" },
-  { page: "faces", icon: "face", word: "faces", path: "/faces" },
-  { page: "analyses", icon: "chart", word: "analyses", path: "/analyses" },
-];
+/** Commands that open pages; those without a key of their own are in the rail alone. */
+const toPages = (): Command[] =>
+  PAGES.flatMap(({ name, path, go: word, key }) =>
+    word && key ? [{ id: `go-${name}`, word, keys: [`G then ${key}`], run: () => go(path) }] : [],
+  );
+
+const VIEWS = new Map(PAGES.map((row) => [row.name, lazy(() => load(row))]));
 
 export function App() {
   useEffect(
@@ -57,14 +47,7 @@ export function App() {
         { id: "copy", word: "copyAddress", keys: ["Y"], run: () => void copyText(location.href, w("addressCopied")) },
         { id: "left", word: "leftPanel", keys: ["["], run: () => (leftFolded.value = !leftFolded.value) },
         { id: "right", word: "rightPanel", keys: ["]"], run: () => (rightFolded.value = !rightFolded.value) },
-        { id: "goL", word: "goLibrary", keys: ["G then L"], run: () => go("/library") },
-        { id: "goX", word: "goXpath", keys: ["G then X"], run: () => go("/xpath") },
-        { id: "goC", word: "goCompose", keys: ["G then C"], run: () => go("/compose") },
-        { id: "goR", word: "goRetarget", keys: ["G then R"], run: () => go("/retarget") },
-        { id: "goB", word: "goBlender", keys: ["G then B"], run: () => go("/reach") },
-        { id: "goD", word: "goDance", keys: ["G then D"], run: () => go("/dance") },
-        { id: "goF", word: "goFaces", keys: ["G then F"], run: () => go("/faces") },
-        { id: "goS", word: "goSettings", keys: ["G then S"], run: () => go("/settings") },
+        ...toPages(),
         { id: "goA", word: "goActivity", keys: ["G then A"], run: () => go("/settings/activity") },
       ]),
     [],
@@ -90,71 +73,50 @@ export function App() {
 }
 
 function PageOf() {
-  const { id, params } = route.value;
-  switch (page.value) {
-    case "library":
-      return <LibraryPage />;
-    case "clip":
-      return <ClipPage id={id} revision={params.get("rev")} key={`${id}@${params.get("rev") ?? ""}`} />;
-    case "xpath":
-      return <XPathPage />;
-    case "compose":
-      return <ComposerPage />;
-    case "retarget":
-      return <RetargetPage />;
-    case "reach":
-      return <BlenderPage id={id} key={id} />;
-    case "dance":
-      return <DancePage id={id} key={id} />;
-    case "faces":
-      return <FacesPage id={id} key={id} />;
-    case "analyses":
-      return <AnalysesPage id={id} key={id} />;
-    case "results":
-      return <ResultPage id={id} key={id} />;
-    case "settings":
-      return <SettingsPage />;
-    default:
-      return (
-        <div class="empty">
-          <h1>{w("unknownPage")}</h1>
-          <p>
-            <a href="/library">{w("toLibrary")}</a>
-          </p>
-        </div>
-      );
-  }
+  const { id } = route.value;
+  const View = VIEWS.get(page.value);
+  // Another thing is another page; another section is the same one.
+  if (View) return <View id={id} key={rowOf(page.value)?.about === "section" ? page.value : `${page.value}/${id}`} />;
+  return (
+    <div class="empty">
+      <h1>{w("unknownPage")}</h1>
+      <p>
+        <a href="/library">{w("toLibrary")}</a>
+      </p>
+    </div>
+  );
 }
 
-function Rail() {
-  const entry = (one: (typeof RAIL)[number]) => (
+function RailItem({ row }: { row: PageRow }) {
+  const open = rowOf(page.value);
+  const isOpen = open && (open.within ?? open.name) === row.name;
+  return (
     <a
-      key={one.page}
       class="rail-item"
-      href={one.path}
-      title={w(one.word)}
-      aria-current={
-        page.value === one.page ||
-        (one.page === "library" && page.value === "clip") ||
-        (one.page === "analyses" && page.value === "results")
-          ? "page"
-          : undefined
-      }
+      href={row.path}
+      title={w(row.title)}
+      aria-current={isOpen ? "page" : undefined}
       onClick={() => (drawerOpen.value = false)}
     >
-      <Icon name={one.icon} />
-      <span>{w(one.word)}</span>
+      {row.icon && <Icon name={row.icon} />}
+      <span>{w(row.title)}</span>
     </a>
   );
+}
+
+const railItems = (place: PageRow["rail"]) =>
+  PAGES.filter((row) => row.rail === place).map((row) => <RailItem key={row.name} row={row} />);
+
+function Rail() {
   return (
     <nav class={`rail ${railWide.value ? "wide" : ""} ${drawerOpen.value ? "open" : ""}`} aria-label={w("menu")}>
-      {RAIL.map(entry)}
+      {railItems("top")}
       <span class="grow" />
       <a class="rail-item" href="/docs" title={w("apiReference")}>
         <Icon name="help" />
         <span>{w("apiReference")}</span>
       </a>
-      {entry({ page: "settings", icon: "settings", word: "settings", path: "/settings" })}
+      {railItems("end")}
       <button
         type="button"
         class="rail-item"

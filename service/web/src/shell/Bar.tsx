@@ -4,25 +4,13 @@ import { page } from "../state/route";
 import { Icon } from "../ui/icons";
 import { Menu } from "../ui/Menu";
 import { SearchBox } from "../panels/library/SearchBox";
-import { w, type Word } from "../words";
+import { rowOf } from "../pages";
+import { w } from "../words";
 import { JobTray } from "./JobTray";
 import { drawerOpen, keysOpen, paletteOpen, subject } from "../state/shell";
 
 export function Bar() {
-  const where: Partial<Record<string, Word>> = {
-    library: "library",
-    clip: "library",
-    xpath: "xpath",
-    compose: "compose",
-    retarget: "retarget",
-    settings: "settings",
-    reach: "blender",
-    dance: "dance",
-    faces: "faces",
-    analyses: "analyses",
-    results: "analyses",
-  };
-  const word = where[page.value];
+  const word = rowOf(page.value)?.title;
   const about = subject.value;
   document.title = [about?.text, word && w(word), w("product")].filter(Boolean).join(" · ");
   return (

@@ -1,6 +1,7 @@
 /** Long work: what runs, how far it is, its way back when it has ended. */
 import { useEffect, useRef, useState } from "preact/hooks";
 import { cancelJob, jobs, placeOf, type Job } from "../state/jobs";
+import { rowOf } from "../pages";
 import { note } from "../state/notes";
 import { go, route } from "../state/route";
 import { Icon } from "../ui/icons";
@@ -99,4 +100,4 @@ function Row({ job, onDone }: { job: Job; onDone: () => void }) {
 }
 
 /** Whether the open page is one that shows the ends of its own jobs. */
-const waitedFor = (): boolean => ["reach", "dance", "faces", "analyses"].includes(route.peek().page);
+const waitedFor = (): boolean => Boolean(rowOf(route.peek().page)?.jobs);

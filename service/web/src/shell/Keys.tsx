@@ -1,10 +1,10 @@
 /** The keys that work now. */
 import { Dialog } from "../ui/Dialog";
-import { commands, type Command } from "../state/keys";
+import { commands, commandsOf, type Command } from "../state/keys";
 import { w } from "../words";
 
 export function Keys({ onClose }: { onClose: () => void }) {
-  const everywhere = new Set(["help", "palette", "search", "copy", "left", "right", "goL", "goX", "goC", "goR", "goS"]);
+  const everywhere = new Set(commandsOf("shell"));
   const all = commands();
   const table = (title: string, list: Command[]) =>
     list.length > 0 && (
@@ -29,11 +29,11 @@ export function Keys({ onClose }: { onClose: () => void }) {
       <div class="keys-columns">
         {table(
           w("onThisPage"),
-          all.filter((one) => !everywhere.has(one.id)),
+          all.filter((one) => !everywhere.has(one)),
         )}
         {table(
           w("everywhere"),
-          all.filter((one) => everywhere.has(one.id)),
+          all.filter((one) => everywhere.has(one)),
         )}
       </div>
     </Dialog>

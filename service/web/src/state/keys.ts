@@ -19,6 +19,9 @@ const offered = signal<Map<string, Command[]>>(new Map());
 
 export const commands = (): Command[] => [...offered.value.values()].flat();
 
+/** The commands of one owner. */
+export const commandsOf = (owner: string): Command[] => offered.value.get(owner) ?? [];
+
 /** Offer commands until the returned function is called. */
 export function offer(owner: string, list: Command[]): () => void {
   offered.value = new Map(offered.peek()).set(owner, list);

@@ -1,6 +1,9 @@
 // @vitest-environment happy-dom
 import { describe, expect, it } from "vitest";
-import { pageOf } from "./route";
+import { PAGES } from "../pages";
+import { pageOf as pageAmong } from "./route";
+
+const pageOf = (path: string) => pageAmong(path, PAGES);
 
 describe("the page of an address", () => {
   it("is told by its parts", () => {

@@ -1,22 +1,18 @@
 /** Where one is: the address of the page is the state of the view. Pages push an entry, moves in time replace it. */
 import { computed, signal } from "@preact/signals";
 
-export type Page =
-  | "library"
-  | "clip"
-  | "xpath"
-  | "compose"
-  | "retarget"
-  | "reach"
-  | "dance"
-  | "faces"
-  | "analyses"
-  | "results"
-  | "settings"
-  | "unknown";
+/** Where a page is. */
+export interface PageAddress {
+  name: string;
+  /** Such as "/clips". */
+  path: string;
+  /** What the second part of an address names: nothing, a section of the page or none, a thing or none, always a thing. */
+  about: "nothing" | "section" | "any" | "one";
+}
 
 export interface Route {
-  page: Page;
+  /** The name of the page; "unknown" where there is none. */
+  page: string;
   /** What the page is about: a document, a result, an analysis; "" where none is named. */
   id: string;
   params: URLSearchParams;
@@ -24,37 +20,22 @@ export interface Route {
 
 const READ_AT_MOST_EVERY = 250; // ms; four replaced entries a second
 
-/** Pages by the first part of their addresses. */
-const PAGES = new Map<string, Page>([
-  ["", "library"],
-  ["library", "library"],
-  ["xpath", "xpath"],
-  ["compose", "compose"],
-  ["retarget", "retarget"],
-  ["settings", "settings"],
-  ["clips", "clip"],
-  ["reach", "reach"],
-  ["dance", "dance"],
-  ["faces", "faces"],
-  ["analyses", "analyses"],
-  ["results", "results"],
-]);
-/** Those about one thing, which the second part names. */
-const OF_ONE = new Set<Page>(["clip", "settings", "reach", "dance", "faces", "analyses", "results"]);
+let pages: readonly PageAddress[] = [];
 
-/** The page of an address, with what it is about. */
-export function pageOf(path: string): { page: Page; id: string } {
+/** The page of an address, with what it is about. "/" is the first page. */
+export function pageOf(path: string, among: readonly PageAddress[] = pages): { page: string; id: string } {
+  const unknown = { page: "unknown", id: "" };
   const [first = "", second = "", ...more] = path.split("/").slice(1);
-  const page = PAGES.get(first);
+  const found = first ? among.find((one) => one.path === `/${first}`) : among[0];
+  if (!found || more.some(Boolean)) return unknown;
   let id: string;
   try {
     id = decodeURIComponent(second);
   } catch {
-    return { page: "unknown", id: "" };
+    return unknown;
   }
-  if (!page || more.some(Boolean) || (page === "clip" && !id) || (id && !OF_ONE.has(page)))
-    return { page: "unknown", id: "" };
-  return { page, id };
+  if (found.about === (id ? "nothing" : "one")) return unknown;
+  return { page: found.name, id };
 }
 
 const parsed = (): Route => ({ ...pageOf(location.pathname), params: new URLSearchParams(location.search) });
@@ -70,17 +51,6 @@ export function go(path: string): void {
   history.pushState(null, "", path);
   route.value = parsed();
 }
-
-const loaders = new Map<Page, () => Promise<unknown>>();
-
-/** How a page's code is loaded: said by the shell, which knows the pages. */
-export const loadedBy = (page: Page, load: () => Promise<unknown>): void => void loaders.set(page, load);
-
-/** Load a page's code before it is opened; what fails is said when it is. */
-export const prefetch = (page: Page): void =>
-  void loaders
-    .get(page)?.()
-    .catch(() => undefined);
 
 let waiting: Record<string, string | null> = {};
 let timer = 0;
@@ -122,7 +92,10 @@ function flush(): void {
   history.replaceState(null, "", location.pathname + (text ? `?${text}` : ""));
 }
 
-export function followHistory(): void {
+/** Find pages among these, for as long as the application lives. */
+export function followHistory(among: readonly PageAddress[]): void {
+  pages = among;
+  route.value = parsed();
   addEventListener("popstate", () => {
     window.clearTimeout(timer);
     timer = 0;

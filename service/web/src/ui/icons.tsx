@@ -40,6 +40,7 @@ const PATHS = {
 } as const;
 
 export type IconName = keyof typeof PATHS;
+export const icons = Object.keys(PATHS);
 
 export function Icon({ name }: { name: IconName }) {
   const solid = /^(play|back|next)$/.test(name);

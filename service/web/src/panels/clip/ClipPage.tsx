@@ -21,7 +21,12 @@ import { useAddress } from "./address";
 import { useClipKeys } from "./keys";
 import "../../styles/clip.css";
 
-export function ClipPage({ id, revision }: { id: string; revision: string | null }) {
+export function ClipPage({ id }: { id: string }) {
+  const revision = param("rev") || null;
+  return <OpenedClip id={id} revision={revision} key={revision} />;
+}
+
+function OpenedClip({ id, revision }: { id: string; revision: string | null }) {
   const [clip, setClip] = useState<Clip | null>(null);
   const [error, setError] = useState<unknown>(null);
   const [turn, setTurn] = useState(0);

@@ -4,7 +4,7 @@ import * as library from "../../state/library";
 import type { Card } from "../../state/library";
 import { Icon } from "../../ui/icons";
 import { ThumbnailView } from "../../ui/ThumbnailView";
-import { prefetch } from "../../state/route";
+import { prefetch } from "../../state/prefetch";
 import { duration, rate, w } from "../../words";
 import { pickBy } from "./picking";
 
