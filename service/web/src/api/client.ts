@@ -68,12 +68,12 @@ export function address(path: string, variables: object = {}, query: object = {}
 export async function ask<P extends Path, M extends Method>(
   method: M,
   path: P,
-  options: Options<P, M> = {} as Options<P, M>,
+  options: Options<P, M> = {},
 ): Promise<Answer<P, M>> {
   const headers: Record<string, string> = { accept: "application/json" };
   if (options.body !== undefined) headers["content-type"] = "application/json";
   if (options.match !== undefined) headers["if-match"] = `"${options.match}"`;
-  const answer = await fetched(address(path, (options.path ?? {}) as object, (options.query ?? {}) as object), {
+  const answer = await fetched(address(path, options.path ?? {}, options.query ?? {}), {
     method: method.toUpperCase(),
     headers,
     body: options.body === undefined ? undefined : JSON.stringify(options.body),

@@ -54,6 +54,13 @@ const asked = (
     body: JSON.stringify({ parameters, ...saving }),
   });
 
+/** A part of a result. RangeError where the result has none of this name. */
+export function partOf(result: Result, name: string): NonNullable<Result["parts"]>[string] {
+  const part = result.parts[name];
+  if (!part) throw new RangeError(`The result ${result.id} has no part ${name}.`);
+  return part;
+}
+
 /** Do something with a result; T is the value that its operation answers. */
 export async function applyResult<T>(
   id: string,

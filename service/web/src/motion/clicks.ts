@@ -1,4 +1,5 @@
 /** Clicks of a grid of beats, a little ahead of the time at which they sound. */
+import { numberAt } from "./lists";
 
 export interface Click {
   time: number;
@@ -10,10 +11,11 @@ export function clicksBetween(grid: ArrayLike<number>, from: number, to: number)
   let [low, high] = [0, grid.length];
   while (low < high) {
     const middle = (low + high) >> 1;
-    if (grid[middle] < from) low = middle + 1;
+    if (numberAt(grid, middle) < from) low = middle + 1;
     else high = middle;
   }
   const found: Click[] = [];
-  for (let at = low; at < grid.length && grid[at] < to; at++) found.push({ time: grid[at], first: at % 4 === 0 });
+  for (let at = low; at < grid.length && numberAt(grid, at) < to; at++)
+    found.push({ time: numberAt(grid, at), first: at % 4 === 0 });
   return found;
 }

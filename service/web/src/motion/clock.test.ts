@@ -1,3 +1,4 @@
+import { numberAt } from "./lists";
 import { describe, expect, it } from "vitest";
 import { clock } from "./clock";
 
@@ -23,11 +24,11 @@ describe("the time of a frame", () => {
           .map(Number),
       );
       const counted = parts.map(
-        ([hours, minutes, seconds, frame]) => ((hours * 60 + minutes) * 60 + seconds) * 1000 + frame,
+        ([hours = 0, minutes = 0, seconds = 0, frame = 0]) => ((hours * 60 + minutes) * 60 + seconds) * 1000 + frame,
       );
-      expect(counted.filter((one, index) => index && one <= counted[index - 1])).toEqual([]);
+      expect(counted.filter((one, index) => index && one <= numberAt(counted, index - 1))).toEqual([]);
       const most = Math.round(1 / spacing);
-      expect(parts.filter(([, , , frame]) => frame >= most)).toEqual([]);
+      expect(parts.filter(([, , , frame = 0]) => frame >= most)).toEqual([]);
     }
   });
 

@@ -1,3 +1,4 @@
+import { numberAt } from "./lists";
 import { describe, expect, it } from "vitest";
 import { random } from "../testing/random";
 import { scaled, shifted, smoothed, unwrapped } from "./curves";
@@ -18,8 +19,8 @@ describe("unwrapped angles", () => {
       const after = unwrapped(before);
       expect(there(after).length).toBe(there(before).length);
       there(after).forEach((one, index, all) => {
-        if (index) expect(Math.abs(one - all[index - 1])).toBeLessThanOrEqual(180 + 1e-9);
-        const turns = (one - there(before)[index]) / 360;
+        if (index) expect(Math.abs(one - numberAt(all, index - 1))).toBeLessThanOrEqual(180 + 1e-9);
+        const turns = (one - numberAt(there(before), index)) / 360;
         expect(turns).toBeCloseTo(Math.round(turns), 9);
       });
     }
@@ -30,13 +31,13 @@ describe("unwrapped angles", () => {
     let value = 0;
     const whole = Array.from({ length: 400 }, () => (value += (draw() - 0.45) * 300));
     const wrapped = whole.map((one) => one - 360 * Math.round(one / 360));
-    const turns = whole[0] - wrapped[0];
-    unwrapped(wrapped).forEach((one, index) => expect(one + turns).toBeCloseTo(whole[index], 6));
+    const turns = numberAt(whole, 0) - numberAt(wrapped, 0);
+    unwrapped(wrapped).forEach((one, index) => expect(one + turns).toBeCloseTo(numberAt(whole, index), 6));
     const radians = unwrapped(
       wrapped.map((one) => (one * Math.PI) / 180),
       2 * Math.PI,
     );
-    radians.forEach((one, index) => expect((one * 180) / Math.PI + turns).toBeCloseTo(whole[index], 6));
+    radians.forEach((one, index) => expect((one * 180) / Math.PI + turns).toBeCloseTo(numberAt(whole, index), 6));
   });
 });
 
@@ -46,7 +47,7 @@ describe("a smoothed stretch", () => {
     let [sum, weight] = [0, 0];
     for (let other = at - 1000; other <= at + 1000; other++) {
       if (Math.abs(other - at) > Math.max(1, Math.ceil(3 * width))) continue;
-      const value = values[Math.min(values.length - 1, Math.max(0, other))];
+      const value = numberAt(values, Math.min(values.length - 1, Math.max(0, other)));
       if (Number.isNaN(value)) continue;
       const share = Math.exp(-((other - at) ** 2) / (2 * width ** 2));
       [sum, weight] = [sum + share * value, weight + share];
@@ -71,8 +72,8 @@ describe("a smoothed stretch", () => {
         if (Math.min(at, last - at) >= fade) expect(found[at]).toBeCloseTo(obvious(values, at, width), 9);
         else {
           const [low, high] = [value, obvious(values, at, width)].sort((a, b) => a - b);
-          expect(found[at]).toBeGreaterThanOrEqual(low - 1e-9);
-          expect(found[at]).toBeLessThanOrEqual(high + 1e-9);
+          expect(found[at]).toBeGreaterThanOrEqual(low! - 1e-9);
+          expect(found[at]).toBeLessThanOrEqual(high! + 1e-9);
         }
       });
     }
@@ -91,10 +92,12 @@ describe("scaling and shifting", () => {
       const values = curve(seed, true);
       const mean = there(values).reduce((sum, one) => sum + one, 0) / there(values).length;
       scaled(values, 0.5).forEach((one, at) =>
-        Number.isNaN(values[at]) ? expect(one).toBeNaN() : expect(one - mean).toBeCloseTo((values[at] - mean) / 2, 9),
+        Number.isNaN(values[at])
+          ? expect(one).toBeNaN()
+          : expect(one - mean).toBeCloseTo((numberAt(values, at) - mean) / 2, 9),
       );
       shifted(values, 3).forEach((one, at) =>
-        Number.isNaN(values[at]) ? expect(one).toBeNaN() : expect(one).toBe(values[at] + 3),
+        Number.isNaN(values[at]) ? expect(one).toBeNaN() : expect(one).toBe(numberAt(values, at) + 3),
       );
     }
     expect([...scaled([], 2)]).toEqual([]);

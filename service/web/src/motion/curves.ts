@@ -1,4 +1,5 @@
 /** Curves of channels: unwrapped angles, and the tools that change a stretch of one. Pure functions on arrays. */
+import { numberAt } from "./lists";
 
 /** Angles without jumps of a whole turn: (n,). NaN stays. */
 export function unwrapped(values: ArrayLike<number>, turn = 360): Float64Array {
@@ -6,7 +7,7 @@ export function unwrapped(values: ArrayLike<number>, turn = 360): Float64Array {
   let shift = 0;
   let before = NaN;
   for (let at = 0; at < values.length; at++) {
-    const value = values[at];
+    const value = numberAt(values, at);
     if (value === value) {
       if (before === before) shift -= Math.round((value - before) / turn) * turn;
       before = value;
@@ -27,14 +28,14 @@ export function smoothed(values: ArrayLike<number>, width: number): Float64Array
   for (let at = 0; at < count; at++) {
     let [sum, weight] = [0, 0];
     for (let by = -reach; by <= reach; by++) {
-      const value = values[Math.max(0, Math.min(count - 1, at + by))];
+      const value = numberAt(values, Math.max(0, Math.min(count - 1, at + by)));
       if (value !== value) continue;
-      sum += weights[by + reach] * value;
-      weight += weights[by + reach];
+      sum += numberAt(weights, by + reach) * value;
+      weight += numberAt(weights, by + reach);
     }
     const share = fade ? Math.min(1, Math.min(at, count - 1 - at) / fade) : 1;
     const value = weight ? sum / weight : NaN;
-    found[at] = values[at] === values[at] ? values[at] + share * (value - values[at]) : NaN;
+    found[at] = values[at] === values[at] ? numberAt(values, at) + share * (value - numberAt(values, at)) : NaN;
   }
   return found;
 }
@@ -44,12 +45,12 @@ export function scaled(values: ArrayLike<number>, factor: number): Float64Array 
   let [sum, count] = [0, 0];
   for (let at = 0; at < values.length; at++)
     if (values[at] === values[at]) {
-      sum += values[at];
+      sum += numberAt(values, at);
       count++;
     }
   const mean = count ? sum / count : 0;
-  return Float64Array.from({ length: values.length }, (_, at) => mean + (values[at] - mean) * factor);
+  return Float64Array.from({ length: values.length }, (_, at) => mean + (numberAt(values, at) - mean) * factor);
 }
 
 export const shifted = (values: ArrayLike<number>, by: number): Float64Array =>
-  Float64Array.from({ length: values.length }, (_, at) => values[at] + by);
+  Float64Array.from({ length: values.length }, (_, at) => numberAt(values, at) + by);

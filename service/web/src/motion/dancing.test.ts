@@ -1,3 +1,4 @@
+import { itemAt, numberAt } from "./lists";
 import { describe, expect, it } from "vitest";
 import { AudioClock } from "./audioClock";
 import { clicksBetween } from "./clicks";
@@ -57,7 +58,7 @@ describe("beats", () => {
       [1.5, "detected"],
     ]);
     expect(withoutBeat(beats, 1)).toEqual([beats[0], beats[2]]);
-    expect(movedBeat(beats, 0, -3)[0].at).toBe(0);
+    expect(itemAt(movedBeat(beats, 0, -3), 0).at).toBe(0);
     expect(beats).toHaveLength(3);
   });
 
@@ -148,7 +149,10 @@ describe("the layout of a graph", () => {
     const places = layOut(10, links);
     expect(layOut(10, links)).toEqual(places);
     const away = (a: number, b: number) =>
-      Math.hypot(places[a * 2] - places[b * 2], places[a * 2 + 1] - places[b * 2 + 1]);
+      Math.hypot(
+        numberAt(places, a * 2) - numberAt(places, b * 2),
+        numberAt(places, a * 2 + 1) - numberAt(places, b * 2 + 1),
+      );
     const mean = (values: number[]) => values.reduce((sum, one) => sum + one, 0) / values.length;
     const apart = [0, 1, 2, 3, 4].flatMap((a) => [5, 6, 7, 8, 9].map((b) => away(a, b)));
     expect(mean(links.map((one) => away(one.from, one.to)))).toBeLessThan(0.7 * mean(apart));

@@ -1,4 +1,5 @@
 /** How far joints are apart in two motions of one skeleton. */
+import { numberAt } from "./lists";
 export interface Apart {
   joint: number;
   /** Metres, by row. */
@@ -19,9 +20,12 @@ export function apart(now: Float32Array, then: Float32Array, points: number, joi
     for (let row = 0; row < rows; row++) {
       const place = (row * points + joint) * 3;
       away[row] =
-        Math.hypot(now[place] - then[place], now[place + 1] - then[place + 1], now[place + 2] - then[place + 2]) *
-          metres || 0;
-      if (away[row] > most) [most, at] = [away[row], row];
+        Math.hypot(
+          numberAt(now, place) - numberAt(then, place),
+          numberAt(now, place + 1) - numberAt(then, place + 1),
+          numberAt(now, place + 2) - numberAt(then, place + 2),
+        ) * metres || 0;
+      if (numberAt(away, row) > most) [most, at] = [numberAt(away, row), row];
     }
     return { joint, away, most, at };
   })

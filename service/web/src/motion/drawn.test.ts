@@ -1,3 +1,4 @@
+import { numberAt } from "./lists";
 import { describe, expect, it, vi } from "vitest";
 import { address, get } from "../api/client";
 import { BLOCK, Blocks, channelsOf, positionsOf } from "./blocks";
@@ -24,8 +25,8 @@ function sizeOf(positions: Float64Array, skeleton: Skeleton): number {
   const sizes = [0, 1, 2].map((axis) => {
     let [least, most] = [Infinity, -Infinity];
     for (let at = axis; at < positions.length; at += 3) {
-      if (positions[at] < least) least = positions[at];
-      if (positions[at] > most) most = positions[at];
+      if (numberAt(positions, at) < least) least = numberAt(positions, at);
+      if (numberAt(positions, at) > most) most = numberAt(positions, at);
     }
     return most - least;
   });
@@ -48,8 +49,8 @@ describe.skipIf(!documents.length)("what is drawn", () => {
       const drawn = posed(skeleton, columns, channels.subarray(frame * columns.size, (frame + 1) * columns.size));
       expect(drawn.length).toBe(stride);
       for (let at = 0; at < stride; at++, all++) {
-        const wanted = seen[frame * stride + at];
-        const away = Number.isNaN(wanted) && Number.isNaN(drawn[at]) ? 0 : Math.abs(wanted - drawn[at]);
+        const wanted = numberAt(seen, frame * stride + at);
+        const away = Number.isNaN(wanted) && Number.isNaN(drawn[at]) ? 0 : Math.abs(wanted - numberAt(drawn, at));
         if (Number.isNaN(wanted)) holes++;
         if (away > worst || Number.isNaN(away))
           [worst, where] = [away, `frame ${frame + 1}, point ${Math.floor(at / 3)}: ${wanted} but ${drawn[at]}`];

@@ -1,4 +1,5 @@
 /** Faces of markers: the side one looks at, a surface between the markers, and other surfaces that follow them. */
+import { itemAt, numberAt } from "./lists";
 import Delaunator from "delaunator";
 
 /** Columns x, y, z: where right, up and towards the eye are, as unit vectors. */
@@ -11,11 +12,12 @@ export interface Facing {
 const LONGEST = 3.2; // median edges; longer ones lead over the rim of the face
 const NEAREST = 4; // markers that move a vertex
 
-const dot = (a: ArrayLike<number>, b: ArrayLike<number>): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const dot = (a: ArrayLike<number>, b: ArrayLike<number>): number =>
+  numberAt(a, 0) * numberAt(b, 0) + numberAt(a, 1) * numberAt(b, 1) + numberAt(a, 2) * numberAt(b, 2);
 const cross = (a: number[], b: number[]): number[] => [
-  a[1] * b[2] - a[2] * b[1],
-  a[2] * b[0] - a[0] * b[2],
-  a[0] * b[1] - a[1] * b[0],
+  numberAt(a, 1) * numberAt(b, 2) - numberAt(a, 2) * numberAt(b, 1),
+  numberAt(a, 2) * numberAt(b, 0) - numberAt(a, 0) * numberAt(b, 2),
+  numberAt(a, 0) * numberAt(b, 1) - numberAt(a, 1) * numberAt(b, 0),
 ];
 const unit = (a: number[]): number[] => {
   const size = Math.hypot(...a) || 1;
@@ -30,9 +32,9 @@ export function facingOf(markers: Float32Array, up: string): Facing {
   for (let at = 0; at < count; at++) {
     if (Number.isNaN(markers[at * 3])) continue;
     seen++;
-    for (let axis = 0; axis < 3; axis++) mean[axis] += markers[at * 3 + axis];
+    for (let axis = 0; axis < 3; axis++) mean[axis] = numberAt(mean, axis) + numberAt(markers, at * 3 + axis);
   }
-  for (let axis = 0; axis < 3; axis++) mean[axis] /= seen || 1;
+  for (let axis = 0; axis < 3; axis++) mean[axis] = numberAt(mean, axis) / (seen || 1);
   const axis = { X: 0, Y: 1, Z: 2 }[up.at(-1) ?? "Y"] ?? 1;
   const above = [0, 0, 0];
   above[axis] = up.startsWith("-") ? -1 : 1;
@@ -40,7 +42,10 @@ export function facingOf(markers: Float32Array, up: string): Facing {
   const [p, q] = [(axis + 1) % 3, (axis + 2) % 3];
   let [pp, pq, qq] = [0, 0, 0];
   for (let at = 0; at < count; at++) {
-    const [x, y] = [markers[at * 3 + p] - mean[p], markers[at * 3 + q] - mean[q]];
+    const [x, y] = [
+      numberAt(markers, at * 3 + p) - numberAt(mean, p),
+      numberAt(markers, at * 3 + q) - numberAt(mean, q),
+    ];
     if (Number.isNaN(x)) continue;
     pp += x * x;
     pq += x * y;
@@ -54,7 +59,7 @@ export function facingOf(markers: Float32Array, up: string): Facing {
   let bulge = 0;
   const side = cross(above, out);
   for (let at = 0; at < count; at++) {
-    const away = [0, 1, 2].map((one) => markers[at * 3 + one] - mean[one]);
+    const away = [0, 1, 2].map((one) => numberAt(markers, at * 3 + one) - numberAt(mean, one));
     if (Number.isNaN(away[0])) continue;
     bulge -= dot(away, out) * dot(away, side) ** 2;
   }
@@ -82,13 +87,14 @@ export function surfaceOf(facing: Facing, neutral: Float32Array): Uint32Array {
   if (there.length < 3) return new Uint32Array(0);
   const { triangles } = new Delaunator(Float64Array.from(there.flatMap((at) => [places[at * 2], places[at * 2 + 1]])));
   const long = (a: number, b: number) =>
-    Math.hypot(...[0, 1, 2].map((axis) => neutral[a * 3 + axis] - neutral[b * 3 + axis]));
+    Math.hypot(...[0, 1, 2].map((axis) => numberAt(neutral, a * 3 + axis) - numberAt(neutral, b * 3 + axis)));
   const found: { corners: number[]; longest: number }[] = [];
   for (let at = 0; at < triangles.length; at += 3) {
-    const corners = [triangles[at], triangles[at + 1], triangles[at + 2]].map((one) => there[one]);
+    const corner = (place: number) => numberAt(there, numberAt(triangles, at + place));
+    const [a, b, c] = [corner(0), corner(1), corner(2)];
     found.push({
-      corners,
-      longest: Math.max(long(corners[0], corners[1]), long(corners[1], corners[2]), long(corners[2], corners[0])),
+      corners: [a, b, c],
+      longest: Math.max(long(a, b), long(b, c), long(c, a)),
     });
   }
   const sorted = found.map((one) => one.longest).sort((one, other) => one - other);
@@ -113,7 +119,8 @@ export function bind(vertices: Float32Array, neutral: Float32Array): Binding {
     for (let marker = 0; marker < neutral.length / 3; marker++) {
       if (Number.isNaN(neutral[marker * 3])) continue;
       let away = 0;
-      for (let axis = 0; axis < 3; axis++) away += (vertices[vertex * 3 + axis] - neutral[marker * 3 + axis]) ** 2;
+      for (let axis = 0; axis < 3; axis++)
+        away += (numberAt(vertices, vertex * 3 + axis) - numberAt(neutral, marker * 3 + axis)) ** 2;
       near.push([away, marker]);
     }
     near.sort((one, other) => one[0] - other[0]);
@@ -125,7 +132,8 @@ export function bind(vertices: Float32Array, neutral: Float32Array): Binding {
       weights[vertex * NEAREST + place] = weight;
       total += weight;
     }
-    for (let place = 0; place < NEAREST; place++) weights[vertex * NEAREST + place] /= total || 1;
+    for (let place = 0; place < NEAREST; place++)
+      weights[vertex * NEAREST + place] = numberAt(weights, vertex * NEAREST + place) / (total || 1);
   }
   return { markers, weights, rest: vertices.slice() };
 }
@@ -136,11 +144,11 @@ export function follow(binding: Binding, neutral: Float32Array, markers: Float32
     for (let axis = 0; axis < 3; axis++) {
       let moved = 0;
       for (let place = 0; place < NEAREST; place++) {
-        const marker = binding.markers[vertex * NEAREST + place];
-        const step = markers[marker * 3 + axis] - neutral[marker * 3 + axis];
-        if (step === step) moved += binding.weights[vertex * NEAREST + place] * step;
+        const marker = numberAt(binding.markers, vertex * NEAREST + place);
+        const step = numberAt(markers, marker * 3 + axis) - numberAt(neutral, marker * 3 + axis);
+        if (step === step) moved += numberAt(binding.weights, vertex * NEAREST + place) * step;
       }
-      into[vertex * 3 + axis] = binding.rest[vertex * 3 + axis] + moved;
+      into[vertex * 3 + axis] = numberAt(binding.rest, vertex * 3 + axis) + moved;
     }
   }
 }
@@ -150,7 +158,10 @@ export function fitted(vertices: Float32Array, neutral: Float32Array, facing: Fa
   const box = (values: Float32Array, along: ArrayLike<number>): [number, number] => {
     let [least, most] = [Infinity, -Infinity];
     for (let at = 0; at < values.length; at += 3) {
-      const value = values[at] * along[0] + values[at + 1] * along[1] + values[at + 2] * along[2];
+      const value =
+        numberAt(values, at) * numberAt(along, 0) +
+        numberAt(values, at + 1) * numberAt(along, 1) +
+        numberAt(values, at + 2) * numberAt(along, 2);
       if (value < least) least = value;
       if (value > most) most = value;
     }
@@ -164,18 +175,22 @@ export function fitted(vertices: Float32Array, neutral: Float32Array, facing: Fa
   const to = [facing.right, facing.up, facing.out];
   const from = own.map((axis) => box(vertices, axis));
   const goal = to.map((axis) => box(neutral, axis));
-  const scale = (goal[1][1] - goal[1][0]) / (from[1][1] - from[1][0] || 1);
+  const scale = (itemAt(goal, 1)[1] - itemAt(goal, 1)[0]) / (itemAt(from, 1)[1] - itemAt(from, 1)[0] || 1);
   const found = new Float32Array(vertices.length);
   for (let at = 0; at < vertices.length; at += 3) {
     // Sides and height meet in their middles; depth by the foremost point, which is the nose of both.
     const along = own.map((_, axis) => {
-      const value = vertices[at + axis];
+      const value = numberAt(vertices, at + axis);
       return axis === 2
-        ? goal[2][1] + (value - from[2][1]) * scale
-        : (goal[axis][0] + goal[axis][1]) / 2 + (value - (from[axis][0] + from[axis][1]) / 2) * scale;
+        ? itemAt(goal, 2)[1] + (value - itemAt(from, 2)[1]) * scale
+        : (itemAt(goal, axis)[0] + itemAt(goal, axis)[1]) / 2 +
+            (value - (itemAt(from, axis)[0] + itemAt(from, axis)[1]) / 2) * scale;
     });
     for (let axis = 0; axis < 3; axis++)
-      found[at + axis] = to[0][axis] * along[0] + to[1][axis] * along[1] + to[2][axis] * along[2];
+      found[at + axis] =
+        numberAt(itemAt(to, 0), axis) * numberAt(along, 0) +
+        numberAt(itemAt(to, 1), axis) * numberAt(along, 1) +
+        numberAt(itemAt(to, 2), axis) * numberAt(along, 2);
   }
   return found;
 }

@@ -1,3 +1,4 @@
+import { numberAt } from "./lists";
 import { describe, expect, it } from "vitest";
 import { Grid } from "./grid";
 
@@ -12,11 +13,11 @@ describe("points found by their place", () => {
       const [x, y, within] = [next() * 140 - 20, next() * 5 - 1, next() * 4];
       let [best, least] = [-1, within * within];
       for (let at = 0; at < count; at++) {
-        const away = (places[at * 2] - x) ** 2 + (places[at * 2 + 1] - y) ** 2;
+        const away = (numberAt(places, at * 2) - x) ** 2 + (numberAt(places, at * 2 + 1) - y) ** 2;
         if (away < least) [best, least] = [at, away];
       }
       const found = grid.nearest(x, y, within);
-      const away = (at: number) => Math.hypot(places[at * 2] - x, places[at * 2 + 1] - y);
+      const away = (at: number) => Math.hypot(numberAt(places, at * 2) - x, numberAt(places, at * 2 + 1) - y);
       if (best < 0) expect(found).toBe(-1);
       else expect(away(found)).toBeCloseTo(away(best), 6);
     }

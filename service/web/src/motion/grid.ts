@@ -1,4 +1,5 @@
 /** Points in a plane found by their place: cells of a grid, for what is under a pointer among 100,000. */
+import { numberAt } from "./lists";
 
 export class Grid {
   private readonly cells: Int32Array; // (cells + 1): where each begins in `order`
@@ -14,10 +15,10 @@ export class Grid {
     const count = places.length / 2;
     let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
     for (let at = 0; at < count; at++) {
-      left = Math.min(left, places[at * 2]);
-      right = Math.max(right, places[at * 2]);
-      low = Math.min(low, places[at * 2 + 1]);
-      high = Math.max(high, places[at * 2 + 1]);
+      left = Math.min(left, numberAt(places, at * 2));
+      right = Math.max(right, numberAt(places, at * 2));
+      low = Math.min(low, numberAt(places, at * 2 + 1));
+      high = Math.max(high, numberAt(places, at * 2 + 1));
     }
     [this.left, this.low] = [count ? left : 0, count ? low : 0];
     const [wide, tall] = [right - left || 1, high - low || 1];
@@ -28,13 +29,19 @@ export class Grid {
     const owner = new Int32Array(count);
     this.cells = new Int32Array(this.columns * this.rows + 1);
     for (let at = 0; at < count; at++) {
-      owner[at] = this.row(places[at * 2 + 1]) * this.columns + this.column(places[at * 2]);
-      this.cells[owner[at] + 1]++;
+      owner[at] = this.row(numberAt(places, at * 2 + 1)) * this.columns + this.column(numberAt(places, at * 2));
+      this.cells[numberAt(owner, at) + 1] = numberAt(this.cells, numberAt(owner, at) + 1) + 1;
     }
-    for (let cell = 0; cell < this.cells.length - 1; cell++) this.cells[cell + 1] += this.cells[cell];
+    for (let cell = 0; cell < this.cells.length - 1; cell++)
+      this.cells[cell + 1] = numberAt(this.cells, cell + 1) + numberAt(this.cells, cell);
     const next = this.cells.slice();
     this.order = new Int32Array(count);
-    for (let at = 0; at < count; at++) this.order[next[owner[at]]++] = at;
+    for (let at = 0; at < count; at++) {
+      const cell = numberAt(owner, at);
+      const place = numberAt(next, cell);
+      this.order[place] = at;
+      next[cell] = place + 1;
+    }
   }
 
   private column = (x: number): number =>
@@ -47,9 +54,9 @@ export class Grid {
     for (let row = this.row(y - within); row <= this.row(y + within); row++) {
       for (let column = this.column(x - within); column <= this.column(x + within); column++) {
         const cell = row * this.columns + column;
-        for (let place = this.cells[cell]; place < this.cells[cell + 1]; place++) {
-          const point = this.order[place];
-          const away = (this.places[point * 2] - x) ** 2 + (this.places[point * 2 + 1] - y) ** 2;
+        for (let place = numberAt(this.cells, cell); place < numberAt(this.cells, cell + 1); place++) {
+          const point = numberAt(this.order, place);
+          const away = (numberAt(this.places, point * 2) - x) ** 2 + (numberAt(this.places, point * 2 + 1) - y) ** 2;
           if (away <= least) [best, least] = [point, away];
         }
       }

@@ -2,6 +2,7 @@
  * Forward kinematics of one frame, for what is edited and not stored yet. The same as the server's
  * (service/motion/hub.py): P = P_parent + Q_parent t, Q = Q_parent L, with t and L made of channels by convention.
  */
+import { itemAt, numberAt } from "./lists";
 import { IDENTITY, fixed, inverse, multiply, rotate, turning, type Quaternion, type Vector } from "./quaternions";
 import type { Skeleton, SkeletonView } from "./skeleton";
 
@@ -24,20 +25,20 @@ export function posed(skeleton: Skeleton, columns: Map<string, number>, values: 
     const value = (channel: string): number | null => {
       const column = columns.get(`${bone.name}.${channel}`);
       const found = column === undefined ? null : values[column];
-      return found === null || Number.isNaN(found) ? null : found;
+      return found === null || found === undefined || Number.isNaN(found) ? null : found;
     };
     scales.push(scaleOf(bone, value("SF")));
     hidden.push(
       (bone.parent >= 0 && hidden[bone.parent]) ||
         bone.channels.some((channel) => channel !== "residual" && value(channel) === null),
     );
-    const above = bone.parent >= 0 ? view.bones[bone.parent] : null;
-    const moved = translation(bone, above, above ? scales[bone.parent] : 1, value);
+    const above = view.bones[bone.parent] ?? null;
+    const moved = translation(bone, above, above ? numberAt(scales, bone.parent) : 1, value);
     const turned = rotation(bone, value, view.radians);
     if (above) {
-      const turn = turns[bone.parent];
+      const turn = itemAt(turns, bone.parent);
       const step = rotate(turn, moved);
-      const base = where[bone.parent];
+      const base = itemAt(where, bone.parent);
       where.push([base[0] + step[0], base[1] + step[1], base[2] + step[2]]);
       turns.push(multiply(turn, turned));
     } else {
@@ -45,15 +46,17 @@ export function posed(skeleton: Skeleton, columns: Map<string, number>, values: 
       turns.push(turned);
     }
     for (let axis = 0; axis < 3; axis++)
-      positions[index * 3 + axis] = hidden[index] ? NaN : where[index][axis] - view.origin[axis];
+      positions[index * 3 + axis] = hidden[index]
+        ? NaN
+        : numberAt(itemAt(where, index), axis) - numberAt(view.origin, axis);
   });
   view.tips.forEach((tip, place) => {
-    const scale = scales[tip.bone];
-    const along = rotate(turns[tip.bone], tip.offset.map((one) => one * scale) as Vector);
+    const scale = numberAt(scales, tip.bone);
+    const along = rotate(itemAt(turns, tip.bone), tip.offset.map((one) => one * scale) as Vector);
     for (let axis = 0; axis < 3; axis++) {
       positions[(view.bones.length + place) * 3 + axis] = hidden[tip.bone]
         ? NaN
-        : where[tip.bone][axis] + along[axis] - view.origin[axis];
+        : numberAt(itemAt(where, tip.bone), axis) + numberAt(along, axis) - numberAt(view.origin, axis);
     }
   });
   return positions;
@@ -70,14 +73,15 @@ function translation(bone: Bone, above: Bone | null, scale: number, value: (chan
   const rest = [...bone.offset] as Vector;
   const stated = (["Tx", "Ty", "Tz"] as const).map(value);
   if (bone.channels.some((channel) => channel[0] === "T")) {
-    if (bone.convention === "fixed" && above) for (let axis = 0; axis < 3; axis++) rest[axis] *= scale;
+    if (bone.convention === "fixed" && above)
+      for (let axis = 0; axis < 3; axis++) rest[axis] = numberAt(rest, axis) * scale;
     if ((bone.convention === "listed" && bone.translation !== "relative") || bone.convention === "marker") {
       return rest.map((one, axis) => stated[axis] ?? one) as Vector;
     }
     let moved = stated.map((one) => one ?? 0) as Vector;
     if (bone.convention === "base" && above) moved = rotate(above.axes as Quaternion, moved);
     if (bone.convention === "fixed" && above) moved = rotate(bone.axes as Quaternion, moved);
-    return rest.map((one, axis) => one + moved[axis]) as Vector;
+    return rest.map((one, axis) => one + numberAt(moved, axis)) as Vector;
   }
   if (bone.convention === "fixed" && above) return rest.map((one) => one * scale) as Vector;
   return rest;
@@ -86,7 +90,7 @@ function translation(bone: Bone, above: Bone | null, scale: number, value: (chan
 function rotation(bone: Bone, value: (channel: string) => number | null, radians: number): Quaternion {
   const listed = bone.channels
     .filter((channel) => channel[0] === "R")
-    .map((channel) => channel[1].toUpperCase())
+    .map((channel) => itemAt(channel, 1).toUpperCase())
     .join("");
   const order =
     bone.convention === "listed"

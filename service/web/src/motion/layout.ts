@@ -1,4 +1,5 @@
 /** Where the bars of a graph are drawn: near ones attract, all repel. */
+import { numberAt } from "./lists";
 import { forceCollide, forceLink, forceManyBody, forceSimulation, forceX, forceY } from "d3-force";
 
 export interface Link {
@@ -19,7 +20,7 @@ const WIDE = 1.7; // windows are wider than high
 /** (2 * count,) of places, centred, within ±WIDE and ±1; the same for the same graph. before: places to begin from. */
 export function layOut(count: number, links: readonly Link[], before?: Float32Array): Float32Array {
   const nodes: Node[] = Array.from({ length: count }, (_, at) =>
-    before?.length === count * 2 ? { x: before[at * 2] * 100, y: before[at * 2 + 1] * 100 } : {},
+    before?.length === count * 2 ? { x: numberAt(before, at * 2) * 100, y: numberAt(before, at * 2 + 1) * 100 } : {},
   );
   const greatest = Math.max(1e-6, ...links.map((one) => one.distance));
   const between = links.map((one) => ({

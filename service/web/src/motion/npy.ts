@@ -1,4 +1,5 @@
 /** Arrays as numpy.save writes them: https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html */
+import { numberAt } from "./lists";
 
 export type Numbers =
   Float64Array | Float32Array | Int32Array | Uint8Array | Int8Array | Int16Array | Uint16Array | Uint32Array;
@@ -25,7 +26,7 @@ export function readNpy(buffer: ArrayBuffer): NdArray {
   const bytes = new Uint8Array(buffer);
   if (bytes[0] !== 0x93 || String.fromCharCode(...bytes.subarray(1, 6)) !== "NUMPY") throw new Error("no NumPy file");
   const view = new DataView(buffer);
-  const wide = bytes[6] >= 2;
+  const wide = numberAt(bytes, 6) >= 2;
   const start = wide ? 12 : 10;
   const size = wide ? view.getUint32(8, true) : view.getUint16(8, true);
   const head = new TextDecoder("latin1").decode(bytes.subarray(start, start + size));

@@ -4,7 +4,7 @@ import { partNamed, partsOf, usualPart } from "./parts";
 const body = (text: string) => {
   const names: string[] = [];
   return text.split(" ").map((part) => {
-    const [name, parent] = part.split("<");
+    const [name = "", parent] = part.split("<");
     names.push(name);
     return {
       name,

@@ -1,4 +1,5 @@
 /** Parts of a body by the names of its bones: what a layer takes. */
+import { itemAt } from "./lists";
 import type { SkeletonView } from "./skeleton";
 
 export const PARTS = ["upper", "arms", "leftArm", "rightArm", "head", "legs"] as const;
@@ -14,7 +15,7 @@ export function partsOf(bones: Bones): Record<Part, string[]> {
   const below = (fits: (bone: Bones[number]) => boolean): boolean[] => {
     const inside: boolean[] = [];
     for (const [index, bone] of bones.entries())
-      inside[index] = fits(bone) || (bone.parent >= 0 && inside[bone.parent]);
+      inside[index] = fits(bone) || (bone.parent >= 0 && itemAt(inside, bone.parent));
     return inside;
   };
   const names = (inside: boolean[]) => bones.filter((_, index) => inside[index]).map((bone) => bone.name);
@@ -23,7 +24,7 @@ export function partsOf(bones: Bones): Record<Part, string[]> {
   const legs = below((bone) => bone.side !== "centre" && LEG.test(bone.name) && !ARM.test(bone.name));
   return {
     upper: legs.some(Boolean) ? names(bones.map((bone, index) => !legs[index] && bone.parent >= 0)) : [],
-    arms: names(left.map((one, index) => one || right[index])),
+    arms: names(left.map((one, index) => one || itemAt(right, index))),
     leftArm: names(left),
     rightArm: names(right),
     head: names(below((bone) => HEAD.test(bone.name))),

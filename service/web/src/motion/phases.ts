@@ -1,4 +1,5 @@
 /** Phases of a reach: moments that belong to one another in motions of different length, and attributes of examples. */
+import { numberAt } from "./lists";
 
 /** Moments of a motion in frames from its first: 0, t1, t2, end. */
 export type Moments = readonly [number, number, number, number];
@@ -6,10 +7,10 @@ export type Moments = readonly [number, number, number, number];
 /** The frame of another motion at which it is in the same phase, straight between the moments. */
 export function samePhase(frame: number, from: Moments, to: Moments): number {
   let at = 1;
-  while (at < 3 && frame > from[at]) at++;
-  const span = from[at] - from[at - 1];
-  const share = span > 0 ? Math.max(0, Math.min(1, (frame - from[at - 1]) / span)) : 0;
-  return to[at - 1] + share * (to[at] - to[at - 1]);
+  while (at < 3 && frame > numberAt(from, at)) at++;
+  const span = numberAt(from, at) - numberAt(from, at - 1);
+  const share = span > 0 ? Math.max(0, Math.min(1, (frame - numberAt(from, at - 1)) / span)) : 0;
+  return numberAt(to, at - 1) + share * (numberAt(to, at) - numberAt(to, at - 1));
 }
 
 /** A step for a slider over a span: 1, 2 or 5 times a power of ten, about a hundredth of it. */
@@ -41,7 +42,8 @@ export function hullOf(points: readonly (readonly [number, number])[]): [number,
 }
 
 const turn = (a: readonly number[], b: readonly number[], c: readonly number[]): number =>
-  (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+  (numberAt(b, 0) - numberAt(a, 0)) * (numberAt(c, 1) - numberAt(a, 1)) -
+  (numberAt(b, 1) - numberAt(a, 1)) * (numberAt(c, 0) - numberAt(a, 0));
 
 /** How dense values lie over a range: `bins` heights from 0 to 1, smoothed over a fortieth of it. */
 export function densityOf(values: ArrayLike<number>, low: number, high: number, bins = 80): Float64Array {
@@ -51,8 +53,8 @@ export function densityOf(values: ArrayLike<number>, low: number, high: number, 
   for (let bin = 0; bin < bins; bin++) {
     const at = low + ((bin + 0.5) * (high - low)) / bins;
     for (let index = 0; index < values.length; index++)
-      found[bin] += Math.exp(-0.5 * ((values[index] - at) / width) ** 2);
-    if (found[bin] > most) most = found[bin];
+      found[bin] = numberAt(found, bin) + Math.exp(-0.5 * ((numberAt(values, index) - at) / width) ** 2);
+    if (numberAt(found, bin) > most) most = numberAt(found, bin);
   }
   return most ? found.map((one) => one / most) : found;
 }

@@ -1,4 +1,5 @@
 /** Motion that is not stored: the server makes it for an eye's worth, as positions at even steps. */
+import { itemAt, numberAt } from "./lists";
 import type { Schemas } from "../api/client";
 import type { Skeleton } from "./skeleton";
 import { fromBase64 } from "./thumbnail";
@@ -25,7 +26,8 @@ export class Preview {
     if (!share || row + 1 >= rows) return this.values.subarray(row * stride, (row + 1) * stride);
     const found = new Float32Array(stride);
     for (let at = 0; at < stride; at++)
-      found[at] = this.values[row * stride + at] * (1 - share) + this.values[(row + 1) * stride + at] * share;
+      found[at] =
+        numberAt(this.values, row * stride + at) * (1 - share) + numberAt(this.values, (row + 1) * stride + at) * share;
     return found;
   }
 }
@@ -53,8 +55,8 @@ export function numbersOf(told: Told): Float32Array {
 /** A motion that is told as a whole, on a body of what is told of it. */
 export function wholeOf(head: Head, positions: Float32Array): Preview {
   return new Preview(
-    bodyOf(head, positions, head.shape[0]),
-    head.shape[0],
+    bodyOf(head, positions, numberAt(head.shape, 0)),
+    numberAt(head.shape, 0),
     1 / (head.seconds_per_frame || 1 / 30),
     positions,
     1,
@@ -65,12 +67,14 @@ export function wholeOf(head: Head, positions: Float32Array): Preview {
 export function bodyOf(told: Head, values: Float32Array, frames: number): Skeleton {
   const joints = told.bones.length;
   const side = (name: string) => (/left|^l[_A-Z]/.test(name) ? 1 : /right|^r[_A-Z]/.test(name) ? 2 : 0);
-  const sides = Uint8Array.from(told.parents, (parent, point) => side(told.bones[point < joints ? point : parent]));
+  const sides = Uint8Array.from(told.parents, (parent, point) =>
+    side(itemAt(told.bones, point < joints ? point : parent)),
+  );
   let [least, most] = [Infinity, -Infinity];
   const axis = told.up.endsWith("Z") ? 2 : 1;
   for (let at = axis; at < told.parents.length * 3; at += 3) {
-    if (values[at] < least) least = values[at];
-    if (values[at] > most) most = values[at];
+    if (numberAt(values, at) < least) least = numberAt(values, at);
+    if (numberAt(values, at) > most) most = numberAt(values, at);
   }
   const extent = most - least;
   const metres = told.metres ?? (extent > 0 ? USUAL_HEIGHT / extent : 1);

@@ -28,7 +28,7 @@ export const textOf = ({ kind, argument }: Asked): string => (argument ? `${kind
 
 /** The quantity of the address, else the height of the selected joint. */
 export function startOf(text: string, selected: string | undefined, bones: readonly string[]): Asked {
-  const [kind, argument = ""] = text.split(":", 2);
+  const [kind = "", argument = ""] = text.split(":", 2);
   if ((KINDS as readonly string[]).includes(kind)) {
     const found = { kind: kind as Kind, argument };
     return { ...found, argument: argumentOf(found.kind, found, bones) };

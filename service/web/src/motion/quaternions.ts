@@ -1,4 +1,5 @@
 /** Quaternions x y z w as plain arrays; conventions of the repository: docs/conventions.md. */
+import { numberAt } from "./lists";
 export type Quaternion = [number, number, number, number];
 export type Vector = [number, number, number];
 
@@ -34,8 +35,8 @@ export function about(axis: string, radians: number): Quaternion {
 
 /** Turns in the order of the letters, each about the axes that the ones before have turned: R = R1 R2 R3. */
 export const turning = (order: string, radians: number[]): Quaternion =>
-  [...order].reduce<Quaternion>((done, axis, index) => multiply(done, about(axis, radians[index])), IDENTITY);
+  [...order].reduce<Quaternion>((done, axis, index) => multiply(done, about(axis, numberAt(radians, index))), IDENTITY);
 
 /** Turns in the order of the letters about axes that stay: R = R3 R2 R1. */
 export const fixed = (order: string, radians: number[]): Quaternion =>
-  [...order].reduce<Quaternion>((done, axis, index) => multiply(about(axis, radians[index]), done), IDENTITY);
+  [...order].reduce<Quaternion>((done, axis, index) => multiply(about(axis, numberAt(radians, index)), done), IDENTITY);

@@ -1,3 +1,4 @@
+import { itemAt, numberAt } from "./lists";
 import { describe, expect, it } from "vitest";
 import { neighboursOf, shortestRoute } from "./routes";
 
@@ -6,7 +7,7 @@ const near = neighboursOf(6, links);
 
 describe("ways over links", () => {
   it("lead both ways, the nearest first", () => {
-    expect(near[0].map((one) => one.to)).toEqual([1, 2]);
+    expect(itemAt(near, 0).map((one) => one.to)).toEqual([1, 2]);
     expect(near[4]).toEqual([{ to: 3, length: 2, bridge: true }]);
     expect(near[5]).toEqual([]);
   });
@@ -34,17 +35,24 @@ describe("ways over links", () => {
       Array.from({ length: count }, (_, to) => (at === to ? 0 : Infinity)),
     );
     random.a.forEach((one, at) => {
-      const other = random.b[at];
-      far[one][other] = far[other][one] = Math.min(far[one][other], random.length[at]);
+      const other = numberAt(random.b, at);
+      itemAt(far, one)[other] = itemAt(far, other)[one] = Math.min(
+        numberAt(itemAt(far, one), other),
+        numberAt(random.length, at),
+      );
     });
     for (let by = 0; by < count; by++)
       for (let one = 0; one < count; one++)
-        for (let to = 0; to < count; to++) far[one][to] = Math.min(far[one][to], far[one][by] + far[by][to]);
+        for (let to = 0; to < count; to++)
+          itemAt(far, one)[to] = Math.min(
+            numberAt(itemAt(far, one), to),
+            numberAt(itemAt(far, one), by) + numberAt(itemAt(far, by), to),
+          );
     const made = neighboursOf(count, random);
     for (let one = 0; one < count; one++)
       for (let to = 0; to < count; to++) {
         const found = shortestRoute(made, one, to);
-        if (Number.isFinite(far[one][to])) expect(found!.length).toBeCloseTo(far[one][to], 9);
+        if (Number.isFinite(itemAt(far, one)[to])) expect(found!.length).toBeCloseTo(numberAt(itemAt(far, one), to), 9);
         else expect(found).toBeNull();
       }
   });

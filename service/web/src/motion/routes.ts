@@ -1,4 +1,5 @@
 /** Links between candidates, and the shortest way over them. */
+import { itemAt, numberAt } from "./lists";
 
 export interface Links {
   a: ArrayLike<number>;
@@ -17,9 +18,14 @@ export interface Neighbour {
 export function neighboursOf(count: number, links: Links): Neighbour[][] {
   const found: Neighbour[][] = Array.from({ length: count }, () => []);
   for (let at = 0; at < links.a.length; at++) {
-    const [one, other, length, bridge] = [links.a[at], links.b[at], links.length[at], Boolean(links.bridge[at])];
-    found[one].push({ to: other, length, bridge });
-    found[other].push({ to: one, length, bridge });
+    const [one, other, length, bridge] = [
+      numberAt(links.a, at),
+      numberAt(links.b, at),
+      numberAt(links.length, at),
+      Boolean(links.bridge[at]),
+    ];
+    itemAt(found, one).push({ to: other, length, bridge });
+    itemAt(found, other).push({ to: one, length, bridge });
   }
   for (const list of found) list.sort((one, other) => one.length - other.length);
   return found;
@@ -37,18 +43,18 @@ export function shortestRoute(
   far[from] = 0;
   while (open.size) {
     let at = -1;
-    for (const one of open) if (at < 0 || far[one] < far[at]) at = one;
+    for (const one of open) if (at < 0 || numberAt(far, one) < numberAt(far, at)) at = one;
     if (at === to) break;
     open.delete(at);
-    for (const { to: next, length } of neighbours[at]) {
-      if (far[at] + length >= far[next]) continue;
-      far[next] = far[at] + length;
+    for (const { to: next, length } of itemAt(neighbours, at)) {
+      if (numberAt(far, at) + length >= numberAt(far, next)) continue;
+      far[next] = numberAt(far, at) + length;
       before[next] = at;
       open.add(next);
     }
   }
   if (!Number.isFinite(far[to])) return null;
   const way = [to];
-  while (way[0] !== from) way.unshift(before[way[0]]);
-  return { way, length: far[to] };
+  while (way[0] !== from) way.unshift(numberAt(before, numberAt(way, 0)));
+  return { way, length: numberAt(far, to) };
 }

@@ -1,3 +1,4 @@
+import { itemAt, numberAt } from "./lists";
 import { describe, expect, it } from "vitest";
 import { random } from "../testing/random";
 import { about, multiply, type Vector } from "./quaternions";
@@ -31,7 +32,7 @@ function chain(convention: "listed" | "base" | "fixed" | "marker", seed = 1): Sk
     above = along;
     return bone;
   });
-  const tips = [{ bone: 3, name: "", offset: convention === "fixed" ? bones[3].along : any() }];
+  const tips = [{ bone: 3, name: "", offset: convention === "fixed" ? itemAt(bones, 3).along : any() }];
   return skeletonOf({
     bones,
     tips,
@@ -50,7 +51,7 @@ const changesOf = (skeleton: Skeleton, bone: number, vector: Vector) =>
     textsOf(skeleton.view, bone, vector).map(({ address, text }) => [address, { address, attributes: {}, text }]),
   );
 const near = (a: readonly number[], b: readonly number[]) =>
-  a.forEach((one, axis) => expect(one).toBeCloseTo(b[axis], 3));
+  a.forEach((one, axis) => expect(one).toBeCloseTo(numberAt(b, axis), 3));
 
 describe("bones at rest that are changed and not stored", () => {
   it.each(["listed", "base", "fixed"] as const)(
@@ -74,24 +75,26 @@ describe("bones at rest that are changed and not stored", () => {
     const before = restOf(skeleton);
     const offset = vectorOf(skeleton.view, 2)!;
     const after = restOf(reshaped(skeleton, changesOf(skeleton, 2, [offset[0] + 5, offset[1], offset[2]])));
-    const moved = [...after].map((value, at) => Math.round((value - before[at]) * 1000) / 1000);
+    const moved = [...after].map((value, at) => Math.round((value - numberAt(before, at)) * 1000) / 1000);
     expect(moved).toEqual([0, 0, 0, 0, 0, 0, 5, 0, 0, 5, 0, 0, 5, 0, 0]);
   });
 
   it("of ASF move the joints at the bone's end, and its tip", () => {
     const skeleton = chain("fixed");
     const found = reshaped(skeleton, changesOf(skeleton, 3, [0, -7, 0]));
-    near(found.view.tips[0].offset, [0, -7, 0]);
-    near(reshaped(skeleton, changesOf(skeleton, 1, [0, -7, 0])).view.bones[2].offset, [0, -7, 0]);
-    const scaled = reshaped(skeleton, new Map([[`${skeleton.view.bones[1].address}/length`, { text: "2" }]]));
-    expect(Math.hypot(...scaled.view.bones[1].along)).toBeCloseTo(2);
+    near(itemAt(found.view.tips, 0).offset, [0, -7, 0]);
+    near(itemAt(reshaped(skeleton, changesOf(skeleton, 1, [0, -7, 0])).view.bones, 2).offset, [0, -7, 0]);
+    const scaled = reshaped(skeleton, new Map([[`${itemAt(skeleton.view.bones, 1).address}/length`, { text: "2" }]]));
+    expect(Math.hypot(...itemAt(scaled.view.bones, 1).along)).toBeCloseTo(2);
   });
 
   it("are the stored ones where no draft says otherwise, or says no numbers", () => {
     const skeleton = chain("listed");
     expect(reshaped(skeleton, new Map())).toBe(skeleton);
     for (const text of ["", "1 2", "1 2 x", undefined])
-      expect(reshaped(skeleton, new Map([[`${skeleton.view.bones[1].address}/position`, { text }]]))).toBe(skeleton);
+      expect(reshaped(skeleton, new Map([[`${itemAt(skeleton.view.bones, 1).address}/position`, { text }]]))).toBe(
+        skeleton,
+      );
     expect(vectorOf(skeleton.view, 0)).toBeNull();
     expect(vectorOf(chain("marker").view, 1)).toBeNull();
   });

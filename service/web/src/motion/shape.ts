@@ -2,6 +2,7 @@
  * The bones of a skeleton at rest as a draft has them: lengths and offsets that are changed and not stored yet, and the
  * elements of the document that say them (docs/conventions.md).
  */
+import { itemAt, numberAt } from "./lists";
 import { inverse, rotate, type Quaternion, type Vector } from "./quaternions";
 import type { Skeleton, SkeletonView } from "./skeleton";
 
@@ -12,18 +13,18 @@ const DIGITS = 6;
 /** The vector that a bone is changed by: from the joint above to its own, or (ASF) from its joint to its tip. Axes of the
  * world at rest. null: nothing that can be changed. */
 export function vectorOf(view: SkeletonView, bone: number): Vector | null {
-  const one = view.bones[bone];
+  const one = itemAt(view.bones, bone);
   if (one.convention === "fixed") return Math.hypot(...one.along) ? (one.along as Vector) : null;
   return one.convention !== "marker" && one.parent >= 0 ? (one.offset as Vector) : null;
 }
 
 /** The joint that the vector begins at. */
 export const baseOf = (view: SkeletonView, bone: number): number =>
-  view.bones[bone].convention === "fixed" ? bone : view.bones[bone].parent;
+  itemAt(view.bones, bone).convention === "fixed" ? bone : itemAt(view.bones, bone).parent;
 
 /** The texts of elements that say a bone's vector. */
 export function textsOf(view: SkeletonView, bone: number, vector: Vector): { address: string; text: string }[] {
-  const one = view.bones[bone];
+  const one = itemAt(view.bones, bone);
   if (one.convention === "fixed") {
     const length = Math.hypot(...vector);
     if (!length) return [{ address: `${one.address}/length`, text: "0" }];
@@ -32,7 +33,8 @@ export function textsOf(view: SkeletonView, bone: number, vector: Vector): { add
       { address: `${one.address}/length`, text: written([length]) },
     ];
   }
-  const said = one.convention === "base" ? rotate(inverse(view.bones[one.parent].axes as Quaternion), vector) : vector;
+  const said =
+    one.convention === "base" ? rotate(inverse(itemAt(view.bones, one.parent).axes as Quaternion), vector) : vector;
   return [{ address: `${one.address}/position`, text: written(said) }];
 }
 
@@ -79,7 +81,7 @@ function vectorSaid(view: SkeletonView, bone: Bone, changes: Changes): Vector | 
     bone.parent >= 0 && bone.convention !== "marker" ? read(changes.get(`${bone.address}/position`)?.text, 3) : null;
   if (!position) return null;
   return bone.convention === "base"
-    ? rotate(view.bones[bone.parent].axes as Quaternion, position as Vector)
+    ? rotate(itemAt(view.bones, bone.parent).axes as Quaternion, position as Vector)
     : (position as Vector);
 }
 
@@ -87,9 +89,15 @@ function vectorSaid(view: SkeletonView, bone: Bone, changes: Changes): Vector | 
 export function restOf({ view, points, parents }: Skeleton): Float32Array {
   const found = new Float32Array(points * 3);
   for (let point = 0; point < points; point++) {
-    const offset = point < view.bones.length ? view.bones[point].offset : view.tips[point - view.bones.length].offset;
+    const offset =
+      point < view.bones.length
+        ? itemAt(view.bones, point).offset
+        : itemAt(view.tips, point - view.bones.length).offset;
     for (let axis = 0; axis < 3; axis++)
-      found[point * 3 + axis] = parents[point] < 0 ? 0 : found[parents[point] * 3 + axis] + offset[axis];
+      found[point * 3 + axis] =
+        numberAt(parents, point) < 0
+          ? 0
+          : numberAt(found, numberAt(parents, point) * 3 + axis) + numberAt(offset, axis);
   }
   return found;
 }

@@ -1,4 +1,5 @@
 /** A skeleton as the drawing code wants it: indices and typed arrays. */
+import { entryOf, numberAt } from "./lists";
 import type { Schemas } from "../api/client";
 
 export type SkeletonView = Schemas["SkeletonView"];
@@ -34,25 +35,28 @@ export function skeletonOf(view: SkeletonView): Skeleton {
   const rest = new Float64Array(points * 3);
   view.bones.forEach((bone, index) => {
     parents[index] = bone.parent;
-    sides[index] = SIDES[bone.side];
+    sides[index] = entryOf(SIDES, bone.side);
     for (let axis = 0; axis < 3; axis++) {
-      rest[index * 3 + axis] = bone.offset[axis] + (bone.parent >= 0 ? rest[bone.parent * 3 + axis] : 0);
+      rest[index * 3 + axis] =
+        numberAt(bone.offset, axis) + (bone.parent >= 0 ? numberAt(rest, bone.parent * 3 + axis) : 0);
     }
   });
   view.tips.forEach((tip, place) => {
     const index = joints + place;
     parents[index] = tip.bone;
-    sides[index] = sides[tip.bone];
-    for (let axis = 0; axis < 3; axis++) rest[index * 3 + axis] = rest[tip.bone * 3 + axis] + tip.offset[axis];
+    sides[index] = numberAt(sides, tip.bone);
+    for (let axis = 0; axis < 3; axis++)
+      rest[index * 3 + axis] = numberAt(rest, tip.bone * 3 + axis) + numberAt(tip.offset, axis);
   });
   const edges: number[] = [];
-  for (let point = 0; point < points; point++) if (parents[point] >= 0) edges.push(parents[point], point);
+  for (let point = 0; point < points; point++)
+    if (numberAt(parents, point) >= 0) edges.push(numberAt(parents, point), point);
   let extent = 0;
   for (let axis = 0; axis < 3; axis++) {
     let [least, most] = [Infinity, -Infinity];
     for (let point = 0; point < points; point++) {
-      least = Math.min(least, rest[point * 3 + axis]);
-      most = Math.max(most, rest[point * 3 + axis]);
+      least = Math.min(least, numberAt(rest, point * 3 + axis));
+      most = Math.max(most, numberAt(rest, point * 3 + axis));
     }
     extent = Math.max(extent, most - least);
   }
@@ -75,6 +79,7 @@ export function skeletonOf(view: SkeletonView): Skeleton {
 /** Points below a joint, itself included. Points stand after their parents. */
 export function subtree(skeleton: Skeleton, joint: number): number[] {
   const inside = new Set([joint]);
-  for (let point = 0; point < skeleton.points; point++) if (inside.has(skeleton.parents[point])) inside.add(point);
+  for (let point = 0; point < skeleton.points; point++)
+    if (inside.has(numberAt(skeleton.parents, point))) inside.add(point);
   return [...inside];
 }

@@ -1,3 +1,4 @@
+import { numberAt } from "./lists";
 import { describe, expect, it } from "vitest";
 import { nearestMark, stills } from "./snapping";
 
@@ -16,7 +17,9 @@ describe("edges", () => {
     );
     const found = stills(speeds, 2, 60);
     expect(found.length).toBe(3);
-    [30, 92.8, 155.7].forEach((row, place) => expect(Math.abs(found[place] - row * 2)).toBeLessThanOrEqual(4));
+    [30, 92.8, 155.7].forEach((row, place) =>
+      expect(Math.abs(numberAt(found, place) - row * 2)).toBeLessThanOrEqual(4),
+    );
     expect(stills(new Float32Array(50), 1, 30)).toEqual([]);
     expect(stills(new Float32Array(0), 1, 30)).toEqual([]);
   });

@@ -1,4 +1,5 @@
 /** Where edges of spans snap. An edge lies before a frame (from 0): a span over frames 1 to 3 has the edges 0 and 3. */
+import { numberAt } from "./lists";
 
 const STILL_SECONDS = 0.15;
 const WIDER = 3; // times that moment: what counts as around it
@@ -18,21 +19,22 @@ export function nearestMark(edge: number, marks: readonly number[], within: numb
 export function stills(speeds: ArrayLike<number>, step: number, perSecond: number): number[] {
   const around = Math.max(1, Math.round((STILL_SECONDS * perSecond) / step));
   let greatest = 0;
-  for (let row = 0; row < speeds.length; row++) greatest = Math.max(greatest, speeds[row]);
+  for (let row = 0; row < speeds.length; row++) greatest = Math.max(greatest, numberAt(speeds, row));
   const found: number[] = [];
   const most = (from: number, to: number) => {
     const last = Math.min(speeds.length - 1, to);
     let value = 0;
-    for (let row = Math.max(0, from); row <= last; row++) value = Math.max(value, speeds[row]);
+    for (let row = Math.max(0, from); row <= last; row++) value = Math.max(value, numberAt(speeds, row));
     return value;
   };
   for (let row = around; row + around < speeds.length; row++) {
     let least = true;
     for (let by = 1; by <= around && least; by++)
-      least = speeds[row - by] > speeds[row] && speeds[row + by] >= speeds[row];
+      least = numberAt(speeds, row - by) > numberAt(speeds, row) && numberAt(speeds, row + by) >= numberAt(speeds, row);
     if (
       least &&
-      Math.min(most(row - WIDER * around, row), most(row, row + WIDER * around)) - speeds[row] > DEPTH * greatest
+      Math.min(most(row - WIDER * around, row), most(row, row + WIDER * around)) - numberAt(speeds, row) >
+        DEPTH * greatest
     )
       found.push(row * step);
   }

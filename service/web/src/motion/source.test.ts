@@ -1,4 +1,5 @@
 // @vitest-environment happy-dom
+import { itemAt } from "./lists";
 import { afterEach, expect, it, vi } from "vitest";
 import { forget, motionOf, type Motion } from "./source";
 
@@ -24,10 +25,10 @@ it("keeps what is shown, however many clips a page shows", async () => {
   });
   const motions: Motion[] = [];
   for (let number = 0; number < 20; number++) motions.push(await motionOf(`clip-${number}`));
-  expect(motions[0].perSecond).toBeCloseTo(100, 9);
+  expect(itemAt(motions, 0).perSecond).toBeCloseTo(100, 9);
   for (const motion of motions) motion.blocks.want(0);
   await vi.waitFor(() => expect(motions.every((motion) => motion.blocks.has(0))).toBe(true));
-  expect([...motions[0].blocks.frame(0)!]).toEqual([1, 2, 3]);
+  expect([...itemAt(motions, 0).blocks.frame(0)!]).toEqual([1, 2, 3]);
   const before = asked.length;
   expect(await motionOf("clip-19")).toBe(motions[19]);
   expect(asked.length).toBe(before);

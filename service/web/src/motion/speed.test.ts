@@ -1,3 +1,4 @@
+import { numberAt } from "./lists";
 import { describe, expect, it } from "vitest";
 import { random } from "../testing/random";
 import { speedOf } from "./speed";
@@ -15,7 +16,7 @@ describe("the speed of points", () => {
       expect(found.length).toBe(rows);
       for (let row = 0; row + 1 < rows; row++) {
         const ways = Array.from({ length: points }, (_, at) =>
-          Math.hypot(...point(row, at).map((one, axis) => point(row + 1, at)[axis] - one)),
+          Math.hypot(...point(row, at).map((one, axis) => numberAt(point(row + 1, at), axis) - one)),
         ).filter((one) => !Number.isNaN(one));
         expect(found[row]).toBeCloseTo(ways.length ? ways.reduce((sum, one) => sum + one, 0) / ways.length : 0, 4);
       }

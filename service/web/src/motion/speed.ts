@@ -1,4 +1,5 @@
 /** How fast points move, for the curve under a timeline. */
+import { numberAt } from "./lists";
 const known = new WeakMap<object, { of: Float32Array; speeds: Float32Array }>();
 
 /** Mean distance of all points from each row to the next: (rows,). values: (rows, points, 3). Kept for `owner`. */
@@ -13,9 +14,9 @@ export function speedOf(owner: object, values: Float32Array, points: number): Fl
     let count = 0;
     for (let at = row * stride; at < (row + 1) * stride; at += 3) {
       const away = Math.hypot(
-        values[at + stride] - values[at],
-        values[at + stride + 1] - values[at + 1],
-        values[at + stride + 2] - values[at + 2],
+        numberAt(values, at + stride) - numberAt(values, at),
+        numberAt(values, at + stride + 1) - numberAt(values, at + 1),
+        numberAt(values, at + stride + 2) - numberAt(values, at + 2),
       );
       if (away === away) {
         sum += away;
@@ -24,7 +25,7 @@ export function speedOf(owner: object, values: Float32Array, points: number): Fl
     }
     speeds[row] = count ? sum / count : 0;
   }
-  if (rows > 1) speeds[rows - 1] = speeds[rows - 2];
+  if (rows > 1) speeds[rows - 1] = numberAt(speeds, rows - 2);
   known.set(owner, { of: values, speeds });
   return speeds;
 }

@@ -1,4 +1,5 @@
 /** Which frame of one clip is shown beside a frame of another. Frames from 0, spans' from 1. */
+import { itemAt } from "./lists";
 
 export type Sync = "time" | "frame" | "span";
 
@@ -26,7 +27,8 @@ export function anchorOf(here: Timed, there: Timed, sync: Sync, frame: number): 
     const count = nth.get(span.name) ?? 0;
     nth.set(span.name, count + 1);
     const same = inOrder(there).filter((one) => one.name === span.name);
-    if (same.length) pairs.push({ here: span.first - 1, there: same[Math.min(count, same.length - 1)].first - 1 });
+    if (same.length)
+      pairs.push({ here: span.first - 1, there: itemAt(same, Math.min(count, same.length - 1)).first - 1 });
   }
   return pairs.findLast((pair) => pair.here <= frame) ?? pairs[0] ?? START;
 }

@@ -1,4 +1,5 @@
 /** A tempo that is tapped. */
+import { numberAt } from "./lists";
 
 const LAST = 8; // intervals that count
 const PAUSE = 2500; // ms after which tapping begins anew
@@ -13,11 +14,11 @@ export function tapped(taps: readonly number[], now: number): number[] {
 export function tempoOf(taps: readonly number[]): number | null {
   const between = taps
     .slice(1)
-    .map((tap, at) => tap - taps[at])
+    .map((tap, at) => tap - numberAt(taps, at))
     .slice(-LAST)
     .sort((a, b) => a - b);
   if (!between.length) return null;
   const middle = between.length >> 1;
-  const median = between.length % 2 ? between[middle] : (between[middle - 1] + between[middle]) / 2;
-  return median > 0 ? 60_000 / median : null;
+  const median = between.length % 2 ? between[middle] : (numberAt(between, middle - 1) + numberAt(between, middle)) / 2;
+  return median !== undefined && median > 0 ? 60_000 / median : null;
 }

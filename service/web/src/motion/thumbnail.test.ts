@@ -1,3 +1,4 @@
+import { itemAt, numberAt } from "./lists";
 import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
 import { drawThumbnail, fromBase64, readThumbnail } from "./thumbnail";
@@ -55,7 +56,7 @@ describe.skipIf(!cases.length)("thumbnails that the repository makes", () => {
     expect([found.face, found.markers, found.points, found.loopPoses, found.scrubPoses]).toEqual([
       one.face,
       one.markers,
-      one.loop[0].length,
+      itemAt(one.loop, 0).length,
       poses,
       moments,
     ]);
@@ -63,11 +64,11 @@ describe.skipIf(!cases.length)("thumbnails that the repository makes", () => {
     expect([found.seconds, found.aspect, found.groundStep]).toEqual([one.seconds, one.aspect, one.step]);
     expect([...found.loopGround, ...found.scrubGround]).toEqual(one.ground);
     const places = (bytes: Uint8Array) => [...bytes].map((value, at) => (value / 255) * (at % 2 ? 1 : one.aspect));
-    expect(Math.max(0, ...places(found.loop).map((value, at) => Math.abs(value - one.loop.flat(2)[at])))).toBeLessThan(
-      1e-9,
-    );
     expect(
-      Math.max(0, ...places(found.scrub).map((value, at) => Math.abs(value - one.scrub.flat(2)[at]))),
+      Math.max(0, ...places(found.loop).map((value, at) => Math.abs(value - numberAt(one.loop.flat(2), at)))),
+    ).toBeLessThan(1e-9);
+    expect(
+      Math.max(0, ...places(found.scrub).map((value, at) => Math.abs(value - numberAt(one.scrub.flat(2), at)))),
     ).toBeLessThan(1e-9);
     expect(one.farthest).toContain(found.poster);
     expect(one.highest).toContain(found.head);
@@ -96,9 +97,11 @@ describe.skipIf(!cases.length)("thumbnails that the repository makes", () => {
               .filter(({ style }) => style !== "line")
               .map(({ points }) => points)
               .flat();
-        const wanted = one.markers ? pose.map(put) : one.bones.flatMap(([a, b]) => [put(pose[a]), put(pose[b])]);
+        const wanted = one.markers
+          ? pose.map(put)
+          : one.bones.flatMap(([a, b]) => [put(itemAt(pose, a)), put(itemAt(pose, b))]);
         expect(drawn.length).toBe(wanted.length);
-        const away = drawn.map(([x, y], at) => Math.hypot(x - wanted[at][0], y - wanted[at][1]));
+        const away = drawn.map(([x, y], at) => Math.hypot(x - itemAt(wanted, at)[0], y - itemAt(wanted, at)[1]));
         expect(Math.max(0, ...away)).toBeLessThan(1e-6 * height);
       });
     }
@@ -122,12 +125,14 @@ describe("the ground under a walker", () => {
       const ticks = (phase: number) => {
         const { pen, lines } = recorder();
         drawThumbnail(pen, thumb, height * 1.5, height, phase, INKS);
-        return lines[0].points.filter(([, y]) => y === height).map(([x]) => x);
+        return itemAt(lines, 0)
+          .points.filter(([, y]) => y === height)
+          .map(([x]) => x);
       };
-      const gap = ticks(0)[1] - ticks(0)[0];
+      const gap = numberAt(ticks(0), 1) - numberAt(ticks(0), 0);
       for (let at = 0; at <= 20; at++) {
         // From 250 to 260: half a step each.
-        const moved = (ticks(0)[0] - ticks(at / 20)[0] - (at / 2 / 128) * height * 0.78) / gap;
+        const moved = (numberAt(ticks(0), 0) - numberAt(ticks(at / 20), 0) - (at / 2 / 128) * height * 0.78) / gap;
         expect(Math.abs(moved - Math.round(moved)), `height ${height}, ${at} of 20`).toBeLessThan(1e-6);
       }
       expect(gap).toBeGreaterThan(height / 6);

@@ -1,4 +1,5 @@
 /** MT1: moving skeletons in a few KB (service/motion/thumbnails.py has the format). Reading, and drawing on a canvas. */
+import { numberAt } from "./lists";
 
 export interface Thumbnail {
   markers: boolean;
@@ -26,7 +27,7 @@ const MARKERS = 2;
 /** Error for what is no thumbnail. */
 export function readThumbnail(bytes: Uint8Array): Thumbnail {
   if (bytes.length < 20 || String.fromCharCode(...bytes.subarray(0, 3)) !== "MT1") throw new Error("no thumbnail");
-  const [flags, points, bones, loopPoses, scrubPoses] = bytes.subarray(3, 8);
+  const [flags = 0, points = 0, bones = 0, loopPoses = 0, scrubPoses = 0] = bytes.subarray(3, 8);
   const view = new DataView(bytes.buffer, bytes.byteOffset);
   let at = 20;
   const take = (size: number) => bytes.subarray(at, (at += size));
@@ -40,7 +41,7 @@ export function readThumbnail(bytes: Uint8Array): Thumbnail {
     face: Boolean(flags & FACE),
     points,
     bones: Array.from({ length: bones }, (_, index) => {
-      const [a, b, kind] = limbs.subarray(index * 3, index * 3 + 3);
+      const [a = 0, b = 0, kind = 0] = limbs.subarray(index * 3, index * 3 + 3);
       return { a, b, side: kind & 3, depth: kind >> 2 };
     }),
     seconds: view.getFloat32(8, true),
@@ -61,12 +62,12 @@ export const fromBase64 = (text: string): Uint8Array => Uint8Array.from(atob(tex
 function posterOf(loop: Uint8Array, poses: number, points: number): number {
   const size = points * 2;
   const means = new Float64Array(size);
-  for (let at = 0; at < loop.length; at++) means[at % size] += loop[at] / poses;
+  for (let at = 0; at < loop.length; at++) means[at % size] = numberAt(means, at % size) + numberAt(loop, at) / poses;
   let best = 0;
   let most = -1;
   for (let pose = 0; pose < poses; pose++) {
     let away = 0;
-    for (let at = 0; at < size; at++) away += (loop[pose * size + at] - means[at]) ** 2;
+    for (let at = 0; at < size; at++) away += (numberAt(loop, pose * size + at) - numberAt(means, at)) ** 2;
     if (away > most) [most, best] = [away, pose];
   }
   return best;
@@ -77,7 +78,7 @@ function headOf(bones: { b: number }[], loop: Uint8Array, poses: number, points:
   let least = Infinity;
   for (const { b } of bones) {
     let sum = 0;
-    for (let pose = 0; pose < poses; pose++) sum += loop[(pose * points + b) * 2 + 1];
+    for (let pose = 0; pose < poses; pose++) sum += numberAt(loop, (pose * points + b) * 2 + 1);
     if (sum < least) [least, best] = [sum, b];
   }
   return best;
@@ -129,7 +130,8 @@ export function drawThumbnail(
       inks.line,
     );
   const place = (point: number, axis: number): number => {
-    const sample = (pose: number) => source[(Math.max(0, Math.min(poses - 1, pose)) * thumb.points + point) * 2 + axis];
+    const sample = (pose: number) =>
+      numberAt(source, (Math.max(0, Math.min(poses - 1, pose)) * thumb.points + point) * 2 + axis);
     return catmull(sample(base - 1), sample(base), sample(base + 1), sample(base + 2), share);
   };
   const x = (point: number) => left + (place(point, 0) / 255) * wide;

@@ -1,3 +1,4 @@
+import { itemAt } from "./lists";
 import { describe, expect, it } from "vitest";
 import { random } from "../testing/random";
 import { lanes, moved, rulerStep, toFrame, toX, zoomed } from "./timeline";
@@ -43,7 +44,7 @@ describe("lanes", () => {
       for (let frame = 1; frame <= 60; frame++) {
         const here = spans
           .map((_, index) => index)
-          .filter((index) => spans[index].first <= frame && frame <= spans[index].last);
+          .filter((index) => itemAt(spans, index).first <= frame && frame <= itemAt(spans, index).last);
         most = Math.max(most, here.length);
         expect(new Set(here.map((index) => found[index])).size).toBe(here.length);
       }

@@ -1,4 +1,5 @@
 /** The arithmetic of timelines: frames to pixels, steps of a ruler, lanes for spans that overlap. */
+import { itemAt } from "./lists";
 
 export interface Range {
   first: number;
@@ -23,13 +24,13 @@ export function rulerStep(range: Range, width: number, least: number): number {
 export function lanes(spans: readonly { first: number; last: number }[]): number[] {
   const order = spans
     .map((_, index) => index)
-    .sort((a, b) => spans[a].first - spans[b].first || spans[b].last - spans[a].last);
+    .sort((a, b) => itemAt(spans, a).first - itemAt(spans, b).first || itemAt(spans, b).last - itemAt(spans, a).last);
   const ends: number[] = [];
   const found = new Array<number>(spans.length).fill(0);
   for (const index of order) {
-    let lane = ends.findIndex((end) => end < spans[index].first);
+    let lane = ends.findIndex((end) => end < itemAt(spans, index).first);
     if (lane < 0) lane = ends.push(0) - 1;
-    ends[lane] = spans[index].last;
+    ends[lane] = itemAt(spans, index).last;
     found[index] = lane;
   }
   return found;

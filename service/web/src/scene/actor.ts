@@ -1,4 +1,5 @@
 /** One skeleton on the stage: its body, its ghosts in time, the lines that its points have gone along. */
+import { itemAt, numberAt } from "../motion/lists";
 import * as THREE from "three";
 import { SIDE_TOKENS, type Skeleton } from "../motion/skeleton";
 import { Body, type Tint } from "./body";
@@ -69,5 +70,5 @@ function tintOf(skeleton: Skeleton, token: Token, ink: string | null): Tint {
     return () => one;
   }
   const colours = SIDE_TOKENS.map((name) => new THREE.Color(token(name)));
-  return (point) => colours[skeleton.sides[point]];
+  return (point) => itemAt(colours, numberAt(skeleton.sides, point));
 }

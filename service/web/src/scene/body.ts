@@ -1,4 +1,5 @@
 /** A body of instanced bones and joints. Matrices are written straight from positions; nothing is made per frame. */
+import { itemAt, numberAt } from "../motion/lists";
 import * as THREE from "three";
 import type { Skeleton } from "../motion/skeleton";
 
@@ -49,9 +50,10 @@ export class Body {
     if (skeleton.view.markers) this.sizes.fill(MARKER * skeleton.height);
     const children = new Int32Array(skeleton.points);
     for (let point = 0; point < skeleton.points; point++)
-      if (skeleton.parents[point] >= 0) children[skeleton.parents[point]]++;
+      if (numberAt(skeleton.parents, point) >= 0)
+        children[numberAt(skeleton.parents, point)] = numberAt(children, numberAt(skeleton.parents, point)) + 1;
     for (let point = 0; point < skeleton.points; point++) {
-      const parent = skeleton.parents[point];
+      const parent = numberAt(skeleton.parents, point);
       // Fingers and toes are slim: points deep in chains of small bones.
       if (
         !skeleton.view.markers &&
@@ -59,7 +61,7 @@ export class Body {
         /hand|finger|thumb|toe|index|middle|ring|little|pinky/i.test(this.name(point)) &&
         children[point] === 0
       ) {
-        this.sizes[point] *= 0.55;
+        this.sizes[point] = numberAt(this.sizes, point) * 0.55;
       }
     }
     if (skeleton.head >= 0) {
@@ -73,13 +75,16 @@ export class Body {
 
   private name(point: number): string {
     const bones = this.skeleton.view.bones;
-    return point < bones.length ? bones[point].name : bones[this.skeleton.parents[point]].name;
+    return point < bones.length
+      ? itemAt(bones, point).name
+      : itemAt(bones, numberAt(this.skeleton.parents, point)).name;
   }
 
   tint(tint: Tint): void {
     const { edges, points } = this.skeleton;
     for (let point = 0; point < points; point++) this.joints.setColorAt(point, tint(point));
-    for (let edge = 0; edge < edges.length / 2; edge++) this.bones.setColorAt(edge, tint(edges[edge * 2 + 1]));
+    for (let edge = 0; edge < edges.length / 2; edge++)
+      this.bones.setColorAt(edge, tint(numberAt(edges, edge * 2 + 1)));
     if (this.bones.instanceColor) this.bones.instanceColor.needsUpdate = true;
     if (this.joints.instanceColor) this.joints.instanceColor.needsUpdate = true;
   }
@@ -90,10 +95,10 @@ export class Body {
     const spheres = this.joints.instanceMatrix.array as Float32Array;
     for (let point = 0; point < points; point++) {
       const at = point * 16;
-      const x = positions[point * 3] * metres;
-      const y = positions[point * 3 + 1] * metres;
-      const z = positions[point * 3 + 2] * metres;
-      const size = x === x ? this.sizes[point] : 0;
+      const x = numberAt(positions, point * 3) * metres;
+      const y = numberAt(positions, point * 3 + 1) * metres;
+      const z = numberAt(positions, point * 3 + 2) * metres;
+      const size = x === x ? numberAt(this.sizes, point) : 0;
       spheres[at] = size;
       spheres[at + 5] = size;
       spheres[at + 10] = size;
@@ -105,19 +110,21 @@ export class Body {
     if (this.crown >= 0 && spheres[this.crown * 16 + 15]) {
       const [head, crown] = [this.skeleton.head * 16 + 12, this.crown * 3];
       for (let axis = 0; axis < 3; axis++)
-        spheres[head + axis] += (positions[crown + axis] * metres - spheres[head + axis]) * 0.5 || 0;
+        spheres[head + axis] =
+          numberAt(spheres, head + axis) +
+          ((numberAt(positions, crown + axis) * metres - numberAt(spheres, head + axis)) * 0.5 || 0);
     }
     const limbs = this.bones.instanceMatrix.array as Float32Array;
     for (let edge = 0; edge < edges.length / 2; edge++) {
-      const from = edges[edge * 2] * 3;
-      const to = edges[edge * 2 + 1] * 3;
+      const from = numberAt(edges, edge * 2) * 3;
+      const to = numberAt(edges, edge * 2 + 1) * 3;
       const at = edge * 16;
-      const ax = positions[from] * metres,
-        ay = positions[from + 1] * metres,
-        az = positions[from + 2] * metres;
-      const dx = positions[to] * metres - ax,
-        dy = positions[to + 1] * metres - ay,
-        dz = positions[to + 2] * metres - az;
+      const ax = numberAt(positions, from) * metres,
+        ay = numberAt(positions, from + 1) * metres,
+        az = numberAt(positions, from + 2) * metres;
+      const dx = numberAt(positions, to) * metres - ax,
+        dy = numberAt(positions, to + 1) * metres - ay,
+        dz = numberAt(positions, to + 2) * metres - az;
       const length = Math.hypot(dx, dy, dz);
       if (!(length > 1e-9)) {
         limbs.fill(0, at, at + 16);

@@ -1,4 +1,5 @@
 /** A face of markers in the round: dots, a surface between them, or a mesh that follows them. */
+import { numberAt } from "../motion/lists";
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { bind, fitted, follow, surfaceOf, type Binding, type Facing } from "../motion/faces";
@@ -47,9 +48,8 @@ export class FaceStage {
     this.surface = new THREE.Mesh(geometry, skinMaterial());
     this.surface.frustumCulled = false;
     const light = new THREE.DirectionalLight(0xffffff, 2.2);
-    const [right, up, out] = [facing.right, facing.up, facing.out].map(
-      (one) => new THREE.Vector3(...(one as [number, number, number])),
-    );
+    const vector = (of: ArrayLike<number>) => new THREE.Vector3().fromArray(of);
+    const [right, up, out] = [vector(facing.right), vector(facing.up), vector(facing.out)];
     light.position.copy(out).addScaledVector(up, 0.9).addScaledVector(right, -0.7);
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a94a2, 2.2), light, this.dots, this.surface);
     const middle = box.getCenter(new THREE.Vector3());
@@ -80,8 +80,15 @@ export class FaceStage {
     for (let marker = 0; marker < markers.length / 3; marker++) {
       const seen = markers[marker * 3] === markers[marker * 3];
       for (let axis = 0; axis < 3; axis++)
-        array[marker * 3 + axis] = seen ? markers[marker * 3 + axis] : this.neutral[marker * 3 + axis];
-      if (seen) this.spot.makeTranslation(markers[marker * 3], markers[marker * 3 + 1], markers[marker * 3 + 2]);
+        array[marker * 3 + axis] = seen
+          ? numberAt(markers, marker * 3 + axis)
+          : numberAt(this.neutral, marker * 3 + axis);
+      if (seen)
+        this.spot.makeTranslation(
+          numberAt(markers, marker * 3),
+          numberAt(markers, marker * 3 + 1),
+          numberAt(markers, marker * 3 + 2),
+        );
       else this.spot.makeScale(0, 0, 0);
       this.dots.setMatrixAt(marker, this.spot);
     }

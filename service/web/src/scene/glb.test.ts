@@ -1,3 +1,4 @@
+import { itemAt } from "../motion/lists";
 import { readFileSync } from "node:fs";
 import { AnimationMixer, Vector3, type SkinnedMesh } from "three";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
@@ -25,7 +26,7 @@ describe.skipIf(!cases.length)("a clip as glTF", () => {
     async (_, one) => {
       const bytes = readFileSync(one.path);
       const model = await new GLTFLoader().parseAsync(
-        bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer,
+        bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength),
         "",
       );
       let body: SkinnedMesh | undefined;
@@ -35,16 +36,16 @@ describe.skipIf(!cases.length)("a clip as glTF", () => {
       const bones = body!.skeleton.bones;
       const mixer = new AnimationMixer(model.scene);
       expect(model.animations.length).toBe(1);
-      mixer.clipAction(model.animations[0]).play();
+      mixer.clipAction(itemAt(model.animations, 0)).play();
       const place = new Vector3();
       let worst = 0;
       one.times.forEach((time, frame) => {
         mixer.setTime(time);
         model.scene.updateMatrixWorld(true);
-        expect(bones.length).toBe(one.positions[frame].length);
+        expect(bones.length).toBe(itemAt(one.positions, frame).length);
         bones.forEach((bone, joint) => {
           place.setFromMatrixPosition(bone.matrixWorld);
-          worst = Math.max(worst, place.distanceTo(new Vector3(...one.positions[frame][joint])));
+          worst = Math.max(worst, place.distanceTo(new Vector3(...itemAt(itemAt(one.positions, frame), joint))));
         });
       });
       expect(worst / one.height).toBeLessThan(1e-5);

@@ -1,4 +1,5 @@
 /** Arrows at a point that a hand pulls, each along its own line. Drawn flat over the scene, so that nothing hides them. */
+import { numberAt } from "../motion/lists";
 import * as THREE from "three";
 
 export interface Arrow {
@@ -40,7 +41,13 @@ function linesOf(handle: Handle, around: Surroundings) {
   return handle.arrows.flatMap((arrow) => {
     const by = (arrow.reach * around.length) / around.metres;
     const to = around.screen(
-      around.world([0, 1, 2].map((axis) => handle.at[axis] + arrow.direction[axis] * by) as [number, number, number]),
+      around.world(
+        [0, 1, 2].map((axis) => numberAt(handle.at, axis) + numberAt(arrow.direction, axis) * by) as [
+          number,
+          number,
+          number,
+        ],
+      ),
     );
     return from && to ? [{ arrow, from, to }] : [];
   });
@@ -119,7 +126,9 @@ export function reachOf(
   if (!arrow) return 0;
   const start = around.world(handle.at);
   const line = around
-    .world([0, 1, 2].map((axis) => handle.at[axis] + arrow.direction[axis]) as [number, number, number])
+    .world(
+      [0, 1, 2].map((axis) => numberAt(handle.at, axis) + numberAt(arrow.direction, axis)) as [number, number, number],
+    )
     .sub(start)
     .normalize();
   const ray = new THREE.Vector3((x / width) * 2 - 1, 1 - (y / height) * 2, 0.5)

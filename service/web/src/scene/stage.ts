@@ -4,6 +4,7 @@
  *
  * World: metres, Y up. Clips whose up axis is Z are turned by the group they stand in.
  */
+import { itemAt, numberAt } from "../motion/lists";
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { actorOf, dispose, recolour, type Actor } from "./actor";
@@ -278,17 +279,22 @@ export class Stage {
   private world(actor: Actor, point: number): THREE.Vector3 | null {
     const { positions } = actor;
     if (!positions || positions[point * 3] !== positions[point * 3]) return null;
-    return this.placed(actor, [positions[point * 3], positions[point * 3 + 1], positions[point * 3 + 2]]);
+    return this.placed(actor, [
+      numberAt(positions, point * 3),
+      numberAt(positions, point * 3 + 1),
+      numberAt(positions, point * 3 + 2),
+    ]);
   }
 
   /** A place of an actor, in its own unit and axes, in the world. */
   private placed({ skeleton, shift }: Actor, at: readonly [number, number, number]): THREE.Vector3 {
-    const [x, y, z] = at.map((one) => one * skeleton.metres);
-    return (skeleton.zUp ? new THREE.Vector3(x, z, -y) : new THREE.Vector3(x, y, z)).add(shift);
+    const [x, y, z] = at;
+    const turned = skeleton.zUp ? new THREE.Vector3(x, z, -y) : new THREE.Vector3(x, y, z);
+    return turned.multiplyScalar(skeleton.metres).add(shift);
   }
 
   private around(handle: Handle): Surroundings {
-    const actor = this.actors[handle.actor];
+    const actor = itemAt(this.actors, handle.actor);
     return {
       world: (at) => this.placed(actor, at),
       screen: (at) => this.projected(at),
@@ -315,7 +321,7 @@ export class Stage {
 
   /** Whether all of an actor is in the picture. */
   sees(actor: number): boolean {
-    const one = this.actors[actor];
+    const one = itemAt(this.actors, actor);
     return [...Array(one.skeleton.points).keys()].every((point) => {
       const at = this.onScreen(one, point);
       return at && at.x >= 0 && at.y >= 0 && at.x <= this.host.clientWidth && at.y <= this.host.clientHeight;
@@ -348,15 +354,15 @@ export class Stage {
 
   /** Colour all of an actor by a token; null: by its sides. */
   paint(actor: number, ink: string | null): void {
-    if (this.actors[actor].ink === ink) return;
-    this.actors[actor].ink = ink;
+    if (itemAt(this.actors, actor).ink === ink) return;
+    itemAt(this.actors, actor).ink = ink;
     this.recolour();
   }
 
   /** Put an actor elsewhere: metres in the world. */
   place(actor: number, x: number, y: number, z: number): void {
-    this.actors[actor].shift.set(x, y, z);
-    this.actors[actor].group.position.set(x, y, z);
+    itemAt(this.actors, actor).shift.set(x, y, z);
+    itemAt(this.actors, actor).group.position.set(x, y, z);
   }
 
   private resize(): void {

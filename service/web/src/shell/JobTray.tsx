@@ -1,4 +1,5 @@
 /** Long work: what runs, how far it is, its way back when it has ended. */
+import { entryOf } from "../motion/lists";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { cancelJob, jobs, placeOf, type Job } from "../state/jobs";
 import { rowOf } from "../pages";
@@ -71,7 +72,7 @@ function Row({ job, onDone }: { job: Job; onDone: () => void }) {
     <li class="job">
       <div class="row">
         <strong class="cut grow">{job.name ?? job.analysis}</strong>
-        <span class="dim">{STATES[job.state] ? w(STATES[job.state]) : job.stage}</span>
+        <span class="dim">{STATES[job.state] ? w(entryOf(STATES, job.state)) : job.stage}</span>
         {running(job) && (
           <button
             type="button"

@@ -2,6 +2,7 @@
  * The clip that is open: its document, skeleton and frames, and what is selected, looked at and changed in it. Tree,
  * graph, text, timeline and viewer are views of these signals; none keeps a copy.
  */
+import { numberAt } from "../motion/lists";
 import { batch, computed, effect, signal, type ReadonlySignal } from "@preact/signals";
 import { ask, get, type Schemas } from "../api/client";
 import { Blocks, channelsOf, positionsOf } from "../motion/blocks";
@@ -116,7 +117,7 @@ export class Clip {
     if (changed !== undefined) return changed;
     if (!this.channels.has(frame)) return null;
     const column = this.columns.get(track);
-    return column === undefined ? null : this.channels.frame(frame)![column];
+    return column === undefined ? null : numberAt(this.channels.frame(frame)!, column);
   }
 
   select(bones: readonly string[], channel: string | null = null): void {

@@ -1,3 +1,4 @@
+import { itemAt, numberAt } from "../motion/lists";
 import { describe, expect, it } from "vitest";
 import { random, type Random } from "../testing/random";
 import {
@@ -28,10 +29,10 @@ const drawn = (draw: Random): Piece[] =>
     const last = draw.whole(first, frames);
     return {
       ...pieceOf(`id${index}-a`, "", first, last, frames),
-      speed: [1, 0.5, 1.25, 20][draw.whole(0, 3)],
+      speed: numberAt([1, 0.5, 1.25, 20], draw.whole(0, 3)),
       mirror: draw() < 0.5,
       transition: draw() < 0.5 ? null : draw.whole(0, 40),
-      style: ([null, "bridge", "crossfade"] as const)[draw.whole(0, 2)],
+      style: itemAt([null, "bridge", "crossfade"] as const, draw.whole(0, 2)),
       layers: Array.from({ length: draw.whole(0, 2) }, () => ({
         ...layerOf("other", "", 2, 9, 30),
         at: draw.whole(1, 9),
@@ -97,7 +98,7 @@ describe("pieces put end to end", () => {
       expect(new Set(cut.map(({ key }) => key)).size).toBe(cut.length);
       const inner = pieces[index] && pieces[index].first < frame && frame <= pieces[index].last;
       expect(cut.length).toBe(pieces.length + (inner ? 1 : 0));
-      if (inner) expect(cut[index + 1].first).toBe(frame);
+      if (inner) expect(itemAt(cut, index + 1).first).toBe(frame);
       const layersOf = (list: readonly Piece[]) =>
         list.flatMap((one) => one.layers.map((layer) => one.document + (one.first + layer.at)));
       expect(layersOf(cut).sort()).toEqual(layersOf(pieces).sort());
@@ -106,30 +107,32 @@ describe("pieces put end to end", () => {
 
   it("change places", () => {
     const [a, b, c] = parsePieces("a,b,c");
-    expect(movePiece([a, b, c], 0, 2)).toEqual([b, c, a]);
-    expect(movePiece([a, b, c], 2, 0)).toEqual([c, a, b]);
-    expect(movePiece([a, b, c], 1, 9)).toEqual([a, c, b]);
-    expect(movePiece([a, b, c], 1, -4)).toEqual([b, a, c]);
+    expect(movePiece([a!, b!, c!], 0, 2)).toEqual([b, c, a]);
+    expect(movePiece([a!, b!, c!], 2, 0)).toEqual([c, a, b]);
+    expect(movePiece([a!, b!, c!], 1, 9)).toEqual([a, c, b]);
+    expect(movePiece([a!, b!, c!], 1, -4)).toEqual([b, a, c]);
   });
 
   it("stay within their clips, however they are changed", () => {
     const piece = { ...pieceOf("a", "a", 5, 10, 20), layers: [layerOf("b", "b", 1, 9, 9)] };
     const changed = (change: Partial<Piece>) => withPiece([piece], piece.key, change)[0];
-    expect([changed({ first: -3 }).first, changed({ last: 99 }).last]).toEqual([1, 20]);
-    expect(sizeOf(changed({ first: 15 }))).toBe(1);
+    expect([changed({ first: -3 })!.first, changed({ last: 99 })!.last]).toEqual([1, 20]);
+    expect(sizeOf(changed({ first: 15 })!)).toBe(1);
     expect(changed({ last: 2 })).toMatchObject({ first: 5, last: 5 });
-    expect([changed({ speed: 0 }).speed, changed({ speed: 99 }).speed, changed({ speed: Number.NaN }).speed]).toEqual([
-      0.05, 20, 1,
-    ]);
-    expect(changed({ transition: -1 }).transition).toBe(0);
-    const layer = (change: object) => withLayer([piece], piece.layers[0].key, change)[0].layers[0];
     expect([
-      layer({ at: 99 }).at,
-      layer({ at: -1 }).at,
-      layer({ strength: 3 }).strength,
-      layer({ ease: -1 }).ease,
+      changed({ speed: 0 })!.speed,
+      changed({ speed: 99 })!.speed,
+      changed({ speed: Number.NaN })!.speed,
+    ]).toEqual([0.05, 20, 1]);
+    expect(changed({ transition: -1 })!.transition).toBe(0);
+    const layer = (change: object) => itemAt(withLayer([piece], itemAt(piece.layers, 0).key, change), 0).layers[0];
+    expect([
+      layer({ at: 99 })!.at,
+      layer({ at: -1 })!.at,
+      layer({ strength: 3 })!.strength,
+      layer({ ease: -1 })!.ease,
     ]).toEqual([6, 1, 1, 0]);
-    expect(withoutLayer([piece], piece.layers[0].key)[0].layers).toEqual([]);
+    expect(itemAt(withoutLayer([piece], itemAt(piece.layers, 0).key), 0).layers).toEqual([]);
   });
 
   it("learn what their clips are called and how long they are", () => {
@@ -139,7 +142,7 @@ describe("pieces put end to end", () => {
       ["A", 3, 9],
       ["B", 1, 9],
     ]);
-    expect(known[0].layers[0]).toMatchObject({ name: "B", last: 9, bones: ["arm"] });
+    expect(itemAt(known, 0).layers[0]).toMatchObject({ name: "B", last: 9, bones: ["arm"] });
     expect(learnt(known, () => undefined)).toBe(known);
   });
 
@@ -148,7 +151,7 @@ describe("pieces put end to end", () => {
       parsePieces("a:1-5_t3_c,b:2-4_x2_m_t0_b"),
       "2:1:0.5:2:arm:c:1-2,2:9:1:0:arm:c:1-2,2:1:1:0::c:1-2",
     );
-    expect(asSegments([a, b])).toEqual([
+    expect(asSegments([a!, b!])).toEqual([
       { document: "a", first: 1, last: 5, speed: 1, mirror: false, transition: null, style: null, layers: [] },
       {
         document: "b",

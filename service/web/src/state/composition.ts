@@ -81,23 +81,26 @@ const rangeOf = ({ document, first, last, frames }: Pick<Piece, "document" | "fi
   first === 1 && (!last || last === frames) ? document : `${document}:${first}-${last || ""}`;
 const short = (value: number): string => String(Math.round(value * PLACES) / PLACES);
 
+/** Change a piece by a part of an address such as "x2"; parts that say nothing of a piece change nothing. */
+function applyOption(piece: Piece, option: string): void {
+  const value = Number(option.slice(1));
+  if (option === "m") piece.mirror = true;
+  else if (option === "b" || option === "c") piece.style = option === "b" ? "bridge" : "crossfade";
+  else if (option.startsWith("x") && value >= SLOWEST && value <= FASTEST) piece.speed = value;
+  else if (option.startsWith("t") && value >= 0 && value <= LONGEST) piece.transition = Math.round(value);
+}
+
 /** "id:first-last_x2_m_t8_c,id" as an address has it: speed, mirrored, transition, crossfade or bridge. */
 export function parsePieces(text: string): Piece[] {
   return text
     .split(",")
     .filter(Boolean)
     .map((part) => {
-      const [where, ...options] = part.split("_");
-      const [document, range = ""] = where.split(":");
+      const [where = "", ...options] = part.split("_");
+      const [document = "", range = ""] = where.split(":");
       const [first, last] = range.split("-").map(Number);
       const piece = pieceOf(document, "", first || 1, last || 0);
-      for (const option of options) {
-        const value = Number(option.slice(1));
-        if (option === "m") piece.mirror = true;
-        else if (option === "b" || option === "c") piece.style = option === "b" ? "bridge" : "crossfade";
-        else if (option[0] === "x" && value >= SLOWEST && value <= FASTEST) piece.speed = value;
-        else if (option[0] === "t" && value >= 0 && value <= LONGEST) piece.transition = Math.round(value);
-      }
+      for (const option of options) applyOption(piece, option);
       return piece;
     });
 }
@@ -143,7 +146,7 @@ export function withLayers(pieces: readonly Piece[], text: string): Piece[] {
     ...piece,
     layers: found
       .filter(([place, , , , , document]) => Number(place) === index + 1 && document)
-      .map(([, at, strength, ease, bones, document, range = ""]) => {
+      .map(([, at, strength, ease, bones = "", document = "", range = ""]) => {
         const [first, last] = range.split("-").map(Number);
         return {
           ...layerOf(document, "", first || 1, last || 0),
@@ -302,8 +305,8 @@ export function splitPiece(pieces: readonly Piece[], index: number, frame: numbe
 
 export function movePiece(pieces: readonly Piece[], from: number, to: number): Piece[] {
   const next = [...pieces];
-  const [piece] = next.splice(from, 1);
-  next.splice(Math.max(0, Math.min(next.length, to)), 0, piece);
+  const moved = next.splice(from, 1);
+  next.splice(Math.max(0, Math.min(next.length, to)), 0, ...moved);
   return next;
 }
 

@@ -3,6 +3,7 @@
  *
  * Frames are positions from 1, as the repository counts them.
  */
+import { itemAt } from "../motion/lists";
 import type { Schemas } from "../api/client";
 import { changedWithin, namesWithin, sampleWithin } from "./fragment";
 
@@ -225,9 +226,10 @@ export function asChanges(draft: Draft, message = ""): Schemas["ChangeSet"] {
   for (const [track, samples] of draft.samples) {
     const sorted = [...samples].sort((a, b) => a[0] - b[0]);
     for (let at = 0; at < sorted.length;) {
-      const first = sorted[at][0];
+      const first = itemAt(sorted, at)[0];
       const values: number[][] = [];
-      while (at < sorted.length && sorted[at][0] === first + values.length) values.push([sorted[at++][1]]);
+      while (at < sorted.length && itemAt(sorted, at)[0] === first + values.length)
+        values.push([itemAt(sorted, at++)[1]]);
       frames.push({ first, columns: [track], values });
     }
   }

@@ -28,9 +28,9 @@ export type Dtd = ReadonlyMap<string, Kind>;
 export function readDtd(dtd: string): Dtd {
   const text = dtd.replace(/<!--[\s\S]*?-->/g, "");
   const attributes = new Map<string, Attribute[]>();
-  for (const [, element, body] of text.matchAll(/<!ATTLIST\s+(\S+)([\s\S]*?)>/g)) {
+  for (const [, element = "", body = ""] of text.matchAll(/<!ATTLIST\s+(\S+)([\s\S]*?)>/g)) {
     const found = attributes.get(element) ?? [];
-    for (const [, name, type, default_] of body.matchAll(
+    for (const [, name = "", type = "", default_] of body.matchAll(
       /(\S+)\s+(CDATA|NMTOKENS?|IDREFS?|ID|\([^)]*\))\s+(#REQUIRED|#IMPLIED|#FIXED\s+"[^"]*"|"[^"]*")/g,
     )) {
       const required = default_ === "#REQUIRED";
@@ -50,7 +50,7 @@ export function readDtd(dtd: string): Dtd {
     attributes.set(element, found);
   }
   return new Map(
-    [...text.matchAll(/<!ELEMENT\s+(\S+)\s+([\s\S]*?)>/g)].map(([, name, model]): [string, Kind] => [
+    [...text.matchAll(/<!ELEMENT\s+(\S+)\s+([\s\S]*?)>/g)].map(([, name = "", model = ""]): [string, Kind] => [
       name,
       { name, children: particles(model), attributes: attributes.get(name) ?? [], text: model.includes("#PCDATA") },
     ]),
@@ -66,7 +66,7 @@ function particles(model: string): Particle[] {
       )
       .matchAll(/\(([^()]*)\)\s*([*+?]?)|([A-Za-z_][\w.-]*)([*+?]?)/g),
   ];
-  return parts.flatMap(([, choice, choiceTimes, single, times], rank) => {
+  return parts.flatMap(([, choice = "", choiceTimes, single, times], rank) => {
     const [names, how] = single ? [[single], times] : [choice.split("|").map((one) => one.trim()), choiceTimes];
     const known = names.filter((name) => !/^(EMPTY|ANY|#?PCDATA)$/.test(name));
     return known.map((name) => ({

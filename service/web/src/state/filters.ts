@@ -12,16 +12,14 @@ export function asConditions(filter: Filter): Conditions | null {
     ...texts,
     ...(skeleton === undefined ? {} : { skeleton: Number(skeleton) }),
     ...(property === undefined ? {} : { property: [...property] }),
-  } as Conditions;
+  };
 }
 
 export function asFilter(where: Conditions): Filter {
   const said = Object.entries(where).filter(
     ([, value]) => value !== null && value !== undefined && value !== "" && !(Array.isArray(value) && !value.length),
   );
-  return Object.fromEntries(
-    said.map(([name, value]) => [name, Array.isArray(value) ? (value as string[]) : String(value)]),
-  );
+  return Object.fromEntries(said.map(([name, value]) => [name, Array.isArray(value) ? value : String(value)]));
 }
 
 const parts = (filter: Filter): string[] =>

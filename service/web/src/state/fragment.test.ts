@@ -1,4 +1,5 @@
 // @vitest-environment happy-dom
+import { itemAt } from "../motion/lists";
 import { describe, expect, it } from "vitest";
 import {
   EMPTY,
@@ -34,12 +35,12 @@ describe("a change of what a text of the draft has replaced", () => {
     const [only, ...more] = sent(draft);
     expect(more).toEqual([]);
     expect(only).toMatchObject({ do: "replace", xpath: "/mcml/header" });
-    expect(readWithin(only.fragment, "property[2]", "value")).toBe("both");
-    expect(readWithin(only.fragment, "property[2]", "unit")).toBe("<");
-    expect(readWithin(only.fragment, "property", "value")).toBe("23");
-    expect(readWithin(only.fragment, "", "format")).toBe("bvh");
+    expect(readWithin(only!.fragment, "property[2]", "value")).toBe("both");
+    expect(readWithin(only!.fragment, "property[2]", "unit")).toBe("<");
+    expect(readWithin(only!.fragment, "property", "value")).toBe("23");
+    expect(readWithin(only!.fragment, "", "format")).toBe("bvh");
     const named = withElement(framed, { address: `${AT}/motion_name`, attributes: {}, text: "run" });
-    expect(readWithin(sent(named)[0].fragment, "motion_name", null)).toBe("run");
+    expect(readWithin(itemAt(sent(named), 0).fragment, "motion_name", null)).toBe("run");
     expect(draft.steps).toBe(2);
   });
 
@@ -49,7 +50,7 @@ describe("a change of what a text of the draft has replaced", () => {
       [5, -2.25],
       [6, 3],
     ]);
-    expect(readWithin(sent(draft)[0].fragment, "frame_bone[2]", "Rx")).toBe("-2.25");
+    expect(readWithin(itemAt(sent(draft), 0).fragment, "frame_bone[2]", "Rx")).toBe("-2.25");
     expect([...draft.samples.get("Spine.Rx")!]).toEqual([
       [4, 1],
       [6, 3],
@@ -67,11 +68,11 @@ describe("a change of what a text of the draft has replaced", () => {
       ],
       [walk],
     );
-    expect(sent(draft)[0].fragment).toContain("<motion_name>turn</motion_name><frame_bone");
-    expect(sent(draft)[0].fragment).not.toContain("walk");
-    expect(sent(withLabels(framed, [walk, { id: -1, name: "turn", first: 6, last: 7 }], [walk]))[0].fragment).toBe(
-      FRAME,
-    );
+    expect(itemAt(sent(draft), 0).fragment).toContain("<motion_name>turn</motion_name><frame_bone");
+    expect(itemAt(sent(draft), 0).fragment).not.toContain("walk");
+    expect(
+      itemAt(sent(withLabels(framed, [walk, { id: -1, name: "turn", first: 6, last: 7 }], [walk])), 0).fragment,
+    ).toBe(FRAME);
   });
 
   it("is refused where the text has no such place", () => {

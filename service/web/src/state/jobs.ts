@@ -39,7 +39,7 @@ function follow(job: Job): void {
 
 /** Start an analysis. ApiError for what is wrong on sight. */
 export async function startAnalysis(analysis: string, body: object): Promise<Job> {
-  const job = (await ask("post", `/analyses/${analysis}` as never, { body: body as never })) as unknown as Job;
+  const job = (await ask("post", `/analyses/${analysis}` as never, { body: body })) as unknown as Job;
   follow(job);
   return job;
 }

@@ -1,4 +1,5 @@
 /** The list of documents under the filter that the address names: pages of it are fetched as they are looked at. */
+import { itemAt } from "../motion/lists";
 import { batch, computed, effect, signal } from "@preact/signals";
 import { ask, get, type Schemas } from "../api/client";
 import { fromBase64, readThumbnail, type Thumbnail } from "../motion/thumbnail";
@@ -37,7 +38,7 @@ export const filter = computed<Record<string, string | string[]>>(() => {
   const found: Record<string, string | string[]> = {};
   for (const name of FILTERS) {
     const values = params.getAll(name);
-    if (values.length) found[name] = name === "property" ? values : values[0];
+    if (values.length) found[name] = name === "property" ? values : itemAt(values, 0);
   }
   return found;
 });
@@ -103,7 +104,7 @@ async function fetchPage(page: number): Promise<void> {
     pages.delete(page);
     pages.set(page, items);
     if (pages.size > KEPT_PAGES) {
-      const [oldest] = pages.keys();
+      const [oldest = page] = pages.keys();
       for (const card of pages.get(oldest) ?? []) if (!picked.peek().has(card.id)) cards.delete(card.id);
       pages.delete(oldest);
     }

@@ -1,3 +1,4 @@
+import { itemAt } from "../motion/lists";
 import { afterEach, describe, expect, it, vi } from "vitest";
 import { changedFrames, changedParts, readWindow } from "./lines";
 
@@ -27,8 +28,8 @@ describe("frames whose text was changed", () => {
     const after = FRAMES.replace('Rx="2"', 'Rx="5"');
     const [only, ...more] = changedFrames(FRAMES, after, 1);
     expect(more).toMatchObject([]);
-    expect(only.address).toBe("/mcml/motion/frame[1]");
-    expect(only.fragment).toBe(after.slice(0, after.indexOf("</frame>") + 8));
+    expect(only!.address).toBe("/mcml/motion/frame[1]");
+    expect(only!.fragment).toBe(after.slice(0, after.indexOf("</frame>") + 8));
   });
 
   it("are refused where some were added or taken away", () => {
@@ -50,11 +51,13 @@ describe("frames whose text was changed", () => {
 
   it("hold whatever is written between them and in their values", () => {
     const text = '<frame id="1"><frame_bone name="a>b" Tx="1"/></frame>';
-    expect(changedFrames(text, text.replace('"1"/>', '"2"/>'), 1)[0].fragment).toBe(
+    expect(itemAt(changedFrames(text, text.replace('"1"/>', '"2"/>'), 1), 0).fragment).toBe(
       '<frame id="1"><frame_bone name="a>b" Tx="2"/></frame>',
     );
     const commented = `<!-- <frame id="0"/> -->\n${text}`;
-    expect(changedFrames(commented, commented.replace('"1"/>', '"2"/>'), 1)[0].address).toBe("/mcml/motion/frame[1]");
+    expect(itemAt(changedFrames(commented, commented.replace('"1"/>', '"2"/>'), 1), 0).address).toBe(
+      "/mcml/motion/frame[1]",
+    );
     const odd = '<frame id="a>b"><frame_bone name="x" Tx="1"/></frame>';
     expect(changedFrames(odd, odd.replace('"1"/>', '"2"/>'), 1)).toMatchObject([
       { address: "/mcml/motion/frame[1]", fragment: odd.replace('"1"/>', '"2"/>'), line: 1 },
@@ -88,7 +91,7 @@ describe("parts of the head whose text was changed", () => {
       ["<root/>", "<root/>x"],
       ["<motion>", '<motion unit="cm">'],
     ]) {
-      expect(() => changedParts(HEAD, HEAD.replace(part, other)), other).toThrow(RangeError);
+      expect(() => changedParts(HEAD, HEAD.replace(part!, other!)), other).toThrow(RangeError);
     }
     const both = HEAD.replace("a.bvh", "b.bvh").replace("<root/>", '<root name="x"/>');
     expect(changedParts(HEAD, both).map(({ address }) => address)).toMatchObject(["/mcml/header", "/mcml/root"]);

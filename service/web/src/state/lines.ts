@@ -1,4 +1,5 @@
 /** The document's text in windows of frames: which lines of how many, and what of an edited window changed. */
+import { itemAt } from "../motion/lists";
 import { address, fetched } from "../api/client";
 
 export interface Window {
@@ -37,12 +38,12 @@ export function changedFrames(before: string, after: string, first: number): Rep
   const [old, now] = [partsOf(before, ["frame"]), partsOf(after, ["frame"])];
   if (old.rest !== now.rest) throw new RangeError(`${old.parts.length} ${now.parts.length}`);
   return now.parts.flatMap((one, index) =>
-    one.text === old.parts[index].text
+    one.text === itemAt(old.parts, index).text
       ? []
       : [
           {
             address: `/mcml/motion/frame[${first + index}]`,
-            before: old.parts[index].text,
+            before: itemAt(old.parts, index).text,
             fragment: one.text,
             line: one.line,
           },
@@ -56,9 +57,9 @@ export function changedParts(before: string, after: string): Replacement[] {
   const [old, now] = [partsOf(before, names), partsOf(after, names)];
   if (old.rest !== now.rest) throw new RangeError(names.join());
   return now.parts.flatMap((one, index) =>
-    one.text === old.parts[index].text
+    one.text === itemAt(old.parts, index).text
       ? []
-      : [{ address: `/mcml/${one.name}`, before: old.parts[index].text, fragment: one.text, line: one.line }],
+      : [{ address: `/mcml/${one.name}`, before: itemAt(old.parts, index).text, fragment: one.text, line: one.line }],
   );
 }
 
@@ -82,9 +83,8 @@ function partsOf(
 
 /** The samples of a frame's text that are others now; null where more than samples changed. Frames as from 1. */
 export function changedSamples(before: string, after: string): Map<string, number> | null {
-  const [old, now] = [before, after].map(
-    (text) => new DOMParser().parseFromString(text, "application/xml").documentElement,
-  );
+  const parsed = (text: string) => new DOMParser().parseFromString(text, "application/xml").documentElement;
+  const [old, now] = [parsed(before), parsed(after)];
   const shape = (frame: Element) =>
     [...frame.children]
       .map(
@@ -98,7 +98,7 @@ export function changedSamples(before: string, after: string): Map<string, numbe
   const found = new Map<string, number>();
   for (const [index, bone] of [...now.children].entries()) {
     for (const name of bone.getAttributeNames()) {
-      const [was, is] = [old.children[index].getAttribute(name), bone.getAttribute(name)];
+      const [was, is] = [itemAt(old.children, index).getAttribute(name), bone.getAttribute(name)];
       if (was === is) continue;
       const value = Number(is);
       if (name === "name" || !is?.trim() || !Number.isFinite(value)) return null;

@@ -1,3 +1,4 @@
+import { itemAt } from "../motion/lists";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { random, type Random } from "../testing/random";
 import { Outline, PAUSE, type Element } from "./outline";
@@ -112,10 +113,10 @@ describe("the rows of a document", () => {
         const shown = await rows(outline);
         expect(shown).toEqual(flat(document, opened));
         const elements = shown.filter((row) => !row.includes("@") && row !== "0 /mcml").map((row) => row.split(" ")[1]);
-        const address = elements[draw.whole(0, elements.length - 1)];
-        outline.toggle(address);
-        if (!opened.has(address)) opened.add(address);
-        else for (const one of [...opened].filter((other) => other.startsWith(address))) opened.delete(one);
+        const address = itemAt(elements, draw.whole(0, elements.length - 1));
+        outline.toggle(address!);
+        if (!opened.has(address!)) opened.add(address!);
+        else for (const one of [...opened].filter((other) => other.startsWith(address!))) opened.delete(one);
         await settled();
       }
     }
@@ -126,7 +127,7 @@ describe("the rows of a document", () => {
     const outline = new Outline("u", 1);
     await settled();
     await rows(outline);
-    const motion = document.children[2];
+    const motion = itemAt(document.children, 2);
     const start = 3 + Object.keys(motion.attributes).length + 1;
     const row = outline.row(start + 119);
     expect([row.node!.address, row.place, row.siblings, row.open]).toEqual([
@@ -142,12 +143,12 @@ describe("the rows of a document", () => {
       document = drawn(random(seed), 3000);
       const outline = new Outline("u", 1);
       await settled();
-      const bone = document.children[2].children[0].children.at(-1)?.attributes.name ?? null;
+      const bone = itemAt(itemAt(document.children, 2).children, 0).children.at(-1)?.attributes.name ?? null;
       for (const frame of [2345, 1, 3000, 777]) {
         const index = await outline.rowOfFrame(frame, bone);
         const row = outline.row(index);
         expect(row.node!.address).toBe(
-          `/mcml/motion[1]/frame[${frame}]${bone === null ? "" : `/frame_bone[${document.children[2].children[0].children.length}]`}`,
+          `/mcml/motion[1]/frame[${frame}]${bone === null ? "" : `/frame_bone[${itemAt(itemAt(document.children, 2).children, 0).children.length}]`}`,
         );
       }
       expect(await outline.rowOfFrame(5, "no such bone")).toBe(await outline.rowOfFrame(5, null));

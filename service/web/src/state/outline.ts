@@ -2,6 +2,7 @@
  * The document as a tree of any size: elements are asked for in windows when they come into sight. A row becomes a node by
  * arithmetic over what is opened, so a tree of millions of rows costs what is on the screen.
  */
+import { itemAt } from "../motion/lists";
 import { signal } from "@preact/signals";
 import { get } from "../api/client";
 
@@ -83,7 +84,7 @@ export class Outline {
       return {
         depth,
         node: branch.element,
-        attribute: attributes[index],
+        attribute: itemAt(attributes, index),
         place: index,
         siblings: attributes.length + branch.total,
         open: false,

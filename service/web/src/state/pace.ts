@@ -1,4 +1,5 @@
 /** How fast an import is, and how long what is left of it takes: the arithmetic of mcml/pace.py. */
+import { itemAt } from "../motion/lists";
 const LOOKED_BACK = 15_000; // ms; files that are stored already go by much faster than others
 const FEWEST = 500; // ms, before which no rate is told
 
@@ -19,7 +20,7 @@ export class Pace {
     const now = this.clock();
     this.told.push({ at: now, done });
     // One that lies further back stays, so that there is a rate while a long file is read.
-    while (this.told.length > 2 && this.told[1].at <= now - LOOKED_BACK) this.told.shift();
+    while (this.told.length > 2 && itemAt(this.told, 1).at <= now - LOOKED_BACK) this.told.shift();
   }
 
   /** null before it is known, and where nothing is left. */

@@ -26,9 +26,9 @@ describe("ranges of numbers", () => {
       [1, 2],
       [2, 2],
     ]) {
-      const range = rangeOfBins(EDGES, from, to);
+      const range = rangeOfBins(EDGES, from!, to!);
       expect([0, 1, 2].filter((bin) => isInRange(EDGES, bin, range))).toEqual(
-        [0, 1, 2].filter((bin) => bin >= from && bin <= to),
+        [0, 1, 2].filter((bin) => bin >= from! && bin <= to!),
       );
     }
   });

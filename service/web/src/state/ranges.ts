@@ -1,4 +1,5 @@
 /** Ranges of numbers, as lists take them: "2..10", "2..", "..10". */
+import { numberAt } from "../motion/lists";
 export type Range = readonly [least: number | null, most: number | null];
 
 export function readRange(text: string): Range {
@@ -19,11 +20,11 @@ export function writeRange([least, most]: Range): string | null {
 /** The range of bins `from` to `to`, in either order: open where it reaches an end, so that rounding leaves out nothing. */
 export function rangeOfBins(edges: readonly number[], from: number, to: number): Range {
   const [first, last] = [Math.min(from, to), Math.max(from, to)];
-  return [first <= 0 ? null : edges[first], last >= edges.length - 2 ? null : edges[last + 1]];
+  return [first <= 0 ? null : numberAt(edges, first), last >= edges.length - 2 ? null : numberAt(edges, last + 1)];
 }
 
 /** Whether a bin is within a range: its middle is. */
 export function isInRange(edges: readonly number[], bin: number, [least, most]: Range): boolean {
-  const middle = (edges[bin] + edges[bin + 1]) / 2;
+  const middle = (numberAt(edges, bin) + numberAt(edges, bin + 1)) / 2;
   return (least === null || middle >= least) && (most === null || middle <= most);
 }

@@ -264,7 +264,7 @@ function finished(batch: Upload[], request: XMLHttpRequest): void {
   const listed = (answer as { problems?: Upload["problems"] }).problems ?? [];
   const problem = request.status ? answer : { title: w("offline", { time: "" }) };
   const problems = isDone || listed.length ? listed : batch.map((one) => ({ file: one.name, problem }));
-  const became = outcomes(batch, isDone ? ((answer.documents ?? []) as Upload["documents"]) : [], problems);
+  const became = outcomes(batch, isDone ? (answer.documents ?? []) : [], problems);
   batch.forEach((one, index) => change(one.id, became[index]!));
   if (isDone) showStored();
   measured.tell(filesDone(uploads.peek()).done);

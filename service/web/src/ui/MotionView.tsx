@@ -1,4 +1,5 @@
 /** Bodies that move, for pages besides the clip's own: runs of a query, pieces of a composition, two bodies side by side. */
+import { numberAt } from "../motion/lists";
 import { effect, type Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Skeleton } from "../motion/skeleton";
@@ -59,7 +60,7 @@ export function MotionView({
         actors.forEach((one, index) => {
           const positions = one.inPlace ? standing(one, one.positions(), floors, index) : one.positions();
           there &&= positions !== null;
-          made.pose(numbers[index], { positions, before: [], trail: [] });
+          made.pose(numberAt(numbers, index), { positions, before: [], trail: [] });
         });
         made.selected = new Set(selected?.value ?? []);
         if (there && !framed) {
@@ -95,7 +96,7 @@ export function MotionView({
 /** The first joint that branches: some files have a root that stays on the ground. */
 function pelvisOf({ parents, points }: Skeleton): number {
   const children = new Int32Array(points);
-  for (const parent of parents) if (parent >= 0) children[parent]++;
+  for (const parent of parents) if (parent >= 0) children[parent] = numberAt(children, parent) + 1;
   return Math.max(
     0,
     children.findIndex((count) => count > 1),
@@ -113,13 +114,13 @@ function standing(
   const up = skeleton.zUp ? 2 : 1;
   if (floors[index] === undefined) {
     let least = Infinity;
-    for (let at = up; at < positions.length; at += 3) least = Math.min(least, positions[at]);
+    for (let at = up; at < positions.length; at += 3) least = Math.min(least, numberAt(positions, at));
     floors[index] = Number.isFinite(least) ? least : 0;
   }
   const pelvis = pelvisOf(skeleton) * 3;
-  const base = [positions[pelvis], positions[pelvis + 1], positions[pelvis + 2]];
-  base[up] = floors[index];
-  return positions.map((value, at) => value - base[at % 3]);
+  const base = Array.from(positions.subarray(pelvis, pelvis + 3));
+  base[up] = numberAt(floors, index);
+  return positions.map((value, at) => value - numberAt(base, at % 3));
 }
 
 function lowest(actors: Actor[]): number {
@@ -127,7 +128,7 @@ function lowest(actors: Actor[]): number {
   for (const { skeleton, positions } of actors) {
     const values = positions();
     for (let at = skeleton.zUp ? 2 : 1; values && at < values.length; at += 3)
-      if (values[at] * skeleton.metres < least) least = values[at] * skeleton.metres;
+      if (numberAt(values, at) * skeleton.metres < least) least = numberAt(values, at) * skeleton.metres;
   }
   return Number.isFinite(least) ? least : 0;
 }

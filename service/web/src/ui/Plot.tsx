@@ -1,4 +1,5 @@
 /** Curves over one axis, with what is marked on them; a table says the same for those who do not see it. */
+import { numberAt } from "../motion/lists";
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
@@ -156,10 +157,10 @@ function Values({ x, curves, xLabel }: { x: ArrayLike<number>; curves: Curve[]; 
       <tbody>
         {rows.map((row) => (
           <tr key={row}>
-            <td>{number(x[row], 3)}</td>
+            <td>{number(numberAt(x, row), 3)}</td>
             {curves.map((one) => (
               <td key={one.name} class="n">
-                {one.values[row] === null || one.values[row] === undefined ? "–" : number(one.values[row] as number, 4)}
+                {one.values[row] === null || one.values[row] === undefined ? "–" : number(one.values[row], 4)}
               </td>
             ))}
           </tr>

@@ -1,4 +1,5 @@
 /** Runs of frames, played one after the other. */
+import { itemAt } from "../motion/lists";
 import { effect, signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Schemas } from "../api/client";
@@ -14,7 +15,7 @@ const LEAST_SHOWN = 1200; // ms
 type Run = Pick<Schemas["RunItem"], "document" | "name" | "revision" | "first" | "last">;
 
 export function RunPlayer({ runs, at, onAt }: { runs: Run[]; at: number; onAt: (at: number) => void }) {
-  const run = runs[Math.min(at, runs.length - 1)];
+  const run = itemAt(runs, Math.min(at, runs.length - 1));
   const [motion, setMotion] = useState<Motion | null>(null);
   const [error, setError] = useState<unknown>(null);
   const [playing, setPlaying] = useState(true);

@@ -1,4 +1,5 @@
 /** Tabs after the ARIA pattern: one stop, arrows inside. Those that do not fit are in a menu; the open one always fits. */
+import { itemAt } from "../motion/lists";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { w } from "../words";
 import { Icon } from "./icons";
@@ -68,7 +69,7 @@ export function Tabs({
           const to = { ArrowLeft: at - 1, ArrowRight: at + 1, Home: 0, End: tabs.length - 1 }[event.key];
           if (to === undefined) return;
           moved.current = true;
-          onOpen(tabs[(to + tabs.length) % tabs.length].id);
+          onOpen(itemAt(tabs, (to + tabs.length) % tabs.length).id);
           event.preventDefault();
           event.stopPropagation();
         }}

@@ -4,20 +4,23 @@ import { address, get } from "../api/client";
 import type { Item } from "./Menu";
 import { number, w } from "../words";
 
-const BODY_FORMATS = [
+/** A format with the name that people know it by. */
+type Named = readonly [format: string, name: string];
+
+const BODY_FORMATS: Named[] = [
   ["bvh", "BVH"],
   ["asf-amc", "ASF/AMC"],
   ["htr", "HTR"],
 ];
-const MARKER_FORMATS = [
+const MARKER_FORMATS: Named[] = [
   ["c3d", "C3D"],
   ["trc", "TRC"],
 ];
-const SCENES = [
+const SCENES: Named[] = [
   ["glb", "glTF"],
   ["usd", "USD"],
 ];
-const ANGLES = [["mot", "OpenSim"]];
+const ANGLES: Named[] = [["mot", "OpenSim"]];
 
 /** Formats that this server cannot write: not every one has the library. USD, until it is known. */
 export const unwritable = signal<ReadonlySet<string>>(new Set(["usd"]));

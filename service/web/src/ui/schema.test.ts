@@ -1,3 +1,4 @@
+import { entryOf } from "../motion/lists";
 import { describe, expect, it } from "vitest";
 import { fieldsOf, textOf, valueOf, type Schema } from "./schema";
 
@@ -46,21 +47,21 @@ describe("fields of a schema", () => {
       initial: null,
     });
     expect(fields.who).toMatchObject({ required: true, optional: false });
-    expect(fields.step.options).toEqual([1, 4]);
+    expect(fields.step!.options).toEqual([1, 4]);
   });
 
   it("take what they may be, and nothing else", () => {
-    expect(valueOf(fields.rate, "")).toBeUndefined();
-    expect(valueOf(fields.rate, " 120.5 ")).toBe(120.5);
-    expect(() => valueOf(fields.rate, "39")).toThrow("range");
-    expect(() => valueOf(fields.bars, "1.5")).toThrow("number");
-    expect(() => valueOf(fields.bars, "many")).toThrow("number");
-    expect(valueOf(fields.step, "4")).toBe(4);
-    expect(valueOf(fields.near, "window")).toBe("window");
-    expect(valueOf(fields.near, "0.3")).toBe(0.3);
-    expect(valueOf(fields.names, "a, b,")).toEqual(["a", "b"]);
-    expect(valueOf(fields.clips, '[{"document": "x"}]')).toEqual([{ document: "x" }]);
-    expect(() => valueOf(fields.clips, "[{")).toThrow("json");
+    expect(valueOf(fields.rate!, "")).toBeUndefined();
+    expect(valueOf(fields.rate!, " 120.5 ")).toBe(120.5);
+    expect(() => valueOf(fields.rate!, "39")).toThrow("range");
+    expect(() => valueOf(fields.bars!, "1.5")).toThrow("number");
+    expect(() => valueOf(fields.bars!, "many")).toThrow("number");
+    expect(valueOf(fields.step!, "4")).toBe(4);
+    expect(valueOf(fields.near!, "window")).toBe("window");
+    expect(valueOf(fields.near!, "0.3")).toBe(0.3);
+    expect(valueOf(fields.names!, "a, b,")).toEqual(["a", "b"]);
+    expect(valueOf(fields.clips!, '[{"document": "x"}]')).toEqual([{ document: "x" }]);
+    expect(() => valueOf(fields.clips!, "[{")).toThrow("json");
   });
 
   it("write what they read", () => {
@@ -71,7 +72,7 @@ describe("fields of a schema", () => {
       ["near", "window"],
       ["mode", "b"],
     ] as const) {
-      expect(valueOf(fields[name], textOf(fields[name], value))).toEqual(value);
+      expect(valueOf(entryOf(fields, name), textOf(entryOf(fields, name), value))).toEqual(value);
     }
   });
 });

@@ -49,7 +49,8 @@ function fieldOf(name: string, given: Schema, root: Schema): Field {
   const plain = resolved(given, root);
   const choices = (plain.anyOf ?? [plain]).map((one) => resolved(one, root));
   const others = choices.filter((one) => one.type !== "null");
-  const one = others.length === 1 ? others[0] : mixed(others);
+  const [first, ...more] = others;
+  const one = first && !more.length ? first : mixed(others);
   return {
     name,
     title: given.title ?? name,

@@ -14,8 +14,8 @@ export const w = (word: Word, values: Record<string, string | number> = {}): str
 
 /** A sentence of any table with its values. */
 export function filled(sentence: string, values: Record<string, string | number>): string {
-  const forms = sentence.split("|");
-  const form = forms.length === 2 && values.n !== 1 ? forms[1] : forms[0];
+  const [one = "", many, ...more] = sentence.split("|");
+  const form = many !== undefined && !more.length && values.n !== 1 ? many : one;
   return form.replace(/\{(\w+)\}/g, (_, name: string) => {
     const value = values[name];
     return typeof value === "number" ? number(value) : String(value ?? "");

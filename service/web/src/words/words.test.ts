@@ -1,4 +1,5 @@
 // @vitest-environment happy-dom
+import { entryOf, itemAt } from "../motion/lists";
 import { describe, expect, it } from "vitest";
 import { language } from "../state/settings";
 import { duration, rate, w } from ".";
@@ -21,13 +22,13 @@ const all = tables.flatMap(([file, english, korean]) =>
 
 describe("the words of both languages", () => {
   it.each(all)("%s %s: the same values stand in both sentences, one or two forms", (_, word, en, ko) => {
-    expect(holes(ko[word])).toEqual(holes(en[word]));
+    expect(holes(entryOf(ko, word))).toEqual(holes(entryOf(en, word)));
     for (const table of [en, ko]) {
-      const forms = table[word].split("|");
+      const forms = entryOf(table, word).split("|");
       expect(forms.length).toBeLessThanOrEqual(2);
       expect(forms.every((form) => form.trim() === form && form !== "")).toBe(true);
       // What is one is said without its number, or with it; what is many shows every value.
-      if (forms.length === 2) expect(holes(forms[1])).toEqual(holes(table[word]));
+      if (forms.length === 2) expect(holes(itemAt(forms, 1))).toEqual(holes(entryOf(table, word)));
     }
   });
 

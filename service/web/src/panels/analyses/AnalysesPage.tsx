@@ -1,4 +1,5 @@
 /** Every analysis of the catalogue, each by the form that its schema says: one that is added appears by itself. */
+import { entryOf } from "../../motion/lists";
 import { useEffect, useState } from "preact/hooks";
 import { get, type Schemas } from "../../api/client";
 import { subject } from "../../state/shell";
@@ -6,7 +7,6 @@ import { runAnalysis, jobs, cancelJob, type Job } from "../../state/jobs";
 import { go } from "../../state/route";
 import { ClipSelection, selectionNow, useMembers } from "../../ui/ClipSelection";
 import { SchemaForm, type Values } from "../../ui/SchemaForm";
-import type { Schema } from "../../ui/schema";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when, type Word } from "../../words";
@@ -53,7 +53,8 @@ function Catalogue({ items }: { items: Info[] }) {
               <p>{one.description}</p>
               {WINDOWS[one.name] && (
                 <p class="dim">
-                  {a("window", { name: w(WINDOWS[one.name].word) })} <a href={WINDOWS[one.name].path}>{w("open")}</a>
+                  {a("window", { name: w(entryOf(WINDOWS, one.name).word) })}{" "}
+                  <a href={entryOf(WINDOWS, one.name).path}>{w("open")}</a>
                 </p>
               )}
             </li>
@@ -146,7 +147,7 @@ function Form({ info }: { info: Info }) {
       </section>
       <section class="analysis-options" aria-label={a("parameters")}>
         <h3>{a("parameters")}</h3>
-        <SchemaForm schema={info.parameters as Schema} values={values} onChange={setValues} />
+        <SchemaForm schema={info.parameters} values={values} onChange={setValues} />
         <div class="schema-field">
           <label for="result-name">{a("nameOfResult")}</label>
           <input

@@ -1,4 +1,5 @@
 /** A part of any result by its kind: a clip plays, a curve is drawn, points and graphs are spread out, tables are tables. */
+import { itemAt, numberAt } from "../../motion/lists";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { arrayOf, type Part } from "../../api/results";
 import { motionOf } from "../../motion/source";
@@ -104,17 +105,17 @@ function CurvePart({ id, name, part }: { id: string; name: string; part: Part })
   const drawn = useMemo(() => {
     if (data.series?.length) {
       const longest = Math.max(...data.series.map((one) => one.values.length));
-      const { fps, step } = data.series[0];
+      const { fps, step } = itemAt(data.series, 0);
       const along = Float64Array.from({ length: longest }, (_, at) => (fps ? (at * (step ?? 1)) / fps : at));
       const curves: Curve[] = data.series
         .slice(0, INKS.length)
         .map((one, at) => ({ name: one.name ?? String(at + 1), values: one.values, ink: INKS[at], width: 1.2 }));
-      return { x: along as ArrayLike<number>, curves };
+      return { x: along, curves };
     }
     const values = arrays.value?.y;
     if (!values) return null;
     const x = arrays.value?.x ?? Float64Array.from({ length: values.length }, (_, at) => at + 1);
-    return { x: x as ArrayLike<number>, curves: [{ name: data.y?.name ?? name, values: values as ArrayLike<number> }] };
+    return { x: x, curves: [{ name: data.y?.name ?? name, values: values }] };
   }, [part, arrays.value]);
   const words = (axis?: AxisWords) => (axis ? (axis.unit ? `${axis.name} [${axis.unit}]` : axis.name) : undefined);
   if (arrays.busy && !arrays.value) return <div class="busy" />;
@@ -127,7 +128,9 @@ function CurvePart({ id, name, part }: { id: string; name: string; part: Part })
 
 /** Points: the first array with two columns or more. */
 function Points({ id, name, part }: { id: string; name: string; part: Part }) {
-  const array = Object.entries(part.arrays ?? {}).find(([, one]) => one.shape.length === 2 && one.shape[1] >= 2);
+  const array = Object.entries(part.arrays ?? {}).find(
+    ([, one]) => one.shape.length === 2 && numberAt(one.shape, 1) >= 2,
+  );
   const canvas = useRef<HTMLCanvasElement>(null);
   const found = useAsync(
     async (signal) => (array ? arrayOf(id, name, array[0], { single: true, signal }) : null),
@@ -137,11 +140,11 @@ function Points({ id, name, part }: { id: string; name: string; part: Part }) {
     const element = canvas.current;
     const points = found.value;
     if (!element || !points) return;
-    const columns = points.shape[1];
+    const columns = numberAt(points.shape, 1);
     const { pen, width, height } = penOf(element);
     let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (let row = 0; row < points.shape[0]; row++) {
-      const [x, y] = [points.values[row * columns], points.values[row * columns + 1]];
+    for (let row = 0; row < numberAt(points.shape, 0); row++) {
+      const [x, y] = [numberAt(points.values, row * columns), numberAt(points.values, row * columns + 1)];
       if (x < left) left = x;
       if (x > right) right = x;
       if (y < low) low = y;
@@ -149,11 +152,11 @@ function Points({ id, name, part }: { id: string; name: string; part: Part }) {
     }
     const scale = Math.min((width - 24) / (right - left || 1), (height - 24) / (high - low || 1));
     pen.fillStyle = colour("accent");
-    pen.globalAlpha = points.shape[0] > 2000 ? 0.35 : 0.7;
-    for (let row = 0; row < points.shape[0]; row++) {
+    pen.globalAlpha = numberAt(points.shape, 0) > 2000 ? 0.35 : 0.7;
+    for (let row = 0; row < numberAt(points.shape, 0); row++) {
       pen.fillRect(
-        width / 2 + (points.values[row * columns] - (left + right) / 2) * scale - 1.5,
-        height / 2 - (points.values[row * columns + 1] - (low + high) / 2) * scale - 1.5,
+        width / 2 + (numberAt(points.values, row * columns) - (left + right) / 2) * scale - 1.5,
+        height / 2 - (numberAt(points.values, row * columns + 1) - (low + high) / 2) * scale - 1.5,
         3,
         3,
       );
@@ -162,7 +165,12 @@ function Points({ id, name, part }: { id: string; name: string; part: Part }) {
   return array ? (
     <>
       <Trouble error={found.error} retry={found.again} />
-      <canvas ref={canvas} class="part-points" role="img" aria-label={`${name}: ${number(array[1].shape[0])}`} />
+      <canvas
+        ref={canvas}
+        class="part-points"
+        role="img"
+        aria-label={`${name}: ${number(numberAt(array[1].shape, 0))}`}
+      />
     </>
   ) : (
     <p class="dim">{a("noArray")}</p>

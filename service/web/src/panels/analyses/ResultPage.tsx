@@ -1,4 +1,5 @@
 /** What an analysis found: each part as its kind says, a picture for a page, and what can be done with it. */
+import { entryOf } from "../../motion/lists";
 import { useEffect, useState } from "preact/hooks";
 import { address, ask, get, type Schemas } from "../../api/client";
 import { resultOf } from "../../api/results";
@@ -24,7 +25,9 @@ export function ResultPage({ id }: { id: string }) {
   useEffect(() => {
     subject.value = found ? { text: found.name } : null;
   }, [found]);
-  const parts = Object.entries(found?.parts ?? {}).sort(([, one], [, other]) => RANK[one.kind] - RANK[other.kind]);
+  const parts = Object.entries(found?.parts ?? {}).sort(
+    ([, one], [, other]) => entryOf(RANK, one.kind) - entryOf(RANK, other.kind),
+  );
   const shown = param("part") || (info && Object.keys(info.pictures ?? {}).length ? "picture" : parts[0]?.[0]) || "";
   const remove = async () => {
     try {

@@ -1,4 +1,5 @@
 /** Sliders, and the motion that follows them: alone, beside the nearest example, or with it as a ghost. */
+import { entryOf, itemAt } from "../../motion/lists";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { ApiError } from "../../api/client";
 
@@ -103,7 +104,7 @@ export function Blend({ model, speeds }: { model: Model; speeds: Speeds | undefi
             actors={actors}
             label={b("madeOf", {
               values: model.attributes
-                .map((one) => `${one.name} ${number(blending.values.peek()[one.name], 4)}`)
+                .map((one) => `${one.name} ${number(entryOf(blending.values.peek(), one.name), 4)}`)
                 .join(", "),
             })}
             onStage={(made) => {
@@ -177,7 +178,7 @@ function Sliders({ model, blending, onHome }: { model: Model; blending: Blending
         <AttributeSlider
           key={one.name}
           attribute={one}
-          value={values[one.name]}
+          value={entryOf(values, one.name)}
           onChange={(value) => blending.set({ [one.name]: value })}
           onHome={onHome}
         />
@@ -230,7 +231,7 @@ function spread(model: Model, speeds: Speeds): Curve[] {
   const step = Math.max(1, model.used.length / BEHIND);
   const found: Curve[] = [];
   for (let at = 0; at < model.used.length; at += step) {
-    const row = model.used[Math.floor(at)];
+    const row = itemAt(model.used, Math.floor(at));
     const values = speeds.of(row.document);
     if (values) found.push({ values, fps: row.fps });
   }

@@ -1,4 +1,5 @@
 /** How well a model fits: what it says of itself, variance of components, errors of what was left out, what was tried. */
+import { entryOf, numberAt } from "../../motion/lists";
 import { useMemo, useState } from "preact/hooks";
 import { address } from "../../api/client";
 import { arrayOf, rowsOf } from "../../api/results";
@@ -123,7 +124,7 @@ function Variance({ model }: { model: Model }) {
   const found = useAsync(
     async (signal) => {
       const read = async (part: string) =>
-        model.result.parts![part] ? (await arrayOf(model.id, part, "cumulative", { signal })).values : null;
+        model.result.parts[part] ? (await arrayOf(model.id, part, "cumulative", { signal })).values : null;
       return Promise.all([read("variance"), read("pose_variance")]);
     },
     [model.id],
@@ -133,7 +134,7 @@ function Variance({ model }: { model: Model }) {
     if (!motion) return null;
     const length = Math.min(MOST_COMPONENTS, Math.max(motion.length, pose?.length ?? 0));
     const shares = (values: ArrayLike<number>) =>
-      Array.from({ length }, (_, at) => (at < values.length ? values[at] * 100 : null));
+      Array.from({ length }, (_, at) => (at < values.length ? numberAt(values, at) * 100 : null));
     return {
       x: Float64Array.from({ length }, (_, at) => at + 1),
       curves: [
@@ -174,7 +175,7 @@ function measure(one: LeftOut, of: (typeof MEASURES)[number]): number | null {
       ? one.phase_joint_degrees
       : of === "hand"
         ? one.hand
-        : one.times[of];
+        : entryOf(one.times, of);
 }
 
 function Errors({ model: { summary } }: { model: Model }) {
@@ -229,7 +230,7 @@ interface Try {
 /** Widths across, ridges down: the error of each pair, the one that was taken outlined. */
 function Tried({ model }: { model: Model }) {
   const [of, setOf] = useState<"motion" | "times">("motion");
-  const all = useMemo(() => rowsOf<Try>(model.result.parts!.selection), [model]);
+  const all = useMemo(() => rowsOf<Try>(model.result.parts.selection), [model]);
   const rows = all.filter((one) => one.of === of);
   if (!all.length) return null;
   const widths = [...new Set(rows.map((one) => one.s))].sort((one, other) => one - other);
@@ -274,7 +275,7 @@ function Tried({ model }: { model: Model }) {
                     <td
                       key={s}
                       class={`n ${chosen ? "taken" : ""}`}
-                      style={{ "--share": `${(share * 34).toFixed(0)}%` } as never}
+                      style={{ "--share": `${(share * 34).toFixed(0)}%` }}
                     >
                       {found?.error == null ? "–" : number(found.error, 3)}
                     </td>
@@ -285,7 +286,7 @@ function Tried({ model }: { model: Model }) {
           </tbody>
         </table>
       </div>
-      <p class="dim">{b("triedHelp", { s: number(taken[0], 3), lam: number(taken[1], 4) })}</p>
+      <p class="dim">{b("triedHelp", { s: number(numberAt(taken, 0), 3), lam: number(numberAt(taken, 1), 4) })}</p>
     </div>
   );
 }

@@ -1,4 +1,5 @@
 /** Two attributes at once: the examples as a cloud, the hull round them, gaps hatched, a cross that is dragged or moved by arrows. */
+import { entryOf, itemAt, numberAt } from "../../motion/lists";
 import { useMemo, useRef, useState } from "preact/hooks";
 import { hullOf, onStep, stepOver } from "../../motion/phases";
 import { param, setParams } from "../../state/route";
@@ -27,7 +28,7 @@ export function Pad({
     return ((value - from) / (to - from)) * 100;
   };
   const cloud = useMemo(() => {
-    const points = x.values.map((one, at) => [place(x, one), 100 - place(y, y.values[at])] as const);
+    const points = x.values.map((one, at) => [place(x, one), 100 - place(y, numberAt(y.values, at))] as const);
     return {
       dots: points.map(([px, py]) => `M${px.toFixed(2)} ${py.toFixed(2)}h0`).join(""),
       hull: hullOf(points)
@@ -55,7 +56,7 @@ export function Pad({
     setPair(next);
     setParams({ pad: next.join(",") });
   };
-  const words = (one: Attribute) => `${nameOf(one.name)} ${number(values[one.name], 4)} ${unitOf(one.unit)}`;
+  const words = (one: Attribute) => `${nameOf(one.name)} ${number(entryOf(values, one.name), 4)} ${unitOf(one.unit)}`;
   const select = (at: 0 | 1, label: string) => (
     <label class="row dim">
       {label}
@@ -106,8 +107,8 @@ export function Pad({
           if (event.key === "Home") onHome();
           else if (by)
             set(
-              values[x.name] + by[0] * stepOver(x.greatest - x.least),
-              values[y.name] + by[1] * stepOver(y.greatest - y.least),
+              entryOf(values, x.name) + numberAt(by, 0) * stepOver(x.greatest - x.least),
+              entryOf(values, y.name) + numberAt(by, 1) * stepOver(y.greatest - y.least),
             );
           else return;
           event.preventDefault();
@@ -137,11 +138,11 @@ export function Pad({
           <polygon points={cloud.hull} />
           <path d={cloud.dots} />
         </svg>
-        <span class="pad-x" style={{ left: `${place(x, values[x.name])}%` }} />
-        <span class="pad-y" style={{ top: `${100 - place(y, values[y.name])}%` }} />
+        <span class="pad-x" style={{ left: `${place(x, entryOf(values, x.name))}%` }} />
+        <span class="pad-y" style={{ top: `${100 - place(y, entryOf(values, y.name))}%` }} />
         <span
           class="slider-knob"
-          style={{ left: `${place(x, values[x.name])}%`, top: `${100 - place(y, values[y.name])}%` }}
+          style={{ left: `${place(x, entryOf(values, x.name))}%`, top: `${100 - place(y, entryOf(values, y.name))}%` }}
         />
       </div>
     </div>
@@ -150,6 +151,8 @@ export function Pad({
 
 function pairNow(model: Model): [string, string] {
   const names = model.attributes.map((one) => one.name);
-  const [one, other] = param("pad").split(",");
-  return names.includes(one) && names.includes(other) && one !== other ? [one, other] : [names[0], names.at(-1)!];
+  const [one = "", other = ""] = param("pad").split(",");
+  return names.includes(one) && names.includes(other) && one !== other
+    ? [one, other]
+    : [itemAt(names, 0), names.at(-1)!];
 }

@@ -43,7 +43,7 @@ export function PasteTable({
           for (const one of items)
             await ask("post", "/documents/{id}/undo", {
               path: { id: one.id },
-              query: { revision: one.revision } as never,
+              query: { revision: one.revision },
               match: one.revision,
             });
           note(b("pasteBack", { n: items.length }));

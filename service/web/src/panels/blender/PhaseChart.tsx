@@ -1,4 +1,5 @@
 /** Angular speed over time with the phases behind it; where it is asked for, their edges are dragged, or moved by keys. */
+import { numberAt } from "../../motion/lists";
 import { effect } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Player } from "../../state/player";
@@ -62,7 +63,10 @@ export function PhaseChart({
             <span
               key={one}
               class={`phase-zone ${one}`}
-              style={{ left: share(bounds[at]), width: share(bounds[at + 1] - bounds[at]) }}
+              style={{
+                left: share(numberAt(bounds, at)),
+                width: share(numberAt(bounds, at + 1) - numberAt(bounds, at)),
+              }}
             >
               <span class="cut">{b(one)}</span>
             </span>
@@ -131,7 +135,7 @@ export function PhaseChart({
 function pathOf({ values, fps }: Curve, seconds: number, most: number): string {
   let path = "";
   for (let frame = 0; frame < values.length; frame++) {
-    path += `${frame ? "L" : "M"}${((frame / fps / seconds) * WIDE).toFixed(1)} ${(HIGH - Math.min(1.05, values[frame] / most) * (HIGH - 6) - 2).toFixed(1)}`;
+    path += `${frame ? "L" : "M"}${((frame / fps / seconds) * WIDE).toFixed(1)} ${(HIGH - Math.min(1.05, numberAt(values, frame) / most) * (HIGH - 6) - 2).toFixed(1)}`;
   }
   return path;
 }
@@ -151,7 +155,7 @@ function Behind({ curves, seconds, most }: { curves: Curve[]; seconds: number; m
         for (let frame = 0; frame < values.length; frame++)
           pen.lineTo(
             (frame / fps / seconds) * width,
-            height - Math.min(1.05, values[frame] / most) * height * 0.94 - height * 0.02,
+            height - Math.min(1.05, numberAt(values, frame) / most) * height * 0.94 - height * 0.02,
           );
         pen.stroke();
       }

@@ -1,4 +1,5 @@
 /** The phases of one clip on its angular speed: dragged, moved by keys, or written as frames. */
+import { numberAt } from "../../motion/lists";
 import { useMemo, useRef, useState } from "preact/hooks";
 import { number } from "../../words";
 import { moved, type Corrections, type Times } from "./corrections";
@@ -26,7 +27,7 @@ export function PhaseEditor({
   const curve = useMemo(() => ({ values: values ?? [], fps: row.fps }), [values]);
   const most = useMemo(() => {
     let top = 0;
-    for (let at = 0; at < curve.values.length; at++) top = Math.max(top, curve.values[at]);
+    for (let at = 0; at < curve.values.length; at++) top = Math.max(top, numberAt(curve.values, at));
     return top * 1.05 || 1;
   }, [curve]);
   const move = (which: keyof Times, frame: number) => {

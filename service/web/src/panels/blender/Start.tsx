@@ -4,7 +4,6 @@ import { get } from "../../api/client";
 import { jobs } from "../../state/jobs";
 import { ClipSelection, selectionNow, useMembers } from "../../ui/ClipSelection";
 import { SchemaForm, type Values } from "../../ui/SchemaForm";
-import type { Schema } from "../../ui/schema";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";
@@ -78,7 +77,7 @@ export function Start() {
         {info && (
           <details class="start-options">
             <summary>{b("options")}</summary>
-            <SchemaForm schema={info.parameters as Schema} values={values} onChange={setValues} leave={["times"]} />
+            <SchemaForm schema={info.parameters} values={values} onChange={setValues} leave={["times"]} />
           </details>
         )}
         <div class="schema-field">

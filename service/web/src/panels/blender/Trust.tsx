@@ -1,4 +1,5 @@
 /** How far the made motion is to be trusted: in words, with a sign, and which examples it is made of. */
+import { entryOf } from "../../motion/lists";
 import { Icon } from "../../ui/icons";
 import { number } from "../../words";
 import type { Blending } from "./blending";
@@ -18,7 +19,7 @@ export function Trust({ model, blending }: { model: Model; blending: Blending })
   const row = model.byId.get(near.document);
   const gap = model.attributes.find((one) => in_gaps.includes(one.name));
   const inGap = gap?.gaps.find(([low, high]) => {
-    const value = shown.answer.used_attributes[gap.name];
+    const value = entryOf(shown.answer.used_attributes, gap.name);
     return low < value && value < high;
   });
   const biggest = Math.abs(weights[0]?.weight ?? 1) || 1;

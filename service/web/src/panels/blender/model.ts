@@ -1,5 +1,5 @@
 /** A fitted model as its page shows it: clips, attributes, errors, and what it says of itself. */
-import { rowsOf, type Result } from "../../api/results";
+import { partOf, rowsOf, type Result } from "../../api/results";
 import type { Moments } from "../../motion/phases";
 
 export interface Row {
@@ -78,8 +78,8 @@ export interface Model {
 }
 
 export function modelOf(result: Result): Model {
-  const summary = result.parts!.model.data.summary as Summary;
-  const rows = rowsOf<Row>(result.parts!.clips);
+  const summary = partOf(result, "model").data.summary as Summary;
+  const rows = rowsOf<Row>(result.parts.clips);
   const used = rows.filter((one) => one.used);
   const attributes = summary.attributes.map((one) => ({ ...one, values: used.map((row) => row[one.name] as number) }));
   return {

@@ -1,5 +1,6 @@
 /** Angular speeds of all clips of a model, end to end as they are stored. */
-import { arrayOf, type Result } from "../../api/results";
+import { numberAt } from "../../motion/lists";
+import { partOf, arrayOf, type Result } from "../../api/results";
 
 export class Speeds {
   private readonly place: Map<string, number>;
@@ -14,7 +15,7 @@ export class Speeds {
   /** Of one clip, a value a frame. */
   of(document: string): ArrayLike<number> | null {
     const at = this.place.get(document);
-    return at === undefined ? null : this.speed.subarray(this.first[at], this.first[at + 1]);
+    return at === undefined ? null : this.speed.subarray(numberAt(this.first, at), numberAt(this.first, at + 1));
   }
 }
 
@@ -23,5 +24,5 @@ export async function speedsOf(result: Result, signal?: AbortSignal): Promise<Sp
     arrayOf(result.id, "speed", "speed", { single: true, signal }),
     arrayOf(result.id, "speed", "first", { signal }),
   ]);
-  return new Speeds(result.parts!.speed.data.documents as string[], speed.values, first.values);
+  return new Speeds(partOf(result, "speed").data.documents as string[], speed.values, first.values);
 }

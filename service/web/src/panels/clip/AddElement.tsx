@@ -1,4 +1,5 @@
 /** A child for an element: which of those that the DTD allows there, and what it must say. */
+import { itemAt } from "../../motion/lists";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { address, fetched, get } from "../../api/client";
 import type { Clip } from "../../state/clip";
@@ -51,8 +52,8 @@ function target(
     name,
   );
   return place < 0
-    ? [siblings[0].address, { where: "before", fragment }]
-    : [siblings[place].address, { where: "after", fragment }];
+    ? [itemAt(siblings, 0).address, { where: "before", fragment }]
+    : [itemAt(siblings, place).address, { where: "after", fragment }];
 }
 
 export function AddElement({ clip, node, onClose }: { clip: Clip; node: Element; onClose: () => void }) {
@@ -85,7 +86,9 @@ export function AddElement({ clip, node, onClose }: { clip: Clip; node: Element;
   useEffect(() => {
     if (names.length && !names.includes(chosen))
       setChosen(
-        names[names.length - 1] === "comment" ? (names.find((one) => one === "property") ?? names[0]) : names[0],
+        itemAt(names, names.length - 1) === "comment"
+          ? (names.find((one) => one === "property") ?? itemAt(names, 0))
+          : itemAt(names, 0),
       );
   }, [names]);
   const form = useRef<HTMLFormElement>(null);

@@ -1,4 +1,5 @@
 /** The places of the library that are most like a pose or a motion of a clip. */
+import { itemAt } from "../../motion/lists";
 import { useState } from "preact/hooks";
 import { ask, type Schemas } from "../../api/client";
 import type { Clip } from "../../state/clip";
@@ -74,7 +75,7 @@ export function Alike({
                 }
               }}
               render={(row) => {
-                const hit = hits[row];
+                const hit = itemAt(hits, row);
                 return (
                   <div
                     class="run-row"

@@ -1,6 +1,6 @@
 /** The facts that measures of a body rest on: unit, up axis, floor, leg. */
 import { signal } from "@preact/signals";
-import { ask, get, type Schemas } from "../../api/client";
+import { ask, get } from "../../api/client";
 import { FACTS, ORIGINS, shownValue, type Fact } from "../../motion/calibration";
 import { rounded } from "../../motion/quantities";
 import type { Clip } from "../../state/clip";
@@ -18,12 +18,12 @@ export function Calibrated({ clip, reload }: { clip: Clip; reload: () => void })
       get("/documents/{id}/calibration", { path: { id: clip.id }, query: { revision: clip.detail.revision }, signal }),
     [clip],
   );
-  const known = found.value as Schemas["Calibration"] | undefined;
+  const known = found.value;
   const set = async (name: "floor" | "leg", text: string) => {
     try {
       await ask("patch", "/documents/{id}/calibration", {
         path: { id: clip.id },
-        body: { [name]: text === "" ? null : Number(text) } as never,
+        body: { [name]: text === "" ? null : Number(text) },
         match: clip.detail.revision,
       });
       reload();

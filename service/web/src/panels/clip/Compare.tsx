@@ -1,4 +1,5 @@
 /** Other clips beside the open one: chosen, named with what their passports say, timed, taken away. */
+import { itemAt } from "../../motion/lists";
 import { useEffect, useState } from "preact/hooks";
 import type { Sync } from "../../motion/sync";
 import type { SkeletonView } from "../../motion/skeleton";
@@ -69,7 +70,7 @@ export function Compared({ clip }: { clip: Clip }) {
         {others.map((one, place) => (
           <Line
             key={one.id}
-            ink={BESIDE_COLOURS[place + 1]}
+            ink={itemAt(BESIDE_COLOURS, place + 1)}
             name={one.name}
             view={one.skeleton.view}
             onRemove={() => putBeside(besideIds().filter((id) => id !== one.id))}

@@ -11,7 +11,7 @@ const SHOWN = 6;
 
 export function ConflictBanner({ clip, reload }: { clip: Clip; reload: () => void }) {
   const { problem } = clip.trouble.value as ApiError;
-  const conflicts = ((problem.details as { conflicts?: Conflict[] } | null | undefined)?.conflicts ?? []) as Conflict[];
+  const conflicts = (problem.details as { conflicts?: Conflict[] } | null | undefined)?.conflicts ?? [];
   const one = (value: unknown) =>
     Array.isArray(value)
       ? value.map(String).slice(0, 3).join(", ") + (value.length > 3 ? " …" : "")

@@ -1,4 +1,5 @@
 /** How far each joint is from where another revision had it, over the frames: a strip for each joint that moved. */
+import { itemAt, numberAt } from "../../motion/lists";
 import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { LEAST, apart, type Apart } from "../../motion/difference";
@@ -42,8 +43,8 @@ export function DifferenceStrip({ clip }: { clip: Clip }) {
   );
   const told = (one: Apart, row: number) =>
     w("apartAt", {
-      name: clip.skeleton.view.bones[one.joint].name,
-      size: `${number(one.away[row] * 100, 1)} cm`,
+      name: itemAt(clip.skeleton.view.bones, one.joint).name,
+      size: `${number(numberAt(one.away, row) * 100, 1)} cm`,
       n: row * (found?.step ?? 1) + 1,
     });
   const at = (event: PointerEvent): [Apart, number] | null => {
@@ -75,7 +76,7 @@ export function DifferenceStrip({ clip }: { clip: Clip }) {
           const here = at(event as never);
           if (here) {
             seek(here[1]);
-            clip.select([clip.skeleton.view.bones[here[0].joint].name]);
+            clip.select([itemAt(clip.skeleton.view.bones, here[0].joint).name]);
           }
         }}
       />
@@ -90,7 +91,7 @@ export function DifferenceStrip({ clip }: { clip: Clip }) {
                 class="button quiet dense"
                 onClick={() => {
                   seek(one.at);
-                  clip.select([clip.skeleton.view.bones[one.joint].name]);
+                  clip.select([itemAt(clip.skeleton.view.bones, one.joint).name]);
                 }}
               >
                 {told(one, one.at)}
@@ -125,12 +126,12 @@ function draw(element: HTMLCanvasElement, clip: Clip, joints: Apart[]): void {
   joints.forEach((joint, index) => {
     pen.fillStyle = colour("text2");
     pen.globalAlpha = 1;
-    pen.fillText(clip.skeleton.view.bones[joint.joint].name.slice(0, 20), 0, index * ROW + ROW / 2);
+    pen.fillText(itemAt(clip.skeleton.view.bones, joint.joint).name.slice(0, 20), 0, index * ROW + ROW / 2);
     pen.fillStyle = colour("warn");
     const wide = (width - NAME) / rows;
     for (let row = 0; row < rows; row++) {
-      if (joint.away[row] <= LEAST) continue;
-      pen.globalAlpha = 0.15 + 0.85 * (joint.away[row] / most);
+      if (numberAt(joint.away, row) <= LEAST) continue;
+      pen.globalAlpha = 0.15 + 0.85 * (numberAt(joint.away, row) / most);
       pen.fillRect(NAME + row * wide, index * ROW + 1, Math.max(1, wide), ROW - 2);
     }
   });

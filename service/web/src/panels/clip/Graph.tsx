@@ -1,4 +1,5 @@
 /** Channels of the selected joint over time. Points are dragged; stretches are smoothed, scaled and shifted. */
+import { itemAt, numberAt } from "../../motion/lists";
 import { effect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
@@ -27,7 +28,7 @@ export function Graph({ clip, reload }: { clip: Clip; reload: () => void }) {
 }
 
 function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: () => void }) {
-  const joint = clip.skeleton.view.bones[bone];
+  const joint = itemAt(clip.skeleton.view.bones, bone);
   const [kind, setKind] = useState<"R" | "T" | "Q">(joint.channels.some((one) => one[0] === "R") ? "R" : "T");
   const [hidden, setHidden] = useState<ReadonlySet<string>>(new Set());
   const [range, setRange] = useState<[number, number] | null>(null);
@@ -48,7 +49,8 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
     const found = new Map<string, Float64Array>();
     channels.forEach((channel, column) => {
       const curve = new Float64Array(clip.frames);
-      for (let frame = 0; frame < clip.frames; frame++) curve[frame] = values[frame * channels.length + column];
+      for (let frame = 0; frame < clip.frames; frame++)
+        curve[frame] = numberAt(values, frame * channels.length + column);
       for (const [frame, value] of draft.samples.get(`${joint.name}.${channel}`) ?? []) curve[frame - 1] = value;
       found.set(channel, curve);
     });
@@ -65,7 +67,7 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
           (channel) => curves.get(channel)?.[frame] ?? null,
           clip.skeleton.view.radians,
         );
-        parts.forEach((part, place) => (part.values[frame] = turn[place]));
+        parts.forEach((part, place) => (part.values[frame] = numberAt(turn, place)));
       }
       return parts;
     }
@@ -117,7 +119,7 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
           {},
           ...series.map((one) => ({
             label: one.name,
-            stroke: colour(AXIS_OF[one.axis] ?? "text2"),
+            stroke: colour((one.axis && AXIS_OF[one.axis]) ?? "text2"),
             width: 1.6,
             show: !hidden.has(one.name),
             dash: one.name === "w" ? [4, 3] : undefined,
@@ -231,7 +233,9 @@ function BoneGraph({ clip, bone, reload }: { clip: Clip; bone: number; reload: (
             <span
               class="swatch"
               style={{
-                background: hidden.has(one.name) ? "transparent" : `var(--${AXIS_OF[one.axis] ?? "text2"})`,
+                background: hidden.has(one.name)
+                  ? "transparent"
+                  : `var(--${(one.axis && AXIS_OF[one.axis]) ?? "text2"})`,
                 outline: "1px solid var(--edge)",
               }}
             />
@@ -279,7 +283,7 @@ function grab(
   const y = event.clientY - box.top;
   const near = series
     .filter((one) => !hidden.has(one.name))
-    .map((one) => ({ one, away: Math.abs(made.valToPos(one.values[frame - 1], "y") - y) }))
+    .map((one) => ({ one, away: Math.abs(made.valToPos(numberAt(one.values, frame - 1), "y") - y) }))
     .sort((a, b) => a.away - b.away)[0];
   if (!near || near.away > NEAR) return;
   event.stopPropagation();
@@ -288,7 +292,7 @@ function grab(
   clip.player.seek(frame - 1);
   const track = `${bone}.${near.one.name}`;
   const before = clip.draft.peek();
-  const [from, start] = [made.posToVal(y, "y"), near.one.values[frame - 1]];
+  const [from, start] = [made.posToVal(y, "y"), numberAt(near.one.values, frame - 1)];
   let begun = false;
   const move = (moving: PointerEvent) => {
     const value = rounded(start + made.posToVal(moving.clientY - box.top, "y") - from);

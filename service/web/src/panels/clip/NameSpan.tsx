@@ -1,4 +1,5 @@
 /** Name a stretch, with completion from the vocabulary; its frames as numbers; splitting and deleting. */
+import { itemAt } from "../../motion/lists";
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Clip } from "../../state/clip";
 import { agreed, loadVocabulary, namesLike } from "../../state/vocabulary";
@@ -54,7 +55,7 @@ export function NameSpan({ clip, left }: { clip: Clip; left: number }) {
         if (event.isComposing || (event.target as Element).tagName !== "INPUT") return;
         if (event.key === "ArrowDown" && names.length) {
           setAt((at + 1) % names.length);
-          setName(names[(at + 1) % names.length]);
+          setName(itemAt(names, (at + 1) % names.length));
           event.preventDefault();
         }
       }}

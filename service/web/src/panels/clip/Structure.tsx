@@ -1,4 +1,5 @@
 /** The hierarchy as a picture of nodes and links. A bone's offset and length are changed below it. */
+import { itemAt, numberAt } from "../../motion/lists";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { tidy } from "../../motion/hierarchy";
 import type { Vector } from "../../motion/quaternions";
@@ -20,22 +21,27 @@ export function Structure({ clip }: { clip: Clip }) {
   const box = useRef<HTMLDivElement>(null);
   const level = Math.max(LEVEL_LEAST, Math.min(LEVEL_MOST, (dockWide.value - NAMES) / layout.width));
   const selected = clip.selection.value.bones;
-  const at = selected.length ? skeleton.byName.get(selected[0]) : undefined;
+  const at = selected.length ? skeleton.byName.get(itemAt(selected, 0)) : undefined;
   useEffect(() => {
     box.current?.querySelector(".chosen")?.scrollIntoView({ block: "nearest", inline: "nearest" });
   }, [at]);
-  const place = (index: number) => ({ x: 14 + layout.places[index].x * level, y: 26 + layout.places[index].y * LEAF });
+  const place = (index: number) => ({
+    x: 14 + itemAt(layout.places, index).x * level,
+    y: 26 + itemAt(layout.places, index).y * LEAF,
+  });
   const onKey = (event: KeyboardEvent) => {
     const here = at ?? 0;
-    const family = bones.map((_, index) => index).filter((index) => bones[index].parent === bones[here].parent);
+    const family = bones
+      .map((_, index) => index)
+      .filter((index) => itemAt(bones, index).parent === itemAt(bones, here).parent);
     const to = {
-      ArrowLeft: bones[here].parent,
+      ArrowLeft: itemAt(bones, here).parent,
       ArrowRight: bones.findIndex((bone) => bone.parent === here),
       ArrowUp: family[family.indexOf(here) - 1],
       ArrowDown: family[family.indexOf(here) + 1],
     }[event.key];
     if (to === undefined || to < 0) return;
-    clip.select([bones[to].name]);
+    clip.select([itemAt(bones, to).name]);
     event.preventDefault();
     event.stopPropagation();
   };
@@ -59,7 +65,7 @@ export function Structure({ clip }: { clip: Clip }) {
                 key={index}
                 d={`M${from.x},${from.y}C${from.x + level * 0.55},${from.y} ${to.x - level * 0.55},${to.y} ${to.x},${to.y}`}
                 fill="none"
-                stroke={`var(--${SIDE_TOKENS[skeleton.sides[index]]})`}
+                stroke={`var(--${SIDE_TOKENS[numberAt(skeleton.sides, index)]})`}
                 stroke-opacity="0.55"
                 stroke-width="1.5"
               />
@@ -82,7 +88,7 @@ export function Structure({ clip }: { clip: Clip }) {
                 }
               >
                 <circle cx={x} cy={y} r="10" fill="transparent" />
-                <circle cx={x} cy={y} r="4.5" fill={`var(--${SIDE_TOKENS[skeleton.sides[index]]})`} />
+                <circle cx={x} cy={y} r="4.5" fill={`var(--${SIDE_TOKENS[numberAt(skeleton.sides, index)]})`} />
                 {chosen && <circle cx={x} cy={y} r="8" fill="none" stroke="var(--select)" stroke-width="2" />}
                 {(leaf || chosen || at === undefined) && (
                   <text
@@ -101,7 +107,7 @@ export function Structure({ clip }: { clip: Clip }) {
         </svg>
       </div>
       {at !== undefined ? (
-        <BoneForm key={bones[at].name} clip={clip} bone={at} />
+        <BoneForm key={itemAt(bones, at).name} clip={clip} bone={at} />
       ) : (
         <p class="dim structure-hint">{w("selectJoint")}</p>
       )}
@@ -111,11 +117,11 @@ export function Structure({ clip }: { clip: Clip }) {
 
 function BoneForm({ clip, bone }: { clip: Clip; bone: number }) {
   const { view } = clip.shape.value;
-  const joint = view.bones[bone];
+  const joint = itemAt(view.bones, bone);
   const stored = vectorOf(clip.skeleton.view, bone);
   const vector = vectorOf(view, bone) ?? stored ?? [0, 0, 0];
   const length = Math.hypot(...vector);
-  const above = joint.parent >= 0 ? view.bones[joint.parent].name : "–";
+  const above = joint.parent >= 0 ? itemAt(view.bones, joint.parent).name : "–";
   const editable = stored !== null && clip.pinned === null;
   const set = (next: number[]) => {
     if (next.every(Number.isFinite)) clip.setBone(bone, next as Vector);
@@ -123,7 +129,7 @@ function BoneForm({ clip, bone }: { clip: Clip; bone: number }) {
   return (
     <form class="bone-form" onSubmit={(event) => event.preventDefault()}>
       <h2 class="row">
-        <span class="dot" style={{ background: `var(--${SIDE_TOKENS[clip.skeleton.sides[bone]]})` }} />
+        <span class="dot" style={{ background: `var(--${SIDE_TOKENS[numberAt(clip.skeleton.sides, bone)]})` }} />
         {joint.name}
         {joint.name !== joint.source_name && <span class="dim">{joint.source_name}</span>}
       </h2>
@@ -154,7 +160,7 @@ function BoneForm({ clip, bone }: { clip: Clip; bone: number }) {
                 class="field number"
                 type="number"
                 step="any"
-                value={Number(vector[place].toFixed(4))}
+                value={Number(numberAt(vector, place).toFixed(4))}
                 disabled={!editable}
                 onChange={(event) => {
                   const next = [...vector];

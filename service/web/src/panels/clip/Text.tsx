@@ -1,4 +1,5 @@
 /** MCML as text, a window of frames at a time: completion and checks by the DTD, real line numbers. */
+import { itemAt } from "../../motion/lists";
 import { autocompletion, closeBrackets, closeBracketsKeymap, completionKeymap } from "@codemirror/autocomplete";
 import { defaultKeymap, history, historyKeymap } from "@codemirror/commands";
 import { xml, type ElementSpec } from "@codemirror/lang-xml";
@@ -201,7 +202,7 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
         body: { ...asChanges({ samples: new Map(), labels: null, elements: new Map(), steps: 0 }), elements },
       });
       const marks = (answer.faults ?? []).map((fault): Diagnostic => {
-        const base = fault.number === null || fault.number === undefined ? 1 : found[fault.number].line;
+        const base = fault.number === null || fault.number === undefined ? 1 : itemAt(found, fault.number).line;
         const state = view.current!.state;
         const line = state.doc.line(Math.max(1, Math.min(state.doc.lines, base + (fault.line ?? 1) - 1)));
         return {
@@ -212,7 +213,7 @@ function Editor({ clip, window: shown, elements }: { clip: Clip; window: Window;
         };
       });
       view.current!.dispatch(setDiagnostics(view.current!.state, marks));
-      setSaid(marks.length ? `${w("faults", { n: marks.length })}: ${marks[0].message}` : w("noFaults"));
+      setSaid(marks.length ? `${w("faults", { n: marks.length })}: ${itemAt(marks, 0).message}` : w("noFaults"));
       return marks.length ? null : found;
     } catch (error) {
       refuse(error);

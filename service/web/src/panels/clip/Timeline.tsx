@@ -2,6 +2,7 @@
  * Ruler, names and speed over time. Spans are drawn, dragged, trimmed and split; each also is a button in the lane, so
  * that keys reach it.
  */
+import { numberAt } from "../../motion/lists";
 import { effect, signal, useSignal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Clip } from "../../state/clip";
@@ -41,6 +42,7 @@ export function Timeline({ clip }: { clip: Clip }) {
   useEffect(() => {
     inSight.value = { first: 0, last: Math.max(1, frames) };
     const observer = new ResizeObserver(([entry]) => {
+      if (!entry) return;
       setWide(Math.max(100, entry.contentRect.width - HEAD));
       setTall(entry.contentRect.height);
     });
@@ -224,7 +226,7 @@ export function Timeline({ clip }: { clip: Clip }) {
           const style = {
             left: `${left}px`,
             width: `${Math.max(3, right - left - 1)}px`,
-            top: `${places[index] * LANE}px`,
+            top: `${numberAt(places, index) * LANE}px`,
             "--ink": nameColour(span.name),
           } as Record<string, string>;
           return isOffer ? (
@@ -366,7 +368,8 @@ function drawSpeed(
     place += each
   ) {
     let value = 0;
-    for (let at = place; at < Math.min(speeds.length, place + each); at++) value = Math.max(value, speeds[at]);
+    for (let at = place; at < Math.min(speeds.length, place + each); at++)
+      value = Math.max(value, numberAt(speeds, at));
     const x = toX((place + 0.5) * step, range, width);
     const y = bottom - Math.sqrt(value / most) * (bottom - top);
     if (begun) pen.lineTo(x, y);

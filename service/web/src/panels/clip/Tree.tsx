@@ -1,4 +1,5 @@
 /** The whole document as a tree. Values are changed in place; frames are gone to. */
+import { entryOf, itemAt, numberAt } from "../../motion/lists";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Clip } from "../../state/clip";
 import { replacedBy, withElement, withoutAdded } from "../../state/draft";
@@ -31,7 +32,7 @@ export function Tree({ clip }: { clip: Clip }) {
   useEffect(() => {
     if (!selected.length || clip.player.playing.peek()) return;
     let alive = true;
-    void outline.rowOfFrame(clip.player.frame.peek() + 1, selected[0]).then((row) => {
+    void outline.rowOfFrame(clip.player.frame.peek() + 1, itemAt(selected, 0)).then((row) => {
       if (alive && row > 0) {
         setSeen(row);
         setFocus(row);
@@ -58,7 +59,7 @@ export function Tree({ clip }: { clip: Clip }) {
       clip.player.pause();
       clip.player.seek(Number(frame[1]) - 1);
     }
-    const bone = node.name === "frame_bone" ? node.attributes.name : null;
+    const bone = (node.name === "frame_bone" && node.attributes.name) || null;
     if (bone) clip.select([bone], row.attribute);
   };
   const focusRow = (index: number) => {
@@ -173,8 +174,9 @@ export function Tree({ clip }: { clip: Clip }) {
             replacedBy(clip.draft.value, node.address)?.owner.deleted ||
             (row.attribute !== null && change?.attributes[row.attribute] === null);
           const value = valueOf(clip, row);
-          const bone = node.name === "frame_bone" ? node.attributes.name : null;
-          const side = bone !== null ? SIDE_TOKENS[clip.skeleton.sides[clip.skeleton.byName.get(bone) ?? 0]] : null;
+          const bone = (node.name === "frame_bone" && node.attributes.name) || null;
+          const side =
+            bone !== null ? SIDE_TOKENS[numberAt(clip.skeleton.sides, clip.skeleton.byName.get(bone) ?? 0)] : null;
           return (
             <div
               class={`tree-row ${index === focus ? "focus" : ""} ${bone && selected.includes(bone) ? "chosen" : ""} ${gone ? "gone" : ""}`}
@@ -281,7 +283,7 @@ function valueOf(clip: Clip, row: Row): { shown: string; exact: string; changed:
     const drafted =
       clip.draft.value.samples.get(sample.track)?.get(sample.frame) ??
       (text === undefined ? undefined : (sampleIn(text, sample.track) ?? undefined));
-    const exact = drafted === undefined ? node.attributes[row.attribute!] : String(drafted);
+    const exact = drafted === undefined ? entryOf(node.attributes, row.attribute!) : String(drafted);
     const rounded = Number(exact);
     return {
       exact,

@@ -1,5 +1,5 @@
 /** Why a measure of the body has no value, with the button that mends it. */
-import { get, type Schemas } from "../../api/client";
+import { get } from "../../api/client";
 import { causeOf, type Ground, type Kind } from "../../motion/quantities";
 import type { Clip } from "../../state/clip";
 import { mayEdit } from "../../state/me";
@@ -26,7 +26,7 @@ export function Unknown({ clip, kind, reload }: { clip: Clip; kind: Kind; reload
       get("/documents/{id}/calibration", { path: { id: clip.id }, query: { revision: clip.detail.revision }, signal }),
     [clip],
   );
-  const facts = found.value as Schemas["Calibration"] | undefined;
+  const facts = found.value;
   if (!facts) return <Trouble error={found.error} retry={found.again} />;
   const cause = causeOf(kind, (ground) =>
     ground === "rate" ? Boolean(clip.detail.seconds_per_frame) : facts[ground].origin !== "unknown",

@@ -1,4 +1,5 @@
 /** The clip in three dimensions, with what the passport says of its units beside it. */
+import { itemAt, numberAt } from "../../motion/lists";
 import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Skeleton } from "../../motion/skeleton";
@@ -219,7 +220,7 @@ export function ViewerPane({ clip }: { clip: Clip }) {
           const moved = press.current ? Math.hypot(x - press.current[0], y - press.current[1]) : 9;
           if (moved > 4 || event.button) return;
           const found = stage.current?.pick(x, y);
-          const name = found?.actor === 0 && skeleton.view.bones[found.point].name;
+          const name = found?.actor === 0 && itemAt(skeleton.view.bones, found.point).name;
           if (!name) {
             clip.select([]);
             return;
@@ -275,7 +276,12 @@ function trailsOf(clip: Clip, frame: number, points: number[]): Float32Array[] {
     const line: number[] = [];
     for (let at = Math.max(0, frame - around); at <= Math.min(frames - 1, frame + around); at += step) {
       const positions = clip.blocks.has(at) ? clip.positions(at, false) : null;
-      if (positions) line.push(positions[point * 3], positions[point * 3 + 1], positions[point * 3 + 2]);
+      if (positions)
+        line.push(
+          numberAt(positions, point * 3),
+          numberAt(positions, point * 3 + 1),
+          numberAt(positions, point * 3 + 2),
+        );
     }
     return Float32Array.from(line);
   });

@@ -1,4 +1,5 @@
 /** What keys and buttons of the clip page do alike. */
+import { itemAt } from "../../motion/lists";
 import { signal } from "@preact/signals";
 import { ask } from "../../api/client";
 import type { Clip } from "../../state/clip";
@@ -25,7 +26,7 @@ export const clipActions = {
     shown.value = { ...shown.peek(), [name]: !shown.peek()[name] };
   },
   nextView(): void {
-    cameraView.value = VIEWS[(VIEWS.indexOf(cameraView.peek()) + 1) % VIEWS.length];
+    cameraView.value = itemAt(VIEWS, (VIEWS.indexOf(cameraView.peek()) + 1) % VIEWS.length);
   },
   frame(): void {
     frameAsked.value++;

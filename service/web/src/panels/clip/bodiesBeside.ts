@@ -1,4 +1,5 @@
 /** Bodies of other clips on the viewer's stage: placed beside the open clip's or over it, in step with it. */
+import { itemAt, numberAt } from "../../motion/lists";
 import { effect } from "@preact/signals";
 import { anchorOf, frameBeside } from "../../motion/sync";
 import type { Skeleton } from "../../motion/skeleton";
@@ -33,7 +34,7 @@ export function bodiesBeside(clip: Clip, stage: Stage, own: number): () => void 
       one.blocks.want(at, player.playing.value ? Math.sign(player.speed.value) : 0, one.perSecond);
       if (!actors.has(one.id)) actors.set(one.id, stage.add(one.skeleton));
       const actor = actors.get(one.id)!;
-      stage.paint(actor, BESIDE_COLOURS[place + 1]);
+      stage.paint(actor, itemAt(BESIDE_COLOURS, place + 1));
       const [from, to] = [
         rootAt(skeleton, clip.blocks.frame(anchor.here)),
         rootAt(one.skeleton, one.blocks.frame(anchor.there)),
@@ -65,6 +66,6 @@ export function bodiesBeside(clip: Clip, stage: Stage, own: number): () => void 
 /** Where the first joint is, metres in the world's axes. */
 function rootAt({ metres, zUp }: Skeleton, positions: Float32Array | null): [number, number, number] | null {
   if (!positions || positions[0] !== positions[0]) return null;
-  const [x, y, z] = [positions[0] * metres, positions[1] * metres, positions[2] * metres];
+  const [x, y, z] = [numberAt(positions, 0) * metres, numberAt(positions, 1) * metres, numberAt(positions, 2) * metres];
   return zUp ? [x, z, -y] : [x, y, z];
 }

@@ -1,4 +1,5 @@
 /** Where the ground is, and its grid. */
+import { numberAt } from "../../motion/lists";
 import type { Skeleton } from "../../motion/skeleton";
 import { number } from "../../words";
 
@@ -6,9 +7,9 @@ import { number } from "../../words";
 export function floorOf(skeleton: Skeleton, values: Float32Array): number {
   const axis = skeleton.zUp ? 2 : 1;
   let least = Infinity;
-  for (let at = axis; at < values.length; at += 3) if (values[at] < least) least = values[at];
+  for (let at = axis; at < values.length; at += 3) if (numberAt(values, at) < least) least = numberAt(values, at);
   if (!Number.isFinite(least)) return 0;
-  const zero = -skeleton.view.origin[axis] * skeleton.metres;
+  const zero = -numberAt(skeleton.view.origin, axis) * skeleton.metres;
   const lowest = least * skeleton.metres;
   return Math.abs(lowest - zero) < 0.12 * skeleton.height ? zero : lowest;
 }

@@ -19,7 +19,7 @@ export async function saveClip(clip: Clip, reload: () => void, merge = false): P
 /** Take a stored revision back. */
 export async function undoSaved(clip: Clip, revision: number, reload: () => void): Promise<void> {
   try {
-    await ask("post", "/documents/{id}/undo", { path: { id: clip.id }, query: { revision } as never, match: revision });
+    await ask("post", "/documents/{id}/undo", { path: { id: clip.id }, query: { revision }, match: revision });
     reload();
   } catch (error) {
     refuse(error);

@@ -1,4 +1,5 @@
 /** The rest pose beside the body, and the arrows by which the selected bone is moved and lengthened there. */
+import { numberAt } from "../../motion/lists";
 import { effect } from "@preact/signals";
 import type { Vector } from "../../motion/quaternions";
 import { baseOf, restOf, vectorOf } from "../../motion/shape";
@@ -78,11 +79,11 @@ export function restPose(clip: Clip, stage: Stage): RestPose {
       const { handle, name, vector } = held;
       const { direction } = handle.arrows.find((one) => one.name === name)!;
       const by = stage.reachOf(handle, name, x, y) - held.start;
-      const next = vector.map((one, axis) => one + direction[axis] * by) as Vector;
+      const next = vector.map((one, axis) => one + numberAt(direction, axis) * by) as Vector;
       // A bone keeps some length and does not turn over by being pulled through its joint.
       if (
         name === ALONG &&
-        next.reduce((sum, one, axis) => sum + one * direction[axis], 0) <= 1e-3 * Math.hypot(...vector)
+        next.reduce((sum, one, axis) => sum + one * numberAt(direction, axis), 0) <= 1e-3 * Math.hypot(...vector)
       )
         return;
       clip.setBone(held.bone, next, held.before);
@@ -106,9 +107,9 @@ function standing(
 ): Float32Array {
   const up = skeleton.zUp ? 2 : 1;
   let lowest = Infinity;
-  for (let at = up; at < stored.length; at += 3) lowest = Math.min(lowest, stored[at]);
-  const root = [0, 1, 2].map((axis) => (axis === up ? floor / skeleton.metres - lowest : now[axis]));
-  return rest.map((value, at) => value + root[at % 3]);
+  for (let at = up; at < stored.length; at += 3) lowest = Math.min(lowest, numberAt(stored, at));
+  const root = [0, 1, 2].map((axis) => (axis === up ? floor / skeleton.metres - lowest : numberAt(now, axis)));
+  return rest.map((value, at) => value + numberAt(root, at % 3));
 }
 
 function handleOf(
@@ -122,7 +123,7 @@ function handleOf(
   const vector = vectorOf(shape.view, bone);
   if (!vector) return null;
   const base = baseOf(shape.view, bone);
-  const at = [0, 1, 2].map((axis) => positions[base * 3 + axis] + vector[axis]) as Vector;
+  const at = [0, 1, 2].map((axis) => numberAt(positions, base * 3 + axis) + numberAt(vector, axis)) as Vector;
   const length = Math.hypot(...vector);
   const unit = (axis: number): Vector => [0, 1, 2].map((one) => Number(one === axis)) as Vector;
   const arrows = ["X", "Y", "Z"].map((name, axis) => ({

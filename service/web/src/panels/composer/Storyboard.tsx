@@ -1,4 +1,5 @@
 /** The pieces in their order, as wide as they last; below each the layers on it. Edges trim, the middle moves, seams are pressed. */
+import { itemAt } from "../../motion/lists";
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { nameColour } from "../../motion/colours";
@@ -29,7 +30,7 @@ export function Storyboard({ board, composed }: { board: Board; composed: Compos
 
   const take = (event: PointerEvent, index: number) => {
     if (event.button) return;
-    const one = pieces[index];
+    const one = itemAt(pieces, index);
     board.chosen.value = { kind: "piece", key: one.key };
     const box = (event.currentTarget as HTMLElement).getBoundingClientRect();
     const edge = edgeAt(event, box);
@@ -158,7 +159,7 @@ export function Storyboard({ board, composed }: { board: Board; composed: Compos
 }
 
 function Seam({ board, index, composed }: { board: Board; index: number; composed: Composed | null }) {
-  const piece = board.pieces.value[index];
+  const piece = itemAt(board.pieces.value, index);
   const trial = useSignal<number | null>(null);
   const made = composed?.seams.find((other) => other.segment === index + 1);
   const own = piece.transition ?? null;

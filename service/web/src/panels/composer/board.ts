@@ -1,4 +1,5 @@
 /** The storyboard that is open: its steps, what of it is chosen, and what can be done with it. */
+import { itemAt } from "../../motion/lists";
 import { computed, signal } from "@preact/signals";
 import {
   learnt,
@@ -44,22 +45,18 @@ export class Board {
   readonly at = computed(() => {
     const pieces = this.pieces.value;
     const wanted = this.chosen.value;
-    const layerAt =
-      wanted?.kind === "layer" ? pieces.findIndex((one) => one.layers.some((layer) => layer.key === wanted.key)) : -1;
-    if (wanted && layerAt >= 0)
-      return {
-        kind: "layer" as const,
-        index: layerAt,
-        piece: pieces[layerAt],
-        layer: pieces[layerAt].layers.find((one) => one.key === wanted.key)!,
-      };
+    for (const [index, piece] of wanted?.kind === "layer" ? pieces.entries() : []) {
+      const layer = piece.layers.find((one) => one.key === wanted?.key);
+      if (layer) return { kind: "layer" as const, index, piece, layer };
+    }
     const found = wanted ? pieces.findIndex((one) => one.key === wanted.key) : -1;
     const index = Math.max(0, found);
-    if (!pieces[index]) return null;
+    const piece = pieces[index];
+    if (!piece) return null;
     return {
       kind: wanted?.kind === "seam" && index > 0 ? ("seam" as const) : ("piece" as const),
       index,
-      piece: pieces[index],
+      piece,
       layer: null,
     };
   });
@@ -98,7 +95,7 @@ export class Board {
     const made = taken.map(({ id, name, first = 1, last = 0 }) => pieceOf(id, name, first, last));
     if (!made.length) return;
     this.set({ pieces: this.pieces.peek().toSpliced(at, 0, ...made) });
-    this.chosen.value = { kind: "piece", key: made[0].key };
+    this.chosen.value = { kind: "piece", key: itemAt(made, 0).key };
     this.learn();
   };
 
@@ -121,7 +118,7 @@ export class Board {
   moveTo = (from: number, to: number) => {
     const pieces = this.pieces.peek();
     if (to < 0 || to >= pieces.length || to === from) return;
-    this.chosen.value = { kind: "piece", key: pieces[from].key };
+    this.chosen.value = { kind: "piece", key: itemAt(pieces, from).key };
     this.set({ pieces: movePiece(pieces, from, to) });
   };
 

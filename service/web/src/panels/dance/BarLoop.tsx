@@ -1,4 +1,5 @@
 /** A bar that moves in a small picture: the frames of its clip, seen from the front and a little from the side. */
+import { itemAt, numberAt } from "../../motion/lists";
 import { useEffect, useRef } from "preact/hooks";
 import { motionOf, type Motion } from "../../motion/source";
 import { reducedMotion } from "../../state/settings";
@@ -53,26 +54,26 @@ function sketch(
   let [midX, midSide, count] = [0, 0, 0];
   for (let at = 0; at < positions.length; at += 3) {
     if (positions[at] !== positions[at]) continue;
-    least = Math.min(least, positions[at + up]);
-    most = Math.max(most, positions[at + up]);
-    midX += positions[at];
-    midSide += positions[at + side];
+    least = Math.min(least, numberAt(positions, at + up));
+    most = Math.max(most, numberAt(positions, at + up));
+    midX += numberAt(positions, at);
+    midSide += numberAt(positions, at + side);
     count++;
   }
   seen.tall = Math.max(seen.tall, most - least);
   const scale = (height - 16) / (seen.tall * 1.05 || 1);
   const x = (point: number) =>
     width / 2 +
-    ((positions[point * 3] - midX / count) * ACROSS +
-      (positions[point * 3 + side] - midSide / count) * DEPTH * (skeleton.zUp ? -1 : 1)) *
+    ((numberAt(positions, point * 3) - midX / count) * ACROSS +
+      (numberAt(positions, point * 3 + side) - midSide / count) * DEPTH * (skeleton.zUp ? -1 : 1)) *
       scale;
-  const y = (point: number) => height - 8 - (positions[point * 3 + up] - least) * scale;
+  const y = (point: number) => height - 8 - (numberAt(positions, point * 3 + up) - least) * scale;
   const { sides } = inksNow();
   pen.lineWidth = 2;
   pen.lineCap = "round";
   for (let at = 0; at < skeleton.edges.length; at += 2) {
-    const [one, other] = [skeleton.edges[at], skeleton.edges[at + 1]];
-    pen.strokeStyle = sides[skeleton.sides[other]];
+    const [one, other] = [numberAt(skeleton.edges, at), numberAt(skeleton.edges, at + 1)];
+    pen.strokeStyle = itemAt(sides, numberAt(skeleton.sides, other));
     pen.beginPath();
     pen.moveTo(x(one), y(one));
     pen.lineTo(x(other), y(other));

@@ -1,7 +1,8 @@
 /** What is danced to: a tempo by number, taps or music, how long, from which seed; dry run and making of it. */
+import { itemAt } from "../../motion/lists";
 import { useState } from "preact/hooks";
 import { address, ask, fetched, get } from "../../api/client";
-import { resultOf } from "../../api/results";
+import { partOf, resultOf } from "../../api/results";
 import { cancelJob, jobs, runAnalysis } from "../../state/jobs";
 import { note, refuse } from "../../state/notes";
 import { go, param, route, setParams } from "../../state/route";
@@ -43,11 +44,14 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
         return;
       }
       bench.dry.value = null;
-      await keepMusic(bench, result.parts.clip.document!);
+      await keepMusic(bench, partOf(result, "clip").document!);
       go(`/dance/${id}?${withoutSelection()}`);
       note(d("made", { name: result.name }), {
         detail: music ? d("musicKept") : undefined,
-        action: { text: d("undoMade"), run: () => void takeBack(id, result.parts.clip.document!, result.name, bench) },
+        action: {
+          text: d("undoMade"),
+          run: () => void takeBack(id, partOf(result, "clip").document!, result.name, bench),
+        },
       });
     } catch (refused) {
       if ((refused as Error).name !== "AbortError") setError(refused);
@@ -88,7 +92,9 @@ export function BenchBar({ bench, onOthers }: { bench: Bench; onOthers?: () => v
                 <select
                   class="field dense"
                   value={0}
-                  onChange={(event) => void open(music.file, music.rivals[Number(event.currentTarget.value)].bpm)}
+                  onChange={(event) =>
+                    void open(music.file, itemAt(music.rivals, Number(event.currentTarget.value)).bpm)
+                  }
                 >
                   {music.rivals.map((one, at) => (
                     <option key={at} value={at}>

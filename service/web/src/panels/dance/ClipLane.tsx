@@ -1,4 +1,5 @@
 /** The speed of a clip with its beats, what was refused, and its bars: all of it can be pressed, dragged, and walked by keys. */
+import { itemAt } from "../../motion/lists";
 import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { nearestBeat, snapped } from "../../motion/dancing";
@@ -55,7 +56,7 @@ export function ClipLane({ bench, row, index }: { bench: Bench; row: ClipRow; in
     canvas.current!.setPointerCapture(event.pointerId);
     bench.clip.value = row.id;
     bench.beat.value = found;
-    if (found >= 0) drag.current = { index: found, at: row.beats[found].at, moved: false };
+    if (found >= 0) drag.current = { index: found, at: itemAt(row.beats, found).at, moved: false };
     else bench.go(row.id, here);
   };
   const move = (event: PointerEvent) => {
@@ -84,7 +85,7 @@ export function ClipLane({ bench, row, index }: { bench: Bench; row: ClipRow; in
     const last = row.beats.length - 1;
     const now = bench.clip.peek() === row.id ? bench.beat.peek() : -1;
     if (by && event.altKey && now >= 0) {
-      const to = row.beats[now].at + by / row.fps;
+      const to = itemAt(row.beats, now).at + by / row.fps;
       bench.moveBeat(row.id, now, to);
       bench.beat.value = nearestBeat(bench.row(row.id)!.beats, to, 1e-3);
     } else if (by || event.key === "Home" || event.key === "End") {
@@ -162,7 +163,14 @@ function tipOf(
   const x = event.clientX - canvas.getBoundingClientRect().left;
   const beat = nearestBeat(row.beats, here, within);
   if (beat >= 0)
-    return { x, text: d("beatOf", { n: beat + 1, at: number(row.beats[beat].at, 3), kind: d(row.beats[beat].kind) }) };
+    return {
+      x,
+      text: d("beatOf", {
+        n: beat + 1,
+        at: number(itemAt(row.beats, beat).at, 3),
+        kind: d(itemAt(row.beats, beat).kind),
+      }),
+    };
   const near = row.candidates
     .filter((one) => one.verdict !== "beat" && Math.abs(one.at - here) <= within)
     .sort((a, b) => Math.abs(a.at - here) - Math.abs(b.at - here))[0];

@@ -1,4 +1,5 @@
 /** The clips of the bench: tempo and its rivals, beats and bars, each by itself. */
+import { entryOf } from "../../motion/lists";
 import { useState } from "preact/hooks";
 import { refuse } from "../../state/notes";
 import { Icon } from "../../ui/icons";
@@ -192,7 +193,11 @@ function Row({ bench, row, index }: { bench: Bench; row: ClipRow; index: number 
             `${d("barsOf", { n: row.bars.length })} · ${d("beatsOf", { n: row.beats.length })}`
           ) : (
             <>
-              {d("noBars", { f1: row.refused.F1, f2: row.refused.F2, f3: row.refused.F3 })}{" "}
+              {d("noBars", {
+                f1: entryOf(row.refused, "F1"),
+                f2: entryOf(row.refused, "F2"),
+                f3: entryOf(row.refused, "F3"),
+              })}{" "}
               {row.from !== "tracked" && (
                 <button
                   type="button"

@@ -1,7 +1,8 @@
 /** A dance in figures, in plain words beside the classic blend; its transitions, each to be seen; saving and export. */
+import { itemAt } from "../../motion/lists";
 import { useState } from "preact/hooks";
 import { address, ask, get } from "../../api/client";
-import { rowsOf, type Result } from "../../api/results";
+import { partOf, rowsOf, type Result } from "../../api/results";
 import { note } from "../../state/notes";
 import { AskName } from "../../ui/AskName";
 import { exportItems } from "../../ui/exports";
@@ -135,11 +136,11 @@ function Transitions({ bench, result, dry }: { bench: Bench; result: Result; dry
                   <button
                     type="button"
                     class="link"
-                    aria-label={`${d("play")}: ${d("edgeOf", { from: steps[at].node, to: step.node })}`}
+                    aria-label={`${d("play")}: ${d("edgeOf", { from: itemAt(steps, at).node, to: step.node })}`}
                     disabled={dry && nodes.length === 0}
-                    onClick={() => play(step, steps[at])}
+                    onClick={() => play(step, itemAt(steps, at))}
                   >
-                    {steps[at].node} → {step.node}
+                    {itemAt(steps, at).node} → {step.node}
                   </button>{" "}
                   <span class={step.natural ? "dim" : "weak"}>{d(step.natural ? "naturalWord" : "jump")}</span>
                 </td>
@@ -159,7 +160,7 @@ function Transitions({ bench, result, dry }: { bench: Bench; result: Result; dry
 /** Name and project of the clip that was made, its export and picture. */
 function Kept({ result }: { result: Result }) {
   const [asking, setAsking] = useState(false);
-  const id = result.parts.clip.document!;
+  const id = partOf(result, "clip").document!;
   const clip = useAsync((signal) => get("/documents/{id}", { path: { id }, signal }), [id]);
   const [project, setProject] = useState<string | null>(null);
   const save = async (name: string) => {

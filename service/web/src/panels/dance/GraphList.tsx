@@ -1,4 +1,5 @@
 /** The graph as a table: the same bars and edges, for keys and for those who do not see it. */
+import { itemAt } from "../../motion/lists";
 import { number } from "../../words";
 import type { Edge, Graph, Node } from "./graph";
 import { d } from "./words";
@@ -53,10 +54,10 @@ export function GraphList({
                       key={edge.to}
                       type="button"
                       class={`chip ${edge.natural ? "natural" : ""}`}
-                      aria-label={`${d("play")}: ${d("edgeOf", { from: node.bar, to: graph.nodes[edge.to].bar })}`}
-                      onClick={() => onPlay(node, graph.nodes[edge.to])}
+                      aria-label={`${d("play")}: ${d("edgeOf", { from: node.bar, to: itemAt(graph.nodes, edge.to).bar })}`}
+                      onClick={() => onPlay(node, itemAt(graph.nodes, edge.to))}
                     >
-                      {graph.nodes[edge.to].bar} · {edge.natural ? d("naturalWord") : number(edge.distance, 3)}
+                      {itemAt(graph.nodes, edge.to).bar} · {edge.natural ? d("naturalWord") : number(edge.distance, 3)}
                     </button>
                   ))}
               </td>

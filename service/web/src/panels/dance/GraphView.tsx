@@ -1,4 +1,5 @@
 /** The graph, drawn: nodes are bars, their loops move under the pointer; an edge that is pressed plays. Laid out in a worker. */
+import { itemAt, numberAt } from "../../motion/lists";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { colour, look } from "../../state/settings";
 import { penOf } from "../../ui/canvas";
@@ -87,14 +88,14 @@ export function GraphView({
     if (!spots) return NOWHERE;
     let [node, least] = [-1, radius + 2];
     for (let at = 0; at < graph.nodes.length; at++) {
-      const away = Math.hypot(spots[at * 2] - x, spots[at * 2 + 1] - y);
+      const away = Math.hypot(numberAt(spots, at * 2) - x, numberAt(spots, at * 2 + 1) - y);
       if (away < least) [node, least] = [at, away];
     }
     return { node, edge: node < 0 ? edgeAt(graph.edges, spots, x, y, HIT_EDGE) : -1, x, y };
   };
   const shown = hover.node >= 0 ? hover.node : focus;
   const edge = graph.edges[hover.edge];
-  const loopAt = shown >= 0 && spots ? [spots[shown * 2], spots[shown * 2 + 1]] : null;
+  const loopAt = shown >= 0 && spots ? ([numberAt(spots, shown * 2), numberAt(spots, shown * 2 + 1)] as const) : null;
   return (
     <div class="bench-canvas" data-laid={spots ? "" : undefined}>
       <canvas
@@ -113,8 +114,12 @@ export function GraphView({
         onPointerLeave={() => setHover(NOWHERE)}
         onClick={(event) => {
           const { node, edge: hit } = under(event);
-          if (node >= 0) onPick(graph.nodes[node]);
-          else if (hit >= 0) onPlay(graph.nodes[graph.edges[hit].from], graph.nodes[graph.edges[hit].to]);
+          if (node >= 0) onPick(itemAt(graph.nodes, node));
+          else if (hit >= 0)
+            onPlay(
+              itemAt(graph.nodes, itemAt(graph.edges, hit).from),
+              itemAt(graph.nodes, itemAt(graph.edges, hit).to),
+            );
         }}
       />
       {!spots && <div class="busy" />}
@@ -126,13 +131,15 @@ export function GraphView({
             top: `${Math.min(Math.max(8, loopAt[1] - 150), Math.max(8, size[1] - 170))}px`,
           }}
         >
-          <BarLoop place={graph.nodes[shown]} />
-          <span class="cut">{d("barOf", { n: graph.nodes[shown].bar, name: names(graph.nodes[shown].document) })}</span>
+          <BarLoop place={itemAt(graph.nodes, shown)} />
+          <span class="cut">
+            {d("barOf", { n: itemAt(graph.nodes, shown).bar, name: names(itemAt(graph.nodes, shown).document) })}
+          </span>
         </div>
       )}
       {edge && (
         <span class="lane-tip" style={{ left: `${hover.x}px`, top: `${Math.max(2, hover.y - 30)}px` }}>
-          {d("edgeOf", { from: graph.nodes[edge.from].bar, to: graph.nodes[edge.to].bar })} ·{" "}
+          {d("edgeOf", { from: itemAt(graph.nodes, edge.from).bar, to: itemAt(graph.nodes, edge.to).bar })} ·{" "}
           {edge.natural ? d("naturalWord") : number(edge.distance, 3)}
         </span>
       )}
@@ -160,10 +167,10 @@ function Walker({
   const key = (event: KeyboardEvent) => {
     const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
     if (by) onFocus((Math.max(0, focus) + by + graph.nodes.length) % graph.nodes.length);
-    else if (event.key === "Enter" && focus >= 0) onPick(graph.nodes[focus]);
+    else if (event.key === "Enter" && focus >= 0) onPick(itemAt(graph.nodes, focus));
     else if (event.code === "KeyP" && focus >= 0) {
       const nearest = graph.edges.filter((one) => one.from === focus).sort((a, b) => a.distance - b.distance)[0];
-      if (nearest) onPlay(graph.nodes[focus], graph.nodes[nearest.to]);
+      if (nearest) onPlay(itemAt(graph.nodes, focus), itemAt(graph.nodes, nearest.to));
     } else return;
     event.preventDefault();
     event.stopPropagation();
@@ -194,11 +201,15 @@ function radiusOf(spots: Float32Array): number {
   for (let a = 0; a < spots.length; a += 2) {
     let least = Infinity;
     for (let b = 0; b < spots.length; b += 2)
-      if (a !== b) least = Math.min(least, Math.hypot(spots[a] - spots[b], spots[a + 1] - spots[b + 1]));
+      if (a !== b)
+        least = Math.min(
+          least,
+          Math.hypot(numberAt(spots, a) - numberAt(spots, b), numberAt(spots, a + 1) - numberAt(spots, b + 1)),
+        );
     nearest.push(least);
   }
   nearest.sort((a, b) => a - b);
-  return Math.max(RADII[0], Math.min(RADII[1], (nearest[nearest.length >> 2] ?? 0) / 2 - 0.5));
+  return Math.max(numberAt(RADII, 0), Math.min(numberAt(RADII, 1), (nearest[nearest.length >> 2] ?? 0) / 2 - 0.5));
 }
 
 const SHADES = 4; // of edges by distance
@@ -217,9 +228,9 @@ function draw(
   const { pen } = penOf(canvas);
   const dense = Math.min(1, 500 / Math.max(1, graph.edges.length));
   const line = (at: number) => {
-    const { from, to } = graph.edges[at];
-    pen.moveTo(spots[from * 2], spots[from * 2 + 1]);
-    pen.lineTo(spots[to * 2], spots[to * 2 + 1]);
+    const { from, to } = itemAt(graph.edges, at);
+    pen.moveTo(numberAt(spots, from * 2), numberAt(spots, from * 2 + 1));
+    pen.lineTo(numberAt(spots, to * 2), numberAt(spots, to * 2 + 1));
   };
   const ink = colour("text3");
   for (let shade = 0; shade < SHADES; shade++) {
@@ -257,7 +268,7 @@ function draw(
   pen.textBaseline = "middle";
   pen.font = `600 9px ${family}`;
   graph.nodes.forEach((node, at) => {
-    const [x, y] = [spots[at * 2], spots[at * 2 + 1]];
+    const [x, y] = [numberAt(spots, at * 2), numberAt(spots, at * 2 + 1)];
     const number = by === "clip" ? node.clip : (graph.components[at] ?? 0);
     pen.globalAlpha = graph.components[at] === 0 ? 1 : 0.55; // Where a dance cannot go on for ever.
     pen.fillStyle = colour(`name${number % 8}`);
@@ -287,7 +298,12 @@ function arrow(
   to: number,
   width: number,
 ): void {
-  const [ax, ay, bx, by] = [spots[from * 2], spots[from * 2 + 1], spots[to * 2], spots[to * 2 + 1]];
+  const [ax, ay, bx, by] = [
+    numberAt(spots, from * 2),
+    numberAt(spots, from * 2 + 1),
+    numberAt(spots, to * 2),
+    numberAt(spots, to * 2 + 1),
+  ];
   const angle = Math.atan2(by - ay, bx - ax);
   const [x, y] = [bx - Math.cos(angle) * (radius + 2), by - Math.sin(angle) * (radius + 2)];
   pen.lineWidth = width;

@@ -1,4 +1,5 @@
 /** The outline of the music with its beats; dragged, it says where in it the dance begins. */
+import { numberAt } from "../../motion/lists";
 import { useEffect, useRef } from "preact/hooks";
 import { colour, look } from "../../state/settings";
 import { penOf } from "../../ui/canvas";
@@ -81,8 +82,8 @@ function draw(canvas: HTMLCanvasElement, music: Music, offset: number): void {
     pen.fillStyle = colour("text3");
     const count = music.peaks.length / 2;
     for (let at = 0; at < count; at++) {
-      const top = music.peaks[at * 2 + 1] * (middle - 4);
-      const low = music.peaks[at * 2] * (middle - 4);
+      const top = numberAt(music.peaks, at * 2 + 1) * (middle - 4);
+      const low = numberAt(music.peaks, at * 2) * (middle - 4);
       pen.fillRect(x((at / count) * music.seconds), middle - top, Math.max(0.6, width / count), Math.max(1, top - low));
     }
   }

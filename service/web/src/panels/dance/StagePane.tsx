@@ -2,7 +2,7 @@
 import { effect } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
 import { ask, type Schemas } from "../../api/client";
-import { rowsOf, type Result } from "../../api/results";
+import { partOf, rowsOf, type Result } from "../../api/results";
 import { wholeOf, numbersOf } from "../../motion/preview";
 import type { Skeleton } from "../../motion/skeleton";
 import { motionOf } from "../../motion/source";
@@ -58,7 +58,7 @@ async function staged(shown: Shown, signal: AbortSignal): Promise<Stage> {
       want: () => undefined,
     };
   }
-  const id = shown.kind === "clip" ? shown.document : shown.result.parts.clip.document!;
+  const id = shown.kind === "clip" ? shown.document : partOf(shown.result, "clip").document!;
   const motion = await motionOf(id);
   return {
     of: shown,

@@ -28,7 +28,7 @@ export function StartBench({ onOpen }: { onOpen: () => void }) {
   };
   const demo = async () =>
     open(
-      (await get("/documents", { query: { project: DEMO, motion_name: undefined, limit: MOST_NAMED } as never })).items
+      (await get("/documents", { query: { project: DEMO, motion_name: undefined, limit: MOST_NAMED } })).items
         .filter((one) => /_\d+$/.test(one.name))
         .map((one) => one.id),
     );

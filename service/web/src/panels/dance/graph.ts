@@ -1,5 +1,6 @@
 /** The graph of bars as the bench draws it. */
-import { applyResult, type Result } from "../../api/results";
+import { itemAt, numberAt } from "../../motion/lists";
+import { partOf, applyResult, type Result } from "../../api/results";
 import type { Schemas } from "../../api/client";
 import type { Place } from "./bench";
 
@@ -52,7 +53,7 @@ export async function graphAt(
   threshold: number | null,
   signal?: AbortSignal,
 ): Promise<Graph> {
-  const own = result.parts.graph.data.threshold as number;
+  const own = partOf(result, "graph").data.threshold as number;
   const { value } = await applyResult<Schemas["GraphEdges"]>(
     result.id,
     "edges",
@@ -87,8 +88,13 @@ export function edgeAt(edges: readonly Edge[], places: Float32Array, x: number, 
   let [best, least] = [-1, within];
   let nearEnd = Infinity;
   for (let at = 0; at < edges.length; at++) {
-    const { from, to } = edges[at];
-    const [ax, ay, bx, by] = [places[from * 2], places[from * 2 + 1], places[to * 2], places[to * 2 + 1]];
+    const { from, to } = itemAt(edges, at);
+    const [ax, ay, bx, by] = [
+      numberAt(places, from * 2),
+      numberAt(places, from * 2 + 1),
+      numberAt(places, to * 2),
+      numberAt(places, to * 2 + 1),
+    ];
     const length = (bx - ax) ** 2 + (by - ay) ** 2 || 1;
     const share = Math.max(0, Math.min(1, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length));
     const away = Math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y);

@@ -1,4 +1,5 @@
 /** A piece of music: its beats as the server found them, its sound and outline as the browser reads it. */
+import { numberAt } from "../../motion/lists";
 import { address, fetched, get, type Schemas } from "../../api/client";
 import { peaksOf } from "../../motion/peaks";
 
@@ -57,7 +58,7 @@ export async function keptMusic(
   const bytes = await (await fetched(address("/documents/{id}/media", { id: document }), { signal })).blob();
   const steps = given.beats
     .slice(1)
-    .map((at, index) => at - given.beats[index])
+    .map((at, index) => at - numberAt(given.beats, index))
     .sort((a, b) => a - b);
   const file = new File([bytes], media.name, { type: media.media_type });
   return { music: await soundOf(file, given, 60 / (steps[steps.length >> 1] || 0.5), true), offset: media.offset };

@@ -1,5 +1,5 @@
 /** What the analysis `beats` says of each clip, as the bench draws it. Seconds from the first frame. */
-import { rowsOf, type Result } from "../../api/results";
+import { partOf, rowsOf, type Result } from "../../api/results";
 import type { Beat } from "../../motion/dancing";
 
 export interface Candidate {
@@ -45,7 +45,7 @@ type Table = Record<string, unknown> & { document: string };
 
 export function readRows(result: Result): ClipRow[] {
   const { parts } = result;
-  const series = (parts.speed.data.series ?? []) as {
+  const series = (partOf(result, "speed").data.series ?? []) as {
     document: string;
     step: number;
     values: number[];
@@ -56,7 +56,7 @@ export function readRows(result: Result): ClipRow[] {
     for (const row of rowsOf<Table>(parts[name])) found.set(row.document, [...(found.get(row.document) ?? []), row]);
     return found;
   };
-  const [beats, bars, candidates] = ["beats", "bars", "candidates"].map(grouped);
+  const [beats, bars, candidates] = [grouped("beats"), grouped("bars"), grouped("candidates")];
   return rowsOf<Table>(parts.clips).map((clip) => {
     const id = clip.document;
     const fps = clip.fps as number;

@@ -1,4 +1,5 @@
 /** The candidates of a level as a list of faces. */
+import { numberAt } from "../../motion/lists";
 import { useEffect } from "preact/hooks";
 import { FaceThumb } from "./FaceThumb";
 import { type Level, type Space } from "./space";
@@ -30,24 +31,24 @@ export function Candidates({
           0,
           SHOWN,
         );
-  useEffect(() => space.want(shown.map((one) => level.candidates[one])), [level, from]);
+  useEffect(() => space.want(shown.map((one) => numberAt(level.candidates, one))), [level, from]);
   return (
     <ul class="faces-candidates" aria-label={f("candidates", { n: level.candidates.length })}>
       {shown.map((one) => {
-        const { take, frame } = space.wordsOf(level.candidates[one]);
+        const { take, frame } = space.wordsOf(numberAt(level.candidates, one));
         return (
           <li key={one}>
             <button
               type="button"
               class={near.has(one) ? "near" : ""}
               title={f("shown", { take, frame })}
-              onPointerEnter={() => onHover(level.candidates[one])}
+              onPointerEnter={() => onHover(numberAt(level.candidates, one))}
               onPointerLeave={() => onHover(-1)}
-              onFocus={() => onHover(level.candidates[one])}
+              onFocus={() => onHover(numberAt(level.candidates, one))}
               onBlur={() => onHover(-1)}
               onClick={() => onPick(one)}
             >
-              <FaceThumb space={space} frame={level.candidates[one]} />
+              <FaceThumb space={space} frame={numberAt(level.candidates, one)} />
               <span class="unseen">{f("shown", { take, frame })}</span>
               <span>{near.has(one) ? f("linkedTo", { n: Math.round(near.get(one)!) }) : from < 0 ? "" : "–"}</span>
             </button>

@@ -1,4 +1,5 @@
 /** A face as dots, small: for candidates and keys of a path. */
+import { numberAt } from "../../motion/lists";
 import { useEffect, useRef } from "preact/hooks";
 import { seenFrom } from "../../motion/faces";
 import { colour, look } from "../../state/settings";
@@ -17,10 +18,10 @@ export function FaceThumb({ space, frame }: { space: Space; frame: number }) {
     let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
     for (let at = 0; at < frameOf.length; at += 2) {
       if (frameOf[at] !== frameOf[at]) continue;
-      left = Math.min(left, frameOf[at]);
-      right = Math.max(right, frameOf[at]);
-      low = Math.min(low, frameOf[at + 1]);
-      high = Math.max(high, frameOf[at + 1]);
+      left = Math.min(left, numberAt(frameOf, at));
+      right = Math.max(right, numberAt(frameOf, at));
+      low = Math.min(low, numberAt(frameOf, at + 1));
+      high = Math.max(high, numberAt(frameOf, at + 1));
     }
     const scale = Math.min((width - 8) / (right - left || 1), (height - 8) / (high - low || 1));
     const places = seenFrom(space.facing, face);
@@ -30,8 +31,8 @@ export function FaceThumb({ space, frame }: { space: Space; frame: number }) {
       if (places[at] !== places[at]) continue;
       pen.beginPath();
       pen.arc(
-        width / 2 + (places[at] - (left + right) / 2) * scale,
-        height / 2 - (places[at + 1] - (low + high) / 2) * scale,
+        width / 2 + (numberAt(places, at) - (left + right) / 2) * scale,
+        height / 2 - (numberAt(places, at + 1) - (low + high) / 2) * scale,
         size,
         0,
         Math.PI * 2,

@@ -1,4 +1,5 @@
 /** The expression space: a map one walks on from face to face, coarse to fine; the walk is an animation. */
+import { itemAt, numberAt } from "../../motion/lists";
 import { computed, signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { applyResult, type Result } from "../../api/results";
@@ -104,7 +105,7 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
     setParams({ keys: next.join(",") || null });
   };
   const pick = async (candidate: number) => {
-    const frame = level.candidates[candidate];
+    const frame = numberAt(level.candidates, candidate);
     if (path) return;
     const from = keys.length ? level.candidates.indexOf(keys.at(-1)!) : -1;
     if (from < 0) {
@@ -118,7 +119,7 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
         return;
       }
       const found = await space.route(level, from, candidate);
-      setRoute(found ? { way: found.way.map((one) => level.candidates[one]), length: found.length } : "none");
+      setRoute(found ? { way: found.way.map((one) => numberAt(level.candidates, one)), length: found.length } : "none");
     } catch (error) {
       refuse(error);
     }
@@ -127,7 +128,7 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
   const [, setKnown] = useState(0);
   useEffect(() => {
     const at = keys.length && !path ? level.candidates.indexOf(keys.at(-1)!) : -1;
-    if (at >= 0 && !level.neighbours[at].length)
+    if (at >= 0 && !itemAt(level.neighbours, at).length)
       space.near(level, at).then(() => setKnown((before) => before + 1), refuse);
   }, [level, keys]);
   const take = () => {
@@ -177,7 +178,7 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
     else if (event.key.startsWith("Arrow")) {
       const next = towards(space, level, at < 0 ? level.candidates.indexOf(hovered.peek()) : at, event.key);
       if (next >= 0) {
-        hovered.value = level.candidates[next];
+        hovered.value = numberAt(level.candidates, next);
       }
     } else if (event.key === "Enter" && hovered.peek() >= 0) {
       const candidate = level.candidates.indexOf(hovered.peek());
@@ -311,11 +312,11 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
 function towards(space: Space, level: Level, from: number, key: string): number {
   if (from < 0) return level.candidates.length ? 0 : -1;
   const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[key] ?? [0, 0];
-  const place = (one: number, axis: number) => space.places[level.candidates[one] * 2 + axis];
+  const place = (one: number, axis: number) => numberAt(space.places, numberAt(level.candidates, one) * 2 + axis);
   let [best, most] = [-1, 0.2];
-  for (const { to } of level.neighbours[from]) {
+  for (const { to } of itemAt(level.neighbours, from)) {
     const [dx, dy] = [place(to, 0) - place(from, 0), place(to, 1) - place(from, 1)];
-    const along = (dx * way[0] + dy * way[1]) / (Math.hypot(dx, dy) || 1);
+    const along = (dx * numberAt(way, 0) + dy * numberAt(way, 1)) / (Math.hypot(dx, dy) || 1);
     if (along > most) [best, most] = [to, along];
   }
   return best;

@@ -1,4 +1,5 @@
 /** The map: all frames on the graphics card; over them candidates, links, the path, and where the animation is. */
+import { numberAt } from "../../motion/lists";
 import { effect, type ReadonlySignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { Grid } from "../../motion/grid";
@@ -139,7 +140,7 @@ export function MapView({
     const [x, y] = at(event);
     const within = NEAR / view.current.scale;
     const candidate = ownGrid.nearest(x, y, within);
-    if (candidate >= 0) return { candidate, frame: on.level.candidates[candidate] };
+    if (candidate >= 0) return { candidate, frame: numberAt(on.level.candidates, candidate) };
     return { candidate, frame: grid.nearest(x, y, within) };
   };
   const zoom = (x: number, y: number, by: number) => {
@@ -220,8 +221,8 @@ export function MapView({
 function placesOf(space: Space, frames: ArrayLike<number>): Float32Array {
   const found = new Float32Array(frames.length * 2);
   for (let at = 0; at < frames.length; at++) {
-    found[at * 2] = space.places[frames[at] * 2];
-    found[at * 2 + 1] = space.places[frames[at] * 2 + 1];
+    found[at * 2] = numberAt(space.places, numberAt(frames, at) * 2);
+    found[at * 2 + 1] = numberAt(space.places, numberAt(frames, at) * 2 + 1);
   }
   return found;
 }
@@ -232,8 +233,8 @@ function linesOf(own: Float32Array, level: Level): { plain: Path2D; bridges: Pat
   if (a.length <= MOST_LINKS)
     for (let at = 0; at < a.length; at++) {
       const path = bridge[at] ? bridges : plain;
-      path.moveTo(own[a[at] * 2], own[a[at] * 2 + 1]);
-      path.lineTo(own[b[at] * 2], own[b[at] * 2 + 1]);
+      path.moveTo(numberAt(own, numberAt(a, at) * 2), numberAt(own, numberAt(a, at) * 2 + 1));
+      path.lineTo(numberAt(own, numberAt(b, at) * 2), numberAt(own, numberAt(b, at) * 2 + 1));
     }
   return { plain, bridges };
 }
@@ -241,10 +242,10 @@ function linesOf(own: Float32Array, level: Level): { plain: Path2D; bridges: Pat
 function fitted(places: Float32Array, width: number, height: number): View {
   let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
   for (let at = 0; at < places.length; at += 2) {
-    left = Math.min(left, places[at]);
-    right = Math.max(right, places[at]);
-    low = Math.min(low, places[at + 1]);
-    high = Math.max(high, places[at + 1]);
+    left = Math.min(left, numberAt(places, at));
+    right = Math.max(right, numberAt(places, at));
+    low = Math.min(low, numberAt(places, at + 1));
+    high = Math.max(high, numberAt(places, at + 1));
   }
   const scale = Math.min(Math.max(1, width - 80) / (right - left || 1), Math.max(1, height - 80) / (high - low || 1));
   return { x: (left + right) / 2, y: (low + high) / 2, scale };
@@ -266,7 +267,10 @@ function drawOver(
   pen.clearRect(0, 0, width, height);
   const x = (value: number) => (value - view.x) * view.scale + width / 2;
   const y = (value: number) => height / 2 - (value - view.y) * view.scale;
-  const place = (frame: number): [number, number] => [x(space.places[frame * 2]), y(space.places[frame * 2 + 1])];
+  const place = (frame: number): [number, number] => [
+    x(numberAt(space.places, frame * 2)),
+    y(numberAt(space.places, frame * 2 + 1)),
+  ];
   if (on.links) {
     pen.save();
     pen.setTransform(
@@ -294,7 +298,7 @@ function drawOver(
     pen.setLineDash(dash);
     pen.strokeStyle = colour(ink);
     pen.beginPath();
-    for (let at = 0; at < frames.length; at++) pen.lineTo(...place(frames[at]));
+    for (let at = 0; at < frames.length; at++) pen.lineTo(...place(numberAt(frames, at)));
     pen.stroke();
     pen.restore();
   };
@@ -316,7 +320,7 @@ function drawOver(
       : new Set<number>();
   if (candidates.length <= MOST_RINGS)
     for (let at = 0; at < candidates.length; at++) {
-      const spot: [number, number] = [x(drawn.own[at * 2]), y(drawn.own[at * 2 + 1])];
+      const spot: [number, number] = [x(numberAt(drawn.own, at * 2)), y(numberAt(drawn.own, at * 2 + 1))];
       if (spot[0] < -9 || spot[1] < -9 || spot[0] > width + 9 || spot[1] > height + 9) continue;
       ring(spot, near.has(at) ? 6.5 : 5, near.has(at) ? "accent" : "text3", "well");
     }

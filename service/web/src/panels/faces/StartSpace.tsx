@@ -5,7 +5,6 @@ import { cancelJob, jobs, runAnalysis } from "../../state/jobs";
 import { go } from "../../state/route";
 import { ClipSelection, selectionNow, useMembers } from "../../ui/ClipSelection";
 import { SchemaForm, type Values } from "../../ui/SchemaForm";
-import type { Schema } from "../../ui/schema";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
 import { w, when } from "../../words";
@@ -103,7 +102,7 @@ export function StartSpace() {
         />
         <details>
           <summary>{f("options")}</summary>
-          {info.value && <SchemaForm schema={info.value.parameters as Schema} values={values} onChange={setValues} />}
+          {info.value && <SchemaForm schema={info.value.parameters} values={values} onChange={setValues} />}
         </details>
         <Trouble error={info.error} />
         <p>

@@ -1,4 +1,5 @@
 /** A path that is made: played on the face, moved as a cross on the map; refined into versions; saved and exported. */
+import { itemAt, numberAt } from "../../motion/lists";
 import { computed, signal, type Signal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { address, fetched, get, type Schemas } from "../../api/client";
@@ -89,7 +90,7 @@ export function Walk({
   useEffect(() => {
     if (!made.value || !player) return;
     const { positions, motion, value } = made.value;
-    const size = motion.shape[1] * 3;
+    const size = numberAt(motion.shape, 1) * 3;
     const numbers = new Map<string, number>();
     const numberOf = (one: { document: string; frame: number }): number => {
       const key = `${one.document}@${one.frame}`;
@@ -99,12 +100,15 @@ export function Walk({
     const face = new Float32Array(size);
     const stop = frame.subscribe((now) => {
       const shown = face.slice();
-      for (let at = 0; at < size; at++) shown[at] = positions[now * size + at] + motion.origin[at % 3];
+      for (let at = 0; at < size; at++)
+        shown[at] = numberAt(positions, now * size + at) + numberAt(motion.origin, at % 3);
       playing.face.value = shown;
-      const sample = value.samples[Math.min(now, value.samples.length - 1)];
+      const sample = itemAt(value.samples, Math.min(now, value.samples.length - 1));
       const [one, other] = [numberOf(sample.frame_a), numberOf(sample.frame_b)];
       playing.cross.value = [0, 1].map(
-        (axis) => space.places[one * 2 + axis] * (1 - sample.alpha) + space.places[other * 2 + axis] * sample.alpha,
+        (axis) =>
+          numberAt(space.places, one * 2 + axis) * (1 - sample.alpha) +
+          numberAt(space.places, other * 2 + axis) * sample.alpha,
       ) as [number, number];
     });
     player.loop.value = [0, player.frames - 1];
@@ -286,8 +290,8 @@ function Versions({ path }: { path: Result }) {
   const found = useAsync(
     async (stop) => {
       const before: Result[] = [path];
-      while (before[0].parent) {
-        const above = await resultOf(before[0].parent, stop);
+      for (let parent = path.parent; parent; parent = before[0]?.parent) {
+        const above = await resultOf(parent, stop);
         if (!above.parameters.operation) break;
         before.unshift(above);
       }

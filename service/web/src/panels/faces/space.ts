@@ -1,7 +1,8 @@
 /** A space of expressions as the panel needs it: places, levels, links and faces, fetched once, faces as they are looked at. */
+import { itemAt, numberAt } from "../../motion/lists";
 import { signal } from "@preact/signals";
 import { ApiError, type Schemas } from "../../api/client";
-import { arrayOf, resultOf, rowsOf, applyResult, type Result } from "../../api/results";
+import { partOf, arrayOf, resultOf, rowsOf, applyResult, type Result } from "../../api/results";
 import { facingOf, type Facing } from "../../motion/faces";
 import { neighboursOf, shortestRoute, type Links, type Neighbour } from "../../motion/routes";
 
@@ -75,8 +76,13 @@ export class Space {
   static async load(result: Result): Promise<Space> {
     const { id } = result;
     const parts = result.parts ?? {};
-    const summary = parts.space.data.summary as Summary;
-    const values = parts.space.data.values as { neutral: number; up: string; documents: string[]; names: string[] };
+    const summary = partOf(result, "space").data.summary as Summary;
+    const values = partOf(result, "space").data.values as {
+      neutral: number;
+      up: string;
+      documents: string[];
+      names: string[];
+    };
     const whole = async (part: string, array: string, single = false) =>
       (await arrayOf(id, part, array, { single })).values;
     const [coordinates, take, frame, candidates, first, linkFirst, a, b, length, bridge, neutral] = await Promise.all([
@@ -92,13 +98,13 @@ export class Space {
       whole("links", "bridge"),
       arrayOf(id, "space", "positions", { rows: [values.neutral], single: true }),
     ]);
-    const [count, columns] = coordinates.shape;
+    const [count = 0, columns = 0] = coordinates.shape;
     const places = new Float32Array(count * 2);
     for (let at = 0; at < count; at++) {
-      places[at * 2] = coordinates.values[at * columns];
-      places[at * 2 + 1] = coordinates.values[at * columns + 1];
+      places[at * 2] = numberAt(coordinates.values, at * columns);
+      places[at * 2 + 1] = numberAt(coordinates.values, at * columns + 1);
     }
-    const gaps = Boolean(parts.space.arrays?.missing);
+    const gaps = Boolean(partOf(result, "space").arrays?.missing);
     const face = await withGaps(id, gaps, [values.neutral], neutral.values as Float32Array);
     const up = values.up || "Y";
     return new Space(
@@ -125,7 +131,7 @@ export class Space {
       face,
       facingOf(face, up),
       gaps,
-      parts.tau.data as never,
+      partOf(result, "tau").data as never,
     );
   }
 
@@ -149,10 +155,10 @@ export class Space {
 
   /** Those that a candidate is linked to. Of the finest level they are asked for: it lists no links. */
   async near(level: Level, candidate: number): Promise<Neighbour[]> {
-    if (level.links.a.length || level.neighbours[candidate].length) return level.neighbours[candidate];
+    if (level.links.a.length || itemAt(level.neighbours, candidate).length) return itemAt(level.neighbours, candidate);
     const done = await applyResult<Schemas["ExpressionNeighbours"]>(this.id, "neighbours", {
       level: level.number,
-      ...this.keyOf(level.candidates[candidate]),
+      ...this.keyOf(numberAt(level.candidates, candidate)),
     });
     return (level.neighbours[candidate] = done.value.neighbours.map((one) => ({
       to: one.id,
@@ -164,7 +170,7 @@ export class Space {
   /** The way over links from one candidate to another, as candidates; null where there is none. */
   async route(level: Level, from: number, to: number): Promise<{ way: number[]; length: number } | null> {
     if (level.links.a.length) return shortestRoute(level.neighbours, from, to);
-    const keys = [from, to].map((one) => this.keyOf(level.candidates[one]));
+    const keys = [from, to].map((one) => this.keyOf(numberAt(level.candidates, one)));
     try {
       await applyResult(this.id, "path", { level: level.number, keys });
       return null;
@@ -177,7 +183,8 @@ export class Space {
       const numbers = way.map((one) => level.candidates.indexOf(this.numberOf(one.document, one.frame)));
       let length = 0;
       for (let at = 1; at < numbers.length; at++)
-        length += (await this.near(level, numbers[at - 1])).find((one) => one.to === numbers[at])?.length ?? 0;
+        length +=
+          (await this.near(level, numberAt(numbers, at - 1))).find((one) => one.to === numbers[at])?.length ?? 0;
       return { way: numbers, length };
     }
   }
@@ -203,7 +210,7 @@ export class Space {
       const rows = [...this.wanted].slice(-ROWS);
       for (const row of rows) this.wanted.delete(row);
       const { values, shape } = await arrayOf(this.id, "space", "positions", { rows, single: true });
-      const size = shape[1] * 3;
+      const size = numberAt(shape, 1) * 3;
       const all = await withGaps(this.id, this.gaps, rows, values as Float32Array);
       rows.forEach((row, at) => this.faces.set(row, all.slice(at * size, (at + 1) * size)));
       while (this.faces.size > FACES) this.faces.delete(this.faces.keys().next().value!);
@@ -215,11 +222,11 @@ export class Space {
   }
 
   wordsOf(frame: number): { take: string; frame: number } {
-    return { take: this.names[this.take[frame]], frame: this.frame[frame] + 1 };
+    return { take: itemAt(this.names, numberAt(this.take, frame)), frame: numberAt(this.frame, frame) + 1 };
   }
 
   keyOf(frame: number): { document: string; frame: number } {
-    return { document: this.documents[this.take[frame]], frame: this.frame[frame] + 1 };
+    return { document: itemAt(this.documents, numberAt(this.take, frame)), frame: numberAt(this.frame, frame) + 1 };
   }
 
   /** The number of a frame that is named by its take; -1 where the space has none. */

@@ -17,7 +17,7 @@ export function CardGrid() {
   const [first, setFirst] = useState(0);
   const [focus, setFocus] = useState(0);
   useEffect(() => {
-    const observer = new ResizeObserver(([entry]) => setWide(entry.contentRect.width));
+    const observer = new ResizeObserver(([entry]) => entry && setWide(entry.contentRect.width));
     observer.observe(box.current!);
     return () => observer.disconnect();
   }, []);

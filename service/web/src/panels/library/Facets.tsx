@@ -20,7 +20,7 @@ interface Choice {
 
 export function Facets() {
   const facets = useAsync(
-    (signal) => get("/facets", { query: library.filter.value as never, signal }),
+    (signal) => get("/facets", { query: library.filter.value, signal }),
     [JSON.stringify(library.filter.value)],
     [library.version.value > 0, library.total.value],
   );
@@ -163,8 +163,7 @@ function Property({ property }: { property: Schemas["PropertyCounts"] }) {
 function Lengths({ found }: { found: Schemas["Histogram"] | null | undefined }) {
   const { length, ...others } = library.filter.value;
   const wide = useAsync(
-    async (signal) =>
-      length === undefined ? null : (await get("/facets", { query: others as never, signal })).lengths,
+    async (signal) => (length === undefined ? null : (await get("/facets", { query: others, signal })).lengths),
     [JSON.stringify(library.filter.value)],
     [library.total.value],
   );

@@ -1,4 +1,5 @@
 /** Numbers of clips by a range of numbers: dragged over, pressed, or given in two fields. */
+import { numberAt } from "../../motion/lists";
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import type { Schemas } from "../../api/client";
@@ -73,7 +74,7 @@ export function Histogram({
         onPointerCancel={() => (brush.value = null)}
       >
         {counts.map((count, bin) => {
-          const words = `${text(edges[bin])} – ${text(edges[bin + 1])}: ${number(count)}`;
+          const words = `${text(numberAt(edges, bin))} – ${text(numberAt(edges, bin + 1))}: ${number(count)}`;
           return (
             <button
               key={bin}
@@ -92,13 +93,13 @@ export function Histogram({
         })}
       </div>
       <div class="histogram-ends">
-        <span>{text(edges[0])}</span>
-        <span>{text(edges[edges.length - 1])}</span>
+        <span>{text(numberAt(edges, 0))}</span>
+        <span>{text(numberAt(edges, edges.length - 1))}</span>
       </div>
       <div class="histogram-fields row">
-        {field("trimFrom", least, edges[0], (value) => writeRange([value, greatest]))}
+        {field("trimFrom", least, numberAt(edges, 0), (value) => writeRange([value, greatest]))}
         <span class="dim">–</span>
-        {field("trimTo", greatest, edges[edges.length - 1], (value) => writeRange([least, value]))}
+        {field("trimTo", greatest, numberAt(edges, edges.length - 1), (value) => writeRange([least, value]))}
         {chosen && (
           <button type="button" class="button quiet dense" onClick={() => onChoose(null)}>
             {w("clear")}

@@ -1,4 +1,5 @@
 /** What comes in: each file's progress, and its receipt in plain words with what was guessed to be confirmed. */
+import { itemAt } from "../../motion/lists";
 import { useState } from "preact/hooks";
 import { looked } from "../../state/inspect";
 import { timeLeft } from "../../state/pace";
@@ -256,7 +257,7 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
       <dd>{receipt.frame_rate.stated && <Icon name="check" />}</dd>
       <dt>{w("receiptUp")}</dt>
       {fact("up", receipt.up_axis, AXES)}
-      {documents.length > 0 && <CalibrationRow id={documents[0]} said={said} />}
+      {documents.length > 0 && <CalibrationRow id={itemAt(documents, 0)} said={said} />}
       {naming && (
         <>
           <dt>{w("receiptJoints")}</dt>
@@ -311,7 +312,7 @@ export function ReceiptView({ receipt, documents }: { receipt: Receipt; document
 /** What is known of the body, which is worked out when it is looked at. */
 function CalibrationRow({ id, said }: { id: string; said: object }) {
   const found = useAsync((signal) => get("/documents/{id}/calibration", { path: { id }, signal }), [id], [said]);
-  const known = found.value as Schemas["Calibration"] | undefined;
+  const known = found.value;
   if (!known) return null;
   return (
     <>

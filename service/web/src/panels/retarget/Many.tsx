@@ -53,7 +53,7 @@ export function Many({
       if (!chosen || kind === "picked") return chosen ? picked.length : null;
       await new Promise((resolve) => setTimeout(resolve, kind === "xpath" ? WAIT : 0));
       signal.throwIfAborted();
-      return (await get("/documents", { query: { [kind]: text, limit: 1 } as never, signal })).total ?? null;
+      return (await get("/documents", { query: { [kind]: text, limit: 1 }, signal })).total ?? null;
     },
     [kind, text],
   );

@@ -1,4 +1,5 @@
 /** Which joint of the motion moves which joint of the body; doubtful ones first, each with its reason. */
+import { numberAt } from "../../motion/lists";
 import type { Schemas } from "../../api/client";
 import { SIDE_TOKENS, type Skeleton } from "../../motion/skeleton";
 import { number, w } from "../../words";
@@ -30,7 +31,7 @@ export function MappingTable({
   const by = new Map(pairs.map((one) => [one.target, one.source]));
   const rows = target.view.bones.map((bone, index) => ({
     bone: bone.name,
-    side: SIDE_TOKENS[target.sides[index]],
+    side: SIDE_TOKENS[numberAt(target.sides, index)],
     from: by.get(bone.name) ?? "",
     match: why.get(bone.name),
   }));

@@ -86,7 +86,7 @@ function Fitting({ source, target }: { source: Motion; target: Motion }) {
       signal.throwIfAborted();
       return ask("post", "/documents/{id}/retarget", {
         path: { id: source.id },
-        body: { ...request, preview: true } as Schemas["RetargetRequest"],
+        body: { ...request, preview: true },
         query: { positions: "f4", step },
         signal,
       });

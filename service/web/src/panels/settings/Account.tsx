@@ -1,4 +1,5 @@
 /** Who one is here, one's tokens; and for owners, the people of the repository. */
+import { entryOf } from "../../motion/lists";
 import { useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
 import { note, refuse } from "../../state/notes";
@@ -23,7 +24,7 @@ export function Account() {
     <>
       <h2>{w("account")}</h2>
       <p class="row wrap">
-        <span>{role ? w("signedIn", { name, role: w(ROLE_WORDS[role]) }) : w("noAccount", { name })}</span>
+        <span>{role ? w("signedIn", { name, role: w(entryOf(ROLE_WORDS, role)) }) : w("noAccount", { name })}</span>
         {role && (
           <button type="button" class="button" onClick={leave}>
             {w("signOut")}
@@ -32,7 +33,7 @@ export function Account() {
       </p>
       {role && <Password />}
       {projects.length > 0 && (
-        <p class="dim">{projects.map((one) => `${one.project}: ${w(ROLE_WORDS[one.role])}`).join(" · ")}</p>
+        <p class="dim">{projects.map((one) => `${one.project}: ${w(entryOf(ROLE_WORDS, one.role))}`).join(" · ")}</p>
       )}
       {!owned && <FirstOwner />}
       <Tokens owned={owned} scopes={SCOPES.filter((scope) => rights.includes(scope))} />
@@ -116,7 +117,7 @@ function Tokens({ scopes, owned }: { scopes: (typeof SCOPES)[number][]; owned: b
             </span>
           </span>,
           <span key="s">
-            {w(SCOPE_WORDS[one.scope])}
+            {w(entryOf(SCOPE_WORDS, one.scope))}
             {one.projects?.length ? <span class="dim"> · {one.projects.join(", ")}</span> : null}
           </span>,
           one.expires ? day(one.expires) : w("never"),
@@ -135,7 +136,7 @@ function Tokens({ scopes, owned }: { scopes: (typeof SCOPES)[number][]; owned: b
         >
           {scopes.map((one) => (
             <option key={one} value={one}>
-              {w(SCOPE_WORDS[one])}
+              {w(entryOf(SCOPE_WORDS, one))}
             </option>
           ))}
         </select>
@@ -193,7 +194,7 @@ function People({ me }: { me: string }) {
     >
       {ROLES.map((one) => (
         <option key={one} value={one}>
-          {w(ROLE_WORDS[one])}
+          {w(entryOf(ROLE_WORDS, one))}
         </option>
       ))}
     </select>
@@ -238,7 +239,7 @@ function People({ me }: { me: string }) {
           head={[w("invitations"), w("role"), w("expires"), ""]}
           rows={(open.value?.items ?? []).map((one) => [
             w("invitedBy", { name: one.author }),
-            one.project ? `${one.project}: ${w(ROLE_WORDS[one.role])}` : w(ROLE_WORDS[one.role]),
+            one.project ? `${one.project}: ${w(entryOf(ROLE_WORDS, one.role))}` : w(entryOf(ROLE_WORDS, one.role)),
             day(one.expires),
             <button key="b" type="button" class="button dense" onClick={() => takeBack(one.number)}>
               {w("revoke")}

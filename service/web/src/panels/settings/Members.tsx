@@ -1,4 +1,5 @@
 /** Who belongs to a project, and the links into it that were given away. */
+import { entryOf } from "../../motion/lists";
 import { useState } from "preact/hooks";
 import { ask, get, type Schemas } from "../../api/client";
 import { note, refuse } from "../../state/notes";
@@ -48,12 +49,12 @@ export function Members({ project, decides }: { project: string; decides: boolea
       >
         {ROLES.map((each) => (
           <option key={each} value={each}>
-            {w(ROLE_WORDS[each])}
+            {w(entryOf(ROLE_WORDS, each))}
           </option>
         ))}
       </select>
     ) : (
-      w(ROLE_WORDS[one.role])
+      w(entryOf(ROLE_WORDS, one.role))
     );
   const items = members.value?.items ?? [];
   return (

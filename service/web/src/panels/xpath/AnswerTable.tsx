@@ -65,7 +65,7 @@ export function AnswerTable({ answer, runs, onEnd }: { answer: Answered; runs: R
               <RunRow run={item as Run} row={row} {...props} />
             ) : (
               <div class={`run-row of-${shape}`} {...props}>
-                <ItemCells item={item as Item} row={row} />
+                <ItemCells item={item} row={row} />
               </div>
             );
           }}
