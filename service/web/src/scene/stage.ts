@@ -13,12 +13,13 @@ import { arrowAt, drawHandle, reachOf, type Handle, type Surroundings } from "./
 import { middleOf } from "../motion/middle";
 import { drawAxes } from "./axes";
 import { cleared, drawJoints, pictureOf } from "./overlay";
+import { seeAsFarAs, viewOf, type CameraView } from "./framing";
 import { lamps } from "./lamps";
 import { isSoftware, Sharpness } from "./sharpness";
 import { fillTrails } from "./trails";
 import type { Skeleton } from "../motion/skeleton";
 
-export type CameraView = "persp" | "front" | "side" | "top";
+export type { CameraView };
 export interface Shown {
   follow: boolean;
   ghosts: boolean;
@@ -156,17 +157,10 @@ export class Stage {
     if (only.length) box.expandByScalar(0.25);
     const middle = box.getCenter(new THREE.Vector3());
     const size = box.getSize(new THREE.Vector3());
-    const fov = (this.camera.fov * Math.PI) / 360;
-    const tall = size.y / 2 / Math.tan(fov);
-    const wide = Math.hypot(size.x, size.z) / 2 / (Math.tan(fov) * this.camera.aspect);
-    const away = Math.max(tall, wide, 0.2) * 1.35 + Math.max(size.x, size.z) / 2;
-    const from = { persp: [0.62, 0.28, 1], front: [0, 0, 1], side: [1, 0, 0], top: [0, 1, 0.0001] }[view];
-    const direction = new THREE.Vector3(...from).normalize();
+    const { direction, away } = viewOf(size, this.camera, view);
     this.controls.target.copy(middle);
     this.camera.position.copy(middle).addScaledVector(direction, away);
-    this.camera.near = away / 100;
-    this.camera.far = away * 60;
-    this.camera.updateProjectionMatrix();
+    seeAsFarAs(this.camera, away);
     this.followed.copy(this.root() ?? middle);
     this.controls.update();
     this.ask();
@@ -185,9 +179,7 @@ export class Stage {
     this.camera.position.fromArray(numbers, 0);
     this.controls.target.fromArray(numbers, 3);
     const away = this.camera.position.distanceTo(this.controls.target);
-    this.camera.near = away / 100;
-    this.camera.far = away * 60;
-    this.camera.updateProjectionMatrix();
+    seeAsFarAs(this.camera, away);
     this.followed.copy(this.root() ?? this.controls.target);
     this.controls.update();
   }
