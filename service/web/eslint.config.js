@@ -18,7 +18,6 @@ const LONG = {
   "src/panels/clip/ViewerPane.tsx": 215,
   "src/panels/composer/ComposerPage.tsx": 188,
   "src/panels/dance/BenchBar.tsx": 241,
-  "src/panels/faces/FacesPage.tsx": 241,
   "src/panels/faces/MapView.tsx": 183,
   "src/panels/faces/Walk.tsx": 237,
   "src/panels/retarget/Many.tsx": 176,
@@ -37,15 +36,12 @@ const COMPLEX = {
   "src/panels/composer/Storyboard.tsx": 30,
   "src/panels/dance/GraphPane.tsx": 27,
   "src/panels/dance/PathStrip.tsx": 16,
-  "src/panels/faces/FacesPage.tsx": 16,
   "src/panels/faces/MapView.tsx": 19,
   "src/panels/library/LibraryPage.tsx": 18,
   "src/panels/library/UploadTray.tsx": 18,
   "src/panels/retarget/Many.tsx": 32,
   "src/panels/retarget/RetargetPage.tsx": 19,
   "src/panels/settings/ProjectPage.tsx": 18,
-  "src/shell/Palette.tsx": 23,
-  "src/state/keys.ts": 23,
   "src/ui/exports.ts": 17,
 };
 

@@ -1,6 +1,6 @@
 /** Ctrl+K: pages, commands, clips, motion names, a time of the open clip, XPath. */
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
-import { get } from "../api/client";
+import { get, type Schemas } from "../api/client";
 import { commands } from "../state/keys";
 import { loadVocabulary, namesLike } from "../state/vocabulary";
 import { go } from "../state/route";
@@ -17,6 +17,45 @@ interface Found {
   run: () => void;
 }
 const MOST = 8;
+
+/** What the words lead to: XPath, a time, clips, motion names, commands. */
+function foundFor(words: string, clips: Schemas["Card"][], names: string[]): Found[] {
+  const found: Found[] = [];
+  if (words.startsWith("//"))
+    found.push({
+      key: "xpath",
+      icon: "xpath",
+      text: words,
+      detail: w("xpath"),
+      run: () => go(`/xpath?q=${encodeURIComponent(words)}&run=1`),
+    });
+  if (words.startsWith(":") && timeJump.value)
+    found.push({ key: "time", icon: "play", text: words, run: () => timeJump.value!(words.slice(1)) });
+  for (const one of clips) {
+    found.push({
+      key: one.id,
+      icon: "library",
+      text: one.name,
+      detail: [one.project, duration(one.duration)].filter(Boolean).join(" · "),
+      run: () => go(`/clips/${one.id}`),
+    });
+  }
+  for (const name of names) {
+    found.push({
+      key: `#${name}`,
+      icon: "label",
+      text: name,
+      detail: w("motionName"),
+      run: () => go(`/library?motion_name=${encodeURIComponent(name)}`),
+    });
+  }
+  return [...found, ...commandsLike(words.replace(/^>/, "").toLowerCase())];
+}
+
+const commandsLike = (sought: string): Found[] =>
+  commands()
+    .filter((one) => one.id !== "palette" && w(one.word).toLowerCase().includes(sought) && (one.when?.() ?? true))
+    .map((one) => ({ key: `>${one.id}`, icon: "right", text: w(one.word), detail: one.keys[0], run: one.run }));
 
 export function Palette() {
   const [text, setText] = useState(paletteOpen.value ?? "");
@@ -39,42 +78,7 @@ export function Palette() {
     },
     [plain, words.startsWith("#")],
   );
-  const found: Found[] = [];
-  if (words.startsWith("//"))
-    found.push({
-      key: "xpath",
-      icon: "xpath",
-      text: words,
-      detail: w("xpath"),
-      run: () => go(`/xpath?q=${encodeURIComponent(words)}&run=1`),
-    });
-  if (words.startsWith(":") && timeJump.value)
-    found.push({ key: "time", icon: "play", text: words, run: () => timeJump.value!(words.slice(1)) });
-  for (const one of clips.value?.clips ?? []) {
-    found.push({
-      key: one.id,
-      icon: "library",
-      text: one.name,
-      detail: [one.project, duration(one.duration)].filter(Boolean).join(" · "),
-      run: () => go(`/clips/${one.id}`),
-    });
-  }
-  for (const name of clips.value?.names ?? []) {
-    found.push({
-      key: `#${name}`,
-      icon: "label",
-      text: name,
-      detail: w("motionName"),
-      run: () => go(`/library?motion_name=${encodeURIComponent(name)}`),
-    });
-  }
-  const sought = words.replace(/^>/, "").toLowerCase();
-  for (const one of commands()) {
-    const name = w(one.word);
-    if (one.id !== "palette" && (!sought || name.toLowerCase().includes(sought)) && (one.when?.() ?? true)) {
-      found.push({ key: `>${one.id}`, icon: "right", text: name, detail: one.keys[0], run: one.run });
-    }
-  }
+  const found = foundFor(words, clips.value?.clips ?? [], clips.value?.names ?? []);
   const place = Math.min(at, found.length - 1);
   const close = () => (paletteOpen.value = null);
   const onKey = (event: KeyboardEvent) => {

@@ -79,6 +79,28 @@ function isTyping(target: EventTarget | null): boolean {
   );
 }
 
+const CONTROLS = "button, a, [role=tab], [role=menuitem], [role=slider], [role=separator], summary";
+const WITH_ARROWS =
+  "[role=tree], [role=grid], [role=listbox], [role=tablist], [role=menu], [role=slider], [role=separator], input[type=range]";
+
+/** Enter, Space and arrows belong to the control that has the focus. */
+function belongsToControl(target: EventTarget | null, pressed: string): boolean {
+  if (!(target instanceof Element)) return false;
+  if (/^(Enter|Space)$/.test(pressed)) return target.closest(CONTROLS) !== null;
+  return /^(Left|Right|Up|Down|Home|End|PgUp|PgDn)$/.test(pressed) && target.closest(WITH_ARROWS) !== null;
+}
+
+const isHeld = (event: KeyboardEvent): boolean => event.ctrlKey || event.metaKey || event.altKey;
+
+/** The command of a sequence; else the newest of a key. Both can run now. */
+function commandOf(all: Command[], pressed: string, sequence: string): Command | undefined {
+  const able = all.filter((one) => one.when?.() ?? true);
+  return (
+    (sequence ? able.find((one) => one.keys.includes(sequence)) : undefined) ??
+    able.findLast((one) => one.keys.includes(pressed))
+  );
+}
+
 let before = "";
 let beforeTimer = 0;
 
@@ -88,28 +110,13 @@ export function followKeys(): void {
     if (event.isComposing || event.defaultPrevented) return;
     const pressed = chord(event);
     const typing = isTyping(event.composedPath()[0] ?? event.target);
-    const modified = event.ctrlKey || event.metaKey || event.altKey || pressed === "Esc";
+    const modified = isHeld(event) || pressed === "Esc";
     if (typing && !modified) return;
     if (!modified && !singleKeys.value) return;
-    const inside = event.target instanceof Element ? event.target : null;
-    // Enter, Space and arrows belong to the control that has the focus.
-    if (
-      inside?.closest("button, a, [role=tab], [role=menuitem], [role=slider], [role=separator], summary") &&
-      /^(Enter|Space)$/.test(pressed)
-    )
-      return;
-    if (
-      inside?.closest(
-        "[role=tree], [role=grid], [role=listbox], [role=tablist], [role=menu], [role=slider], [role=separator], input[type=range]",
-      ) &&
-      /^(Left|Right|Up|Down|Home|End|PgUp|PgDn)$/.test(pressed)
-    )
-      return;
+    if (belongsToControl(event.target, pressed)) return;
     const sequence = before ? `${before} then ${pressed}` : "";
     const all = commands();
-    const found =
-      all.find((one) => one.keys.includes(sequence || "\0") && (one.when?.() ?? true)) ??
-      all.findLast((one) => one.keys.includes(pressed) && (one.when?.() ?? true));
+    const found = commandOf(all, pressed, sequence);
     const starts = !sequence && all.some((one) => one.keys.some((keys) => keys.startsWith(`${pressed} then `)));
     before = "";
     window.clearTimeout(beforeTimer);

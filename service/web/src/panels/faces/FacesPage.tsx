@@ -8,8 +8,8 @@ import { note, refuse } from "../../state/notes";
 import { go, param, setParams } from "../../state/route";
 import { Trouble } from "../../ui/Trouble";
 import { useAsync } from "../../ui/useAsync";
-import { number, w } from "../../words";
-import { FaceThumb } from "./FaceThumb";
+import { w } from "../../words";
+import { KeyFaces, type Route } from "./KeyFaces";
 import { FaceView } from "./FaceView";
 import { MapFacts } from "./MapFacts";
 import { MapView, type OnMap } from "./MapView";
@@ -66,7 +66,7 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
   const [keys, setKeys] = useState<number[]>(() =>
     path ? [] : numbers(param("keys")).filter((one) => one < space.take.length),
   );
-  const [route, setRoute] = useState<{ way: number[]; length: number } | "none" | null>(null);
+  const [route, setRoute] = useState<Route | null>(null);
   const [offers, setOffers] = useState<Offer[]>([]);
   const [busy, setBusy] = useState(false);
   const [links, setLinks] = useState(true);
@@ -173,7 +173,6 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
     const at = keys.length ? level.candidates.indexOf(keys.at(-1)!) : -1;
     if (event.key === "Enter" && route) take();
     else if (event.key === "Backspace" && keys.length && !path) change(keys.slice(0, -1));
-    else if (event.key === "-" || event.key === "=") return;
     else if (event.key === "Escape") setRoute(null);
     else if (event.key.startsWith("Arrow")) {
       const next = towards(space, level, at < 0 ? level.candidates.indexOf(hovered.peek()) : at, event.key);
@@ -255,52 +254,15 @@ function Walked({ space, path }: { space: Space; path: Result | null }) {
         {path ? (
           <Walk key={path.id} space={space} path={path} level={level.number} playing={playing} onOffers={setOffers} />
         ) : (
-          <section class="faces-path" aria-label={f("path")}>
-            <h3>{f("path")}</h3>
-            {!keys.length && <p class="dim">{f("pathHelp")}</p>}
-            <ol class="faces-keys">
-              {keys.map((key, at) => (
-                <li key={`${key}-${at}`}>
-                  <button
-                    type="button"
-                    title={f("removeKey", { n: at + 1 })}
-                    aria-label={f("removeKey", { n: at + 1 })}
-                    onClick={() => change(keys.slice(0, at))}
-                  >
-                    <FaceThumb space={space} frame={key} />
-                    <span>{at + 1}</span>
-                  </button>
-                </li>
-              ))}
-            </ol>
-            {route && (
-              <div class="banner warn" role="alert">
-                <div class="grow">
-                  <strong>{f("notLinked")}</strong>
-                  <p>
-                    {route === "none"
-                      ? f("noRoute")
-                      : f("route", { n: route.way.length - 2, mm: number(route.length, 0) })}
-                  </p>
-                </div>
-                {route !== "none" && (
-                  <button type="button" class="button" onClick={take}>
-                    {f("takeRoute")}
-                  </button>
-                )}
-              </div>
-            )}
-            <div class="row">
-              <button
-                type="button"
-                class="button primary"
-                disabled={keys.length < 2 || busy}
-                onClick={() => void make()}
-              >
-                {busy ? f("walking") : f("walk")}
-              </button>
-            </div>
-          </section>
+          <KeyFaces
+            space={space}
+            keys={keys}
+            route={route}
+            busy={busy}
+            onKeys={change}
+            onRoute={take}
+            onMake={() => void make()}
+          />
         )}
         <MapFacts space={space} />
       </aside>
