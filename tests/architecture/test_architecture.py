@@ -23,8 +23,10 @@ ATTICS = {"utils", "helpers", "common", "manager", "misc"}
 
 
 def sources() -> list[Path]:
+    """The project's own modules: what is built for the studio, and its packages, are not."""
     folders = ("service", "schemas", "mcml", "benchmarks", "tests")
-    return [path for folder in folders for path in (ROOT / folder).rglob("*.py") if "static" not in path.parts]
+    found = [path for folder in folders for path in (ROOT / folder).rglob("*.py")]
+    return [path for path in found if not {"static", "node_modules"} & set(path.parts)]
 
 
 def test_layers() -> None:
@@ -124,7 +126,12 @@ def _used(module: ast.Module) -> Iterator[str]:
 def test_nothing_is_unused() -> None:
     """Nothing is defined for nobody, or for tests alone."""
     folders = [folder for name in ("service", "schemas", "migrations", "mcml") if (folder := ROOT / name).is_dir()]
-    modules = {path: ast.parse(path.read_text()) for folder in folders for path in folder.rglob("*.py")}
+    modules = {
+        path: ast.parse(path.read_text())
+        for folder in folders
+        for path in folder.rglob("*.py")
+        if "node_modules" not in path.parts
+    }
     used = {word for module in modules.values() for word in _used(module)} | FRAMEWORK_CALLS
     unused = [
         f"{path.relative_to(ROOT)}: {name}"

@@ -19,9 +19,10 @@ def made(*arguments: str, folder: Path = ROOT) -> list[str]:
 
 def test_hooks_run_what_make_check_runs() -> None:
     hooks = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"][0]["hooks"]
-    assert [hook["entry"] for hook in hooks] == [
-        line for line in made("check") if line.startswith(".venv/bin/") and "/python" not in line
-    ]
+    # All but what installs the environment, and the audit, which asks the network.
+    apart = (".venv/bin/python -m pip", ".venv/bin/python -m tests.release.audit")
+    checks = [line for line in made("check") if line.startswith(".venv/bin/") and not line.startswith(apart)]
+    assert [hook["entry"] for hook in hooks] == checks
     assert {hook["language"] for hook in hooks} == {"system"}
 
 
