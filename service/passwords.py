@@ -22,7 +22,7 @@ _ROWS = (
     "1qaz2wsx3edc4rfv5tgb6yhn7ujm8ik",
 )
 _ROW = 4
-"""So many keys side by side are a row; fewer are in words, such as tre in tree."""
+"""So many keys side by side are a row; fewer are in words, such as rty in party."""
 _NAME = 3
 """Shorter names are in words."""
 MOST_OF_A_NAME = 64

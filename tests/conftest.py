@@ -56,6 +56,19 @@ def pytest_configure(config: pytest.Config) -> None:
         settings.load_profile("fuzz")
 
 
+@pytest.fixture(autouse=True)
+def own_environment() -> Iterator[None]:
+    """What a test sets in the environment, or a program that it runs here does, is not the next one's."""
+    before = dict(os.environ)
+    yield
+    # What pytest itself keeps there changes with the test.
+    for name in {*before, *os.environ} - {"PYTEST_CURRENT_TEST"}:
+        if name not in before:
+            del os.environ[name]
+        elif os.environ.get(name) != before[name]:
+            os.environ[name] = before[name]
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
     # One more than processors: tests wait for browsers, databases and programs that they start.

@@ -70,6 +70,8 @@ def test_exports_of_markers(client: TestClient) -> None:
 
 def test_a_body_leaves_as_markers(client: TestClient) -> None:
     uuid = upload(client, "walk.bvh", bvh(300))
+    stated = client.patch(f"{API}/documents/{uuid}", json={"unit": "cm"}, headers={"if-match": "*"})
+    assert stated.status_code == 200
     export = f"{API}/documents/{uuid}/export"
     points = upload(client, "walk.trc", client.get(export, params={"format": "trc"}).content)
     positions = [

@@ -102,7 +102,7 @@ def test_uploaded_mcml_is_stored_readable_or_refused(client: TestClient, text: s
 
 
 @one_kind
-@pytest.mark.parametrize("time", ["1_0", "１", " 0.1", "1e-320", "0." + "0" * 80 + "1", "0x1", "nan", "1e9", ""])
+@pytest.mark.parametrize("time", ["1_0", "１", "1e-320", "0." + "0" * 80 + "1", "0x1", "nan", "1e9", ""])
 def test_times_that_are_none_are_refused(client: TestClient, time: str) -> None:
     done = upload(client, {"a.bvh": bvh(3)})
     address = f"{API}/documents/{done['documents'][0]['id']}"  # type: ignore[index]

@@ -35,7 +35,7 @@ def test_members_of_single_projects_get_no_counts_of_the_store(database: Databas
     store(database, {"b.bvh": bvh(3), "c.bvh": bvh(4)}, project="theirs")
     with database.write() as tx:
         mine = tx.projects.get("mine")
-        lee, kim, ann = (tx.accounts.add(*who, "x") for who in (("lee", "member"), ("kim", "reader"), ("ann", "owner")))
+        ann, lee, kim = (tx.accounts.add(*who, "x") for who in (("ann", "owner"), ("lee", "member"), ("kim", "reader")))
         tx.members.put(mine, "lee", "owner")
     for refused in (
         asking("of lee", owner=lee),

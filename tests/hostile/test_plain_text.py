@@ -117,7 +117,14 @@ def test_the_service_runs_nothing_that_was_put_together() -> None:
 
 
 @pytest.mark.parametrize(
-    "password", ["ten letter", " spaces at both ends ", "걷기 달리기 뛰기 춤추기", "p" * MOST, "TRUE\t\x7fé🙂" * 3]
+    "password",
+    [
+        "ten letter",
+        " spaces at both ends ",
+        "걷기 달리기 뛰기 춤추기",
+        "".join(f"{trees} tall trees, " for trees in range(99))[:MOST],
+        "TRUE\t\x7fé🙂 or ß\v",
+    ],
 )
 def test_a_password_is_what_was_typed(password: str, quick_hashes: None) -> None:
     """Any characters, to the last one, in upper or lower case."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import pytest
@@ -13,11 +15,13 @@ from tests.web.test_journeys import ready
 expect: Any = pytest.importorskip("playwright.sync_api").expect
 
 
-def held_at(page: Any, pattern: str) -> list[Any]:
-    """Requests to an address that are not answered until they are continued or fulfilled."""
+@contextmanager
+def held_at(page: Any, pattern: str) -> Iterator[list[Any]]:
+    """The first request to an address that what is done within makes. It is held until it is continued or fulfilled."""
     held: list[Any] = []
     page.route(re.compile(pattern), lambda one: held.append(one))
-    return held
+    with page.expect_request(re.compile(pattern)):
+        yield held
 
 
 @one_door
@@ -28,8 +32,8 @@ def test_a_curve_is_gone_when_another_is_asked_for(visit: Visit, studio: Served)
     ready(page)
     curve = page.locator(".graph-plot")
     expect(curve).to_have_attribute("aria-label", "height:left_foot")
-    held = held_at(page, r"/frames\?.*quantity=speed")
-    page.get_by_label("What of the body").select_option("speed")
+    with held_at(page, r"/frames\?.*quantity=speed") as held:
+        page.get_by_label("What of the body").select_option("speed")
     expect(curve).to_have_count(0)
     refusal = '{"title": "Query error", "detail": "no speed here", "status": 422}'
     held[0].fulfill(status=422, content_type="application/problem+json", body=refusal)
@@ -46,7 +50,6 @@ def test_an_answer_is_gone_when_another_question_runs(visit: Visit, studio: Serv
     page = visit.open("/xpath?q=//frame[motion_name='kick']")
     found = page.get_by_role("status").filter(has_text="10 frames in 1 run")
     expect(found).to_be_visible()
-    held = held_at(page, r"/xpath\?")
     page.get_by_role("textbox", name="XPath").click()
     page.keyboard.press("Control+a")
     page.keyboard.type("//frame[@id<3]", delay=1)
@@ -55,7 +58,8 @@ def test_an_answer_is_gone_when_another_question_runs(visit: Visit, studio: Serv
     page.get_by_role("button", name="Export all").click()
     expect(page.get_by_role("menuitem", name="CSV")).to_have_attribute("href", re.compile("motion_name"))
     page.keyboard.press("Escape")
-    page.keyboard.press("Control+Enter")
+    with held_at(page, r"/xpath\?") as held:
+        page.keyboard.press("Control+Enter")
     expect(found).to_have_count(0)
     held[0].continue_()
     expect(page.get_by_role("status").filter(has_text="2 frames in 1 run")).to_be_visible()

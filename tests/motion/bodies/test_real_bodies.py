@@ -87,8 +87,8 @@ def test_units_axes_and_poses_before_the_motion(shared: Path) -> None:
             if calibration.leaps:
                 leaps.add(path.name)
     assert kinds == {
-        (".bvh", "guessed"): 92,
-        (".bvh", "unknown"): 6,
+        (".bvh", "guessed"): 90,
+        (".bvh", "unknown"): 8,
         (".amc", "guessed"): 60,
         (".amc", "unknown"): 1,
         (".htr", "stated"): 7,
