@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import shutil
 import tempfile
@@ -57,10 +58,16 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 @pytest.fixture(autouse=True)
-def own_environment() -> Iterator[None]:
-    """What a test sets in the environment, or a program that it runs here does, is not the next one's."""
+def own_process() -> Iterator[None]:
+    """What a test, or a program that it runs here, sets in the environment and of the log is not the next one's."""
     before = dict(os.environ)
+    root, ours = logging.getLogger(), logging.getLogger("mcml")
+    levels, handlers = (root.level, ours.level), list(root.handlers)
     yield
+    root.setLevel(levels[0])
+    ours.setLevel(levels[1])
+    for handler in [one for one in root.handlers if one not in handlers]:
+        root.removeHandler(handler)
     # What pytest itself keeps there changes with the test.
     for name in {*before, *os.environ} - {"PYTEST_CURRENT_TEST"}:
         if name not in before:
