@@ -113,6 +113,9 @@ def campaign(processor: Any, made: Library, seed: int, count: int) -> Tally:
         if tally.asked + tally.refused >= count:
             break
         chosen = {uuid, *random.sample(list(small), 2)} if random.random() < 0.5 else {uuid}
+        # Saxon 12 finds no '' in a text that is empty only once it is evaluated: contains(name(/), '').
+        if "contains(" in text and ", '')" in text:
+            continue
         # Of 32 bits Saxon makes a negative number of this one.
         text = text.replace("1000000000000", "1000000")
         trees = {other: tree for other, tree in small.items() if other in chosen}
